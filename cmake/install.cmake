@@ -4,6 +4,17 @@
 # development, shared, programs.
 set(tremolo_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/tremolo)
 set(tremolo_rooms tremolo_common tremolo_formats tremolo_runtime tremolo_c tremolo_nodal tremolo_cloth tremolo_tets)
+# A library that is missing would be CMake's error, without a word of what to do.
+set(tremolo_room_files)
+foreach(room ${tremolo_rooms})
+  list(APPEND tremolo_room_files "$<TARGET_FILE:${room}>")
+endforeach()
+install(CODE "
+  foreach(file ${tremolo_room_files})
+    if(NOT EXISTS \"\${file}\")
+      message(FATAL_ERROR \"\${file} is not there: this build is not finished. Finish it with\\n  cmake --build ${PROJECT_BINARY_DIR}\\nor install what there is of the programs alone:\\n  cmake --install ${PROJECT_BINARY_DIR} --component programs\")
+    endif()
+  endforeach()" COMPONENT development)
 install(TARGETS ${tremolo_rooms} EXPORT tremolo-targets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
 install(EXPORT tremolo-targets NAMESPACE tremolo:: DESTINATION ${tremolo_cmake_dir}

@@ -6,6 +6,7 @@ give_up() { printf '%s: %s\n' "${0##*/}" "$*" >&2; exit 1; }
 
 packages_build="g++ cmake make ninja-build pkg-config libeigen3-dev libxxhash-dev libcli11-dev
   libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libpugixml-dev libassimp-dev
+  zlib1g-dev liblz4-dev
   libpetsc-real-dev libslepc-real-dev libopenmpi-dev openmpi-bin libmetis-dev libopenblas-dev
   libsuitesparse-dev"
 packages_mesher="libcgal-dev"  # of tremolo-mesh alone
@@ -25,9 +26,29 @@ packages_browser="chromium"
 command -v node >/dev/null || packages_readers="$packages_readers nodejs"
 command -v npm >/dev/null || packages_readers="$packages_readers npm"
 
+# apt_get WORD...: apt-get as root, of whose errors is told only what is left. Another program that holds a lock
+# of apt's, as unattended-upgrades or a second terminal does, is waited for and told.
+apt_get() {
+  local errors told= root=()
+  [ "$(id -u)" = 0 ] || root=(sudo)
+  errors=$(mktemp)
+  until "${root[@]}" env LC_ALL=C DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=0 -q=2 "$@" \
+    >/dev/null 2>"$errors"; do
+    if ! grep -qE 'Could not get lock|Unable to (lock|acquire)' "$errors"; then
+      cat "$errors" >&2
+      rm -f "$errors"
+      return 1
+    fi
+    [ -n "$told" ] || say "another program holds apt ($(grep -m 1 -E 'lock' "$errors")): waiting for it"
+    told=yes
+    sleep 2
+  done
+  rm -f "$errors"
+}
+
 # need PACKAGE...: installs those that are missing.
 need() {
-  local missing=() package root=()
+  local missing=() package
   if ! command -v apt-get >/dev/null; then
     say "this is not a Debian system: not installing anything"
     printf 'Needed (names of Debian 12): %s\n' "$*"
@@ -40,15 +61,11 @@ need() {
   done
   [ ${#missing[@]} -eq 0 ] && return
   say "installing ${missing[*]}"
-  if [ "$(id -u)" != 0 ]; then
-    command -v sudo >/dev/null ||
-      give_up "run as root, install sudo, or do: apt-get install --no-install-recommends ${missing[*]}"
-    root=(sudo)
-  fi
-  "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -q=2 ||
-    give_up "apt-get update failed: is the network there?"
-  "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q=2 -y --no-install-recommends \
-    "${missing[@]}" >/dev/null || give_up "apt-get could not install ${missing[*]}"
+  [ "$(id -u)" = 0 ] || command -v sudo >/dev/null ||
+    give_up "run as root, install sudo, or do: apt-get install --no-install-recommends ${missing[*]}"
+  apt_get update || give_up "apt-get update failed: is the network there?"
+  apt_get install -y --no-install-recommends "${missing[@]}" ||
+    give_up "apt-get could not install ${missing[*]}"
 }
 
 # build PRESET [CONFIGURE OPTION]... [-- TARGET...]: configures and builds.

@@ -27,7 +27,7 @@ inline char* write_decimal(char* first, char* last, double value) {
   return first + std::snprintf(first, static_cast<std::size_t>(last - first), "%.6g", value);
 }
 
-// What strtod takes besides, blanks, a plus and hexadecimal digits, is refused.
+// Blanks, a plus and hexadecimal digits, which strtod accepts, are refused.
 inline std::from_chars_result read_decimal(const char* first, const char* last, double& value) {
   const std::string text(first, last);
   if (text.empty() || std::string_view("+ \t\n\r\f\v").find(text[0]) != std::string_view::npos)

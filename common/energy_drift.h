@@ -1,4 +1,4 @@
-// How far an orbit leaves its energy balance.
+// The largest deviation of an orbit from its energy balance.
 #pragma once
 
 namespace tremolo {
@@ -12,7 +12,7 @@ class DriftMeter {
   void observe(double energy, double work, double dissipated, bool load_to_come);
 
   // After the loads have ended: max |H - H_ref + dissipated since| / H_ref, H_ref = H at that
-  // moment (without damping: |H - H_ref| / H_ref). While a load lasts:
+  // time (without damping: |H - H_ref| / H_ref). While a load lasts:
   // max |H - H_start - work + dissipated| / max H. Zero while there is no energy at all.
   double worst() const;
   // H when the loads had ended; until then, H now. J.

@@ -23,4 +23,12 @@ inline std::string lower_case(std::string_view letters) {
   return result;
 }
 
+// a to z become A to Z; every other byte stays.
+inline std::string upper_case(std::string_view letters) {
+  std::string result(letters);
+  for (char& c : result)
+    if (c >= 'a' && c <= 'z') c -= 'a' - 'A';
+  return result;
+}
+
 }  // namespace tremolo

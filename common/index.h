@@ -1,4 +1,5 @@
-// Which integer counts what (docs/architecture.md, "Integers"), in code.
+// The integer types of the code and their uses (docs/architecture.md, "Errors, output and integers
+// in code").
 #pragma once
 
 #include <concepts>
@@ -7,7 +8,7 @@
 
 namespace tremolo {
 
-// Whether `number`, as it came from a file or a user, is an index into `count` things.
+// Returns true if `number`, from a file or a user, is an index into `count` things.
 constexpr bool is_index(std::integral auto number, std::size_t count) {
   return std::cmp_greater_equal(number, 0) && std::cmp_less(number, count);
 }

@@ -1,7 +1,8 @@
-// Loads in time: the shapes that a force may have, for bodies and for the unreduced solid alike
+// Loads in time: the shapes that a force may have, for bodies and for the unreduced solid
 // (docs/reference.md, "Loads in time").
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,35 +11,50 @@
 
 namespace tremolo {
 
-enum class SignalKind { kNone, kImpulse, kSquare, kSine, kConstant, kTable };
+enum class SignalKind { kNone, kImpulse, kSquare, kSine, kConstant, kTable, kChirp, kRamp };
 
-// Values at moments, straight lines between them, zero before the first moment and after the last
-// one. A moment that stands twice is a jump. times: s, ascending, at least two, each at most twice;
+// Values at times, straight lines between them, zero before the first time and after the last
+// one. A time that occurs twice is a jump. times: s, ascending, at least two, each at most twice;
 // values: dimensionless, as many. All finite.
 struct SignalTable {
   std::vector<double> times;
   std::vector<double> values;
 };
 
-// s(t), dimensionless, of height 1 between `start` and `start + duration` (s) and zero elsewhere;
-// kSine is sin(2 pi frequency (t - start)) there, kTable the table's value at t - start, whose
-// times take the place of the duration. duration 0 means the usual one: 3 ms for an impulse (the
-// thesis's; its step), 0.3 s for a square, for ever for sine and constant.
+// s(t), dimensionless, of height 1 between `start` and `start + duration` (s) and zero elsewhere.
+// With t from `start` on: kSine is sin(2 pi frequency t); kChirp is sin(2 pi (frequency t +
+// (last_frequency - frequency) t^2 / (2 duration))), whose frequency moves evenly from one to the
+// other; kRamp rises evenly from 0 to 1 and stays there for ever; kTable is the table's value at t,
+// whose times take the place of the duration. duration 0 means the usual one: 3 ms for an impulse
+// (the thesis's; its step), 0.3 s for a square, 1 s for chirp and ramp, for ever for sine and
+// constant.
 struct Signal {
   SignalKind kind = SignalKind::kNone;
   double start = 0.0;
   double duration = 0.0;
   double frequency = 1.0;              // Hz
   const SignalTable* table = nullptr;  // of kTable; not owned: it must outlive all that has it
+  double last_frequency = 10.0;        // Hz, of kChirp
 };
+
+// Numbers that a user gives to a signal; what is not given stays as it is usual.
+struct SignalShape {
+  std::optional<double> frequency;  // Hz, of a sine
+  std::string sweep;                // "F1,F2" in Hz, of a chirp
+  std::optional<double> duration;   // s
+};
+
+// Gives the signal what the shape has. Errors: kUsage where it does not apply to the kind of the
+// signal or the sweep is not two numbers; kContent for values that are not positive and finite.
+Status shape_signal(const SignalShape& shape, Signal& signal);
 
 // Why a table is none; empty if it is one.
 std::string table_problem(const SignalTable& table);
 
-// "none", "impulse", "square", "sine", "constant"; kUsage with the list otherwise.
+// "none", "impulse", "square", "sine", "chirp", "ramp", "constant"; kUsage with the list otherwise.
 Result<Signal> parse_signal(std::string_view name);
 
-// When the signal has ended for good, s; infinity if it lasts, `start` for kNone.
+// Time after which the signal is zero for ever, s; infinity if it lasts, `start` for kNone.
 double signal_end(const Signal& signal);
 
 // The signal over one step, dimensionless.

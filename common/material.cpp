@@ -30,7 +30,7 @@ Status check_orthotropic(const OrthotropicElasticity& elasticity) {
       return refuse(kShear[i], number_text(elasticity.shear[i]), "positive and finite (Pa)");
   }
   // The upper left block of the compliance, scaled to a unit diagonal, has -nu_ij sqrt(E_j / E_i)
-  // beside it: its minors are what is asked for.
+  // next to it: its minors are requested.
   double determinant = 1.0 - 2.0 * elasticity.poisson.prod();
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3;

@@ -2,7 +2,7 @@
 //
 // A fully symmetric tensor of order d over r coordinates has C(r+d-1, d) unique entries, those
 // with i <= j <= k <= l. They are stored in colexicographic order: sorted by the largest index
-// first, then by the next. The place of an entry does not depend on r, so the entries of the
+// first, then by the next. The position of an entry does not depend on r, so the entries of the
 // first R coordinates are a prefix: leaving trailing coordinates out means reading less.
 #pragma once
 
@@ -77,7 +77,7 @@ constexpr std::size_t quad_index_any(std::size_t i, std::size_t j, std::size_t k
   return quad_index(i, j, k, l);
 }
 
-// How many orderings an index triple or quadruple i <= j <= k (<= l) has: the factor between a
+// Number of orderings of an index triple or quadruple i <= j <= k (<= l): the factor between a
 // tensor entry and the coefficient of its monomial.
 constexpr int orderings(std::size_t i, std::size_t j, std::size_t k) {
   return i == k ? 1 : (i == j || j == k) ? 3 : 6;

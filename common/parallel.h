@@ -29,7 +29,7 @@ void parallel_for(std::size_t count, unsigned threads, const Body& body) {
     }
   };
   std::vector<std::thread> helpers;
-  // Where the system gives no more threads, those that there are do it.
+  // If the system gives no more threads, the existing ones do the work.
   try {
     for (unsigned t = 1; t < threads && t < count; ++t) helpers.emplace_back(work);
   } catch (const std::system_error&) {

@@ -9,7 +9,7 @@
 
 namespace tremolo {
 
-// What `thing` carries, which it does not change by being asked for it.
+// The state of `thing`, which this does not change.
 template <class Thing>
 std::string state_bytes(const Thing& thing) {
   std::string bytes;

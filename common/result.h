@@ -8,7 +8,7 @@
 
 namespace tremolo {
 
-// What went wrong, in the terms of the programs' exit codes (docs/reference.md).
+// Kinds of error, in the terms of the programs' exit codes (docs/reference.md).
 enum class ErrorKind : int {
   kSystem = 1,     // I/O, memory, an output that cannot be written
   kUsage = 2,      // unknown flag or name

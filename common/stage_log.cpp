@@ -5,11 +5,12 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "common/printable.h"
+
 namespace tremolo {
 namespace {
 
-// Lets the kernel's high-water mark start anew; where that is not allowed the mark is the
-// process's.
+// Resets the kernel's high-water mark; if that is not allowed the mark is the process's.
 void reset_peak() {
   std::ofstream clear("/proc/self/clear_refs");
   clear << "5\n";
@@ -24,13 +25,18 @@ std::uint64_t peak_resident_bytes() {
   return usage.ru_maxrss * 1024u;
 }
 
+// Of this process and of the children that it has waited for, as the mesher is one.
 double processor_seconds() {
-  struct rusage usage = {};
-  ::getrusage(RUSAGE_SELF, &usage);
   const auto seconds = [](const timeval& time) {
     return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
   };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  double sum = 0.0;
+  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    struct rusage usage = {};
+    ::getrusage(who, &usage);
+    sum += seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  }
+  return sum;
 }
 
 }  // namespace
@@ -58,14 +64,14 @@ void StageLog::end(std::string detail) {
   const StageRecord& record = records_.back();
   std::fprintf(stderr, "  %-12s %7.2f s %7.2f s cpu %6.0f MB  %s\n", record.name.c_str(),
                record.seconds, record.cpu_seconds, static_cast<double>(record.peak_bytes) / 1e6,
-               record.detail.c_str());
+               printable(record.detail).c_str());
   if (record.limit_seconds > 0)
     std::fprintf(stderr, "  %12s %7.2f s: %s\n", "limit", record.limit_seconds,
                  record.limit_reason.c_str());
 }
 
 void StageLog::note(const std::string& text) const {
-  if (!quiet_) std::fprintf(stderr, "  %s\n", text.c_str());
+  if (!quiet_) std::fprintf(stderr, "  %s\n", printable(text).c_str());
 }
 
 }  // namespace tremolo

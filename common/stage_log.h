@@ -1,4 +1,4 @@
-// What a long computation is doing: stage by stage, with time and memory.
+// Log of a long computation: its stages, with time and memory.
 #pragma once
 
 #include <chrono>

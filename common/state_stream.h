@@ -33,9 +33,9 @@ class StateStream {
   }
 
   bool reads() const { return written_ == nullptr; }
-  // False from the moment on at which a value did not fit; values are then left as they are.
+  // False after a value did not fit; values are then left as they are.
   bool good() const { return good_; }
-  // What was read is no state. Does nothing to a stream that writes.
+  // Reports that the bytes read are not a valid state. Does nothing to a stream that writes.
   void spoil() { good_ = good_ && !reads(); }
   void require(bool condition) {
     if (!condition) spoil();

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <iostream>
 
+#include "common/printable.h"
 #include "formats/basis/basis_writer.h"
 #include "formats/basis/selector_reader.h"
 #include "formats/file/atomic_file.h"
@@ -40,7 +41,8 @@ void find_encoding_error(PrecomputeResult& result, StageLog& log) {
 // --select: prints the selected vertices only.
 void print_selection(const PrecomputeOptions& options) {
   const Problem problem = load_problem(options);
-  for (const std::string& note : problem.notes) std::fprintf(stderr, "  %s\n", note.c_str());
+  for (const std::string& note : problem.notes)
+    std::fprintf(stderr, "  %s\n", printable(note).c_str());
   const std::vector<VertexId> ids = unwrap(resolve_selector(options.select, problem.mesh));
   std::vector<Eigen::Vector3d> positions;
   for (const VertexId id : ids) positions.push_back(problem.mesh.vertices[id]);
@@ -52,7 +54,8 @@ void print_selection(const PrecomputeOptions& options) {
 // --preview without an output: writes the coloured surface only.
 void preview_alone(const PrecomputeOptions& options) {
   const Problem problem = load_problem(options);
-  for (const std::string& note : problem.notes) std::fprintf(stderr, "  %s\n", note.c_str());
+  for (const std::string& note : problem.notes)
+    std::fprintf(stderr, "  %s\n", printable(note).c_str());
   write_preview(options, problem);
   const std::size_t held =
       std::count_if(problem.fixed.begin(), problem.fixed.end(),
@@ -98,7 +101,9 @@ void write_result(const CommandLine& line, PrecomputeResult& result, bool rows_a
                   StageLog& log) {
   const PrecomputeOptions& options = line.options;
   if (options.encoding == BasisEncoding::kCompact) find_encoding_error(result, log);
-  if (options.keep_elements) add_elements(result.problem, result.data);
+  const auto& render = result.data.render;
+  const bool on_bones = render && render->surface.rig != nullptr;
+  if (options.keep_elements || on_bones) add_elements(result.problem, result.data);
   result.data.provenance = provenance_json(options, result);
   log.begin("file");
   Status written = rows_are_here ? write_basis(options.output_path, result.data, options.encoding)
@@ -111,12 +116,16 @@ void write_result(const CommandLine& line, PrecomputeResult& result, bool rows_a
   write_vtu(options, result.problem.mesh, result.data, log);
 }
 
-// Checks that no output overwrites an input or another output.
-void require_apart(const PrecomputeOptions& options) {
+std::vector<NamedFile> inputs_of(const PrecomputeOptions& options) {
   std::vector<NamedFile> inputs = input_files(options, options.config_path);
   inputs.push_back({options.import_basis, "--import-basis"});
   inputs.push_back({options.import_cubic, "--import-cubic"});
-  unwrap(keep_apart({options.output_path, options.modes_vtu, options.preview}, inputs));
+  return inputs;
+}
+
+// Checks that no output overwrites an input or another output.
+void require_apart(const PrecomputeOptions& options) {
+  unwrap(keep_apart({options.output_path, options.modes_vtu, options.preview}, inputs_of(options)));
 }
 
 void require_known_flags(const PrecomputeOptions& options) {
@@ -245,6 +254,7 @@ void run_command(const CommandLine& line) {
   require_known_flags(options);
   require_measurable(options);
   on_first_rank([&options] { require_apart(options); });
+  const GuardedInputs guard(inputs_of(options));
   if (handled_without_computing(options)) return;
   StageLog log(mpi_rank() != 0);
   on_first_rank([&options] { require_outputs(options); });

@@ -69,6 +69,15 @@ Result<std::shared_ptr<const Skin>> skin_near_bones(const Model& model,
 
 Result<std::shared_ptr<const Skin>> skin_of_weights(const Model& model, BoneWeights drawn) {
   const std::vector<Eigen::Vector3d>& known = model.drawn().rest;
+  // A row for each of the author's vertices: their copies have the same.
+  if (const auto& render = model.render();
+      render != nullptr && !render->surface.sources.empty() &&
+      std::cmp_equal(drawn.rows(), render->surface.authored())) {
+    BoneWeights all(std::ssize(known), drawn.cols());
+    for (Eigen::Index v = 0; v < all.rows(); ++v)
+      all.row(v) = drawn.row(render->surface.sources[static_cast<std::size_t>(v)]);
+    drawn = std::move(all);
+  }
   if (drawn.cols() < 1 || drawn.rows() != std::ssize(known))
     return content_error("there are weights of " + std::to_string(drawn.rows()) +
                          " vertices; the model draws " + std::to_string(known.size()));

@@ -1,5 +1,5 @@
 /*
- * libtremolo in C: load a precomputed solid, let it vibrate, fetch where its surface is.
+ * libtremolo in C: load a precomputed solid, let it vibrate, read the positions of its surface.
  *
  *   tremolo_model* model;
  *   tremolo_body* body;
@@ -13,8 +13,8 @@
  *   tremolo_model_release(model);
  *
  * Status. Every function that can fail returns a tremolo_status; the values are the exit codes of
- * the programs. No C++ exception leaves the library. After a failure tremolo_last_error() tells
- * why; outputs are then untouched unless said otherwise.
+ * the programs. No C++ exception leaves the library. After a failure tremolo_last_error() returns
+ * the reason; outputs are then unchanged unless said otherwise.
  *
  * Ownership. The caller owns every buffer; the library never keeps a pointer to one after the call.
  * A model is owned by the caller until tremolo_model_release; its bodies keep what they need, so it
@@ -25,11 +25,11 @@
  * Threads. A model may be used by any number of threads, a body or a world by one at a time. The
  * error message belongs to the calling thread.
  *
- * Linking. `pkg-config --cflags --libs tremolo-c` is libtremolo.so, which exports what stands here
- * and nothing else; `pkg-config --cflags --libs --static tremolo` the static libraries.
+ * Linking. `pkg-config --cflags --libs tremolo-c` is libtremolo.so, which exports the functions of
+ * this header and nothing else; `pkg-config --cflags --libs --static tremolo` the static libraries.
  *
- * Units are SI. Vertices are named by their index in the mesh that was precomputed. Null pointers
- * where an object or a buffer is needed are TREMOLO_USAGE.
+ * Units are SI. A vertex is identified by its index in the precomputed mesh. A null pointer instead
+ * of a required object or buffer is TREMOLO_USAGE.
  */
 #ifndef TREMOLO_H
 #define TREMOLO_H
@@ -49,15 +49,15 @@ typedef enum tremolo_status {
   TREMOLO_USAGE = 2,   /* an unknown name, a wrong argument, a buffer of the wrong length */
   TREMOLO_CONTENT = 3, /* the file's content is invalid */
   TREMOLO_SOLVER = 4,  /* a step did not converge; the body is as before that step */
-  TREMOLO_BOUND = 5    /* a step's energy is far above what was put in: the method has exploded; the
-                        * body is where its energy was last found sound (tremolo_body_step) */
+  TREMOLO_BOUND = 5    /* a step's energy is far above the energy put in: the method exploded; the
+                        * body is in its last valid state (tremolo_body_step) */
 } tremolo_status;
 
 typedef struct tremolo_model tremolo_model;
 typedef struct tremolo_body tremolo_body;
 typedef struct tremolo_world tremolo_world;
 
-/* Why the last failing call of this thread failed: one sentence, UTF-8, never NULL; empty if none
+/* The reason of the last failure in this thread: one sentence, UTF-8, never NULL; empty if none
  * failed yet. Valid until the thread's next failing call. */
 const char* tremolo_last_error(void);
 
@@ -73,14 +73,14 @@ tremolo_status tremolo_model_load(const char* path, int32_t modes, tremolo_model
 tremolo_status tremolo_model_load_memory(const void* bytes, size_t size, int32_t modes,
                                          tremolo_model** model);
 
-/* The same, but what is drawn is the boundary of the tetrahedra even if the file has a render
- * surface, which is then not read. */
+/* The same, but the boundary of the tetrahedra is drawn even if the file has a render surface,
+ * which is then not read. */
 tremolo_status tremolo_model_load_hull(const char* path, int32_t modes, tremolo_model** model);
 
 void tremolo_model_release(tremolo_model* model);
 
-/* The surface below is what is drawn: the render surface that the file was given, else the boundary
- * of the tetrahedra.
+/* The surface below is the drawn one: the file's render surface, else the boundary of the
+ * tetrahedra.
  *
  * Sizes. They are 0 for NULL. */
 size_t tremolo_model_modes(const tremolo_model* model);            /* r */
@@ -90,18 +90,19 @@ size_t tremolo_model_triangles(const tremolo_model* model);        /* t */
 /* Natural frequencies, Hz, ascending. length must be r. */
 tremolo_status tremolo_model_frequencies(const tremolo_model* model, double* out, size_t length);
 
-/* Corners, three a triangle, counter-clockwise from outside (a render surface: as it was), as
- * indices 0..s-1 into the surface's
- * vertices (the order of tremolo_body_positions_*). length must be 3 t. */
+/* Corners, three per triangle, counter-clockwise from outside (a render surface: as in its file),
+ * as indices 0..s-1 into the surface's vertices (the order of tremolo_body_positions_*). length
+ * must be 3 t. */
 tremolo_status tremolo_model_triangle_corners(const tremolo_model* model, uint32_t* out,
                                               size_t length);
 
-/* For each of the surface's vertices the vertex of the source mesh to push: its own id, ascending,
- * on the boundary; on a render surface the one that it follows most. length must be s. */
+/* For each of the surface's vertices the vertex of the source mesh for forces: its own id,
+ * ascending, on the boundary; on a render surface the one with the largest weight. length must be
+ * s. */
 tremolo_status tremolo_model_surface_ids(const tremolo_model* model, uint32_t* out, size_t length);
 
-/* What came with a render surface. Its vertices are split where normals or texture coordinates are.
- * The boundary of the tetrahedra has none of it: counts are 0, the arrays are TREMOLO_USAGE. */
+/* Data of a render surface. Its vertices are split where normals or texture coordinates are. The
+ * boundary of the tetrahedra has no such data: counts are 0, the arrays are TREMOLO_USAGE. */
 int32_t tremolo_model_has_render(const tremolo_model* model);
 int32_t tremolo_model_has_uvs(const tremolo_model* model);
 int32_t tremolo_model_has_colours(const tremolo_model* model);
@@ -125,28 +126,28 @@ tremolo_status tremolo_model_colours(const tremolo_model* model, uint8_t* out, s
 
 /* ---- integrators ---- */
 
-/* The names that tremolo_body_options.integrator may have, static strings; NULL from the index on
- * at which there are no more. docs/choosing-an-integrator.md tells which to take. */
+/* The names that tremolo_body_options.integrator may have, static strings; NULL from the first
+ * unused index on. docs/choosing-an-integrator.md helps to choose. */
 const char* tremolo_integrator_name(size_t index);
 
 /* "ep4", the default, cannot explode, nor can "avf" and "ep2". Methods with an explicit part are
  * conditionally stable: "verlet", "verlet4", "rk2", "rk4", "explicit-euler", "imexv-linear",
- * "imexv", "imexv-thesis" and "imexv-coupled" leave every bound where the motion stiffens what
- * their step does not resolve; runtime/integrators/ tells each one's limit. */
+ * "imexv", "imexv-thesis" and "imexv-coupled" exceed every bound where the motion stiffens
+ * modes that their step does not resolve; runtime/integrators/ gives each one's limit. */
 
 /* ---- body ---- */
 
-/* What holds a body. Fixed: its support stands still in the world. Driven: its support follows
- * poses that are given step by step. Free: nothing does; it falls, turns and deforms. Driven bodies
- * are for "avf", "ep2", "ep4", "newmark" and "imexv", free ones for the first three; both need a
- * basis file with inertia integrals, a free one a basis that is held nowhere (--fix none). */
+/* Support of a body. Fixed: it is at rest in the world. Driven: it follows poses that are given
+ * step by step. Free: there is none; the body falls, rotates and deforms. Driven bodies need "avf",
+ * "ep2", "ep4", "newmark" or "imexv", free ones one of the first three. Both need a basis file with
+ * inertia integrals, a free one a basis without fixed vertices (--fix none). */
 typedef enum tremolo_frame {
   TREMOLO_FIXED = 0,
   TREMOLO_DRIVEN = 1,
   TREMOLO_FREE = 2
 } tremolo_frame;
 
-/* Fill with tremolo_body_options_init and change what you want. `size` lets a program that was
+/* Fill with tremolo_body_options_init, then change fields. `size` lets a program that was
  * compiled against an older header use a newer library: fields beyond it keep their defaults. */
 typedef struct tremolo_body_options {
   uint32_t size;          /* bytes of this struct as the caller knows it */
@@ -160,7 +161,7 @@ typedef struct tremolo_body_options {
   double newmark_gamma;   /* 0.5 */
   double safety;          /* of the default split, in (0, 1]; 0.9 */
   double tolerance;       /* of a step's solve, relative; 1e-6 */
-  int32_t frame;          /* what holds it, a tremolo_frame; TREMOLO_FIXED */
+  int32_t frame;          /* its support, a tremolo_frame; TREMOLO_FIXED */
   int32_t reserved;       /* 0 */
 } tremolo_body_options;
 
@@ -173,16 +174,16 @@ tremolo_status tremolo_body_create(const tremolo_model* model, const tremolo_bod
 void tremolo_body_destroy(tremolo_body* body);
 
 /* A force (x, y, z), N, at a vertex, constant over the next `steps` steps. Several add up. A force
- * that is not finite or too large to be reckoned with is TREMOLO_USAGE. Clearing takes away those
- * that still act. */
+ * that is not finite or so large that numbers overflow is TREMOLO_USAGE. Clearing removes the
+ * forces that still act. */
 tremolo_status tremolo_body_apply_force(tremolo_body* body, uint32_t vertex, const double force[3],
                                         int32_t steps);
 tremolo_status tremolo_body_clear_forces(tremolo_body* body);
 
-/* Advances by `count` steps. done (may be NULL) receives how many were made, also on failure.
- * Forces are then as before the step that failed: clear them to go on without. TREMOLO_BOUND: the
- * energy, looked at every 8 steps, is more than 100 times what was in the body and the forces put
- * in; q and p are those of the last look at which it was not above 10 times that. */
+/* Advances by `count` steps. done (may be NULL) receives the number of successful steps, also on
+ * failure. Forces are then as before the failed step: clear them to continue without.
+ * TREMOLO_BOUND: the energy, checked every 8 steps, is more than 100 times the initial energy plus
+ * the work of the forces; q and p are those of the last check with at most 10 times that. */
 tremolo_status tremolo_body_step(tremolo_body* body, int64_t count, int64_t* done);
 
 double tremolo_body_time(const tremolo_body* body); /* s; 0 for NULL */
@@ -197,43 +198,41 @@ tremolo_status tremolo_body_set_state(tremolo_body* body, const double* q, const
 tremolo_status tremolo_body_positions_float(const tremolo_body* body, float* out, size_t length);
 tremolo_status tremolo_body_positions_double(const tremolo_body* body, double* out, size_t length);
 
-/* Positions as above and the unit normals of the vertices, x y z x y z ..., outwards, each triangle
- * counting with its area; vertices of a render surface that are split by texture coordinates only
+/* Positions as above and the unit normals of the vertices, x y z x y z ..., outwards, weighted by
+ * triangle area; vertices of a render surface that are split by texture coordinates only
  * share theirs. length, of both buffers, must be 3 s. */
 tremolo_status tremolo_body_surface_float(const tremolo_body* body, float* positions,
                                           float* normals, size_t length);
 
-/* What a ray meets. found: 0: nothing, the rest is 0. triangle, weights: as of
- * tremolo_body_grab_at. vertex: of the mesh, the one to push, at or near the corner that weighs
- * most. distance: from the ray's origin, m. point: m, world. */
+/* The first hit of a ray. */
 typedef struct tremolo_hit {
-  int32_t found;
-  uint32_t triangle;
-  uint32_t vertex;
+  int32_t found;     /* 0: no hit, the other fields are 0 */
+  uint32_t triangle; /* as for tremolo_body_grab_at */
+  uint32_t vertex;   /* of the mesh, for forces: at or near the corner with the largest weight */
   uint32_t reserved; /* 0 */
-  double weights[3];
-  double distance;
-  double point[3];
+  double weights[3]; /* as for tremolo_body_grab_at */
+  double distance;   /* from the ray's origin, m */
+  double point[3];   /* m, world */
 } tremolo_hit;
 
-/* What a ray meets first on the surface as it is bent now, from either side. origin: m, world.
+/* Finds the first hit of a ray on the deformed surface, from either side. origin: m, world.
  * direction: world, of any length. TREMOLO_USAGE if they are not finite or the direction is zero.
- * A model's first ray makes what makes the others fast. */
+ * A model's first ray builds a search tree for the others. */
 tremolo_status tremolo_body_pick(const tremolo_body* body, const double origin[3],
                                  const double direction[3], tremolo_hit* hit);
 
-/* All that the body carries from step to step. bytes: NULL to ask for the size alone; capacity:
- * how many it may take, TREMOLO_USAGE if too few. size receives how many there are. */
+/* Saves the complete state between steps. bytes: NULL returns the size alone. capacity: size of the
+ * buffer in bytes, TREMOLO_USAGE if it is too small. size receives the number of bytes. */
 tremolo_status tremolo_body_save(const tremolo_body* body, void* bytes, size_t capacity,
                                  size_t* size);
 
-/* Puts it back: the steps that follow have the same bits as those of the body that was saved, under
- * the same forces. TREMOLO_CONTENT, and the body is as it was, for bytes that are damaged, of
- * another version, or of a body with another model, method, frame or contact. */
+/* Restores a saved state: the following steps have the same bits as those of the saved body, under
+ * the same forces. TREMOLO_CONTENT, with the body unchanged: the bytes are damaged, of another
+ * version, or of a body with another model, method, frame or contact. */
 tremolo_status tremolo_body_restore(tremolo_body* body, const void* bytes, size_t size);
 
-/* Rayleigh's alpha (1/s) and beta (s) from the next step on. TREMOLO_USAGE if one is negative or
- * not finite. */
+/* Sets Rayleigh damping alpha (1/s) and beta (s) from the next step on. TREMOLO_USAGE: a value is
+ * negative or not finite. */
 tremolo_status tremolo_body_set_damping(tremolo_body* body, double alpha, double beta);
 
 /* J; any of the three may be NULL. high_band: energy of the oscillation of the
@@ -247,9 +246,9 @@ tremolo_status tremolo_body_energy(const tremolo_body* body, double* kinetic, do
  * X in the mesh is at position + rotation (X + u). Positions of surfaces, forces and gravity are
  * along the world's axes. */
 
-/* Puts the body elsewhere without a kick: a driven frame is at rest then, a free body keeps its
- * velocities. TREMOLO_USAGE for a fixed body, for what is not finite, and for a quaternion whose
- * length is not one to 1e-6. */
+/* Moves the body without an impulse: a driven frame is then at rest, a free body keeps its
+ * velocities. TREMOLO_USAGE: the body is fixed, a value is not finite, or the quaternion does not
+ * have length one to 1e-6. */
 tremolo_status tremolo_body_set_pose(tremolo_body* body, const double position[3],
                                      const double quaternion[4]);
 
@@ -257,43 +256,43 @@ tremolo_status tremolo_body_set_pose(tremolo_body* body, const double position[3
 tremolo_status tremolo_body_pose(const tremolo_body* body, double position[3],
                                  double quaternion[4]);
 
-/* How a frame moves in the middle of a step. */
+/* Motion of a frame in the middle of a step. */
 typedef struct tremolo_frame_motion {
   double acceleration[3]; /* of its origin, along the world's axes, m/s^2 */
   double spin[3];         /* along the body's axes, rad/s */
   double spin_rate[3];    /* its rate, along the body's axes, rad/s^2 */
 } tremolo_frame_motion;
 
-/* Where the frame of a driven body is at the end of the next step; without a call it stands still.
- * motion: of that step; NULL: it is extrapolated from the poses so far. Errors as
+/* Sets the pose of a driven body's frame at the end of the next step; without a call it is at rest.
+ * motion: of that step; NULL: it is extrapolated from the past poses. Errors as
  * tremolo_body_set_pose, and TREMOLO_USAGE if the body is not driven. */
 tremolo_status tremolo_body_move_to(tremolo_body* body, const double position[3],
                                     const double quaternion[4], const tremolo_frame_motion* motion);
 
 /* ---- bodies on bones ----
  *
- * A driven body may hang on several bones: x = sum_b w_b(X) T_b (X + u), T_b being where bone b is
- * now relative to where it is at rest, a position and a quaternion as above; each bone carries its
- * share of the mass. More than one bone needs a basis file that kept its tetrahedra
+ * A driven body may hang on several bones: x = sum_b w_b(X) T_b (X + u), where T_b is
+ * the pose of bone b relative to its pose at rest, a position and a quaternion as above; each bone
+ * has a weighted part of the mass. More than one bone needs a basis file with its tetrahedra
  * (tremolo-precompute --keep-elements). Bones are counted from 0. */
 
-/* segments: of each bone its two ends at rest, in the mesh's coordinates, m, six numbers a bone; a
- * point hangs on those that are nearest, blended over `blend` m (0: a tenth of the body's size).
- * options: frame is not read. TREMOLO_USAGE for what is not finite, no bones, a model without
- * inertia integrals or tetrahedra, a method that does not go with driven bodies; TREMOLO_CONTENT
- * for a model with point masses. */
+/* segments: the two ends of each bone at rest, in the mesh's coordinates, m, six numbers per bone.
+ * A point follows the nearest bones, blended over `blend` m (0: a tenth of the body's size).
+ * options: frame is not read. TREMOLO_USAGE: a value that is not finite, no bones, a model without
+ * inertia integrals or tetrahedra, a method without support for driven bodies. TREMOLO_CONTENT: a
+ * model with point masses. */
 tremolo_status tremolo_body_create_on_bones(const tremolo_model* model,
                                             const tremolo_body_options* options, size_t bones,
                                             const double* segments, double blend,
                                             tremolo_body** body);
 
-/* weights: a row for each drawn vertex, a column a bone, row by row; each row sums to 1 (to 0.001;
- * it is made so). Errors as above, and TREMOLO_CONTENT for weights that are none. */
+/* weights: one row per drawn vertex, one column per bone, row by row; each row sums to 1 (to 0.001;
+ * it is normalized). Errors as above, and TREMOLO_CONTENT for invalid weights. */
 tremolo_status tremolo_body_create_with_weights(const tremolo_model* model,
                                                 const tremolo_body_options* options, size_t bones,
                                                 const double* weights, tremolo_body** body);
 
-/* As tremolo_body_set_pose and tremolo_body_move_to with one bone; those two take all bones along.
+/* As tremolo_body_set_pose and tremolo_body_move_to with one bone; those two move all bones.
  * TREMOLO_USAGE also if there is no such bone. */
 tremolo_status tremolo_body_set_bone(tremolo_body* body, size_t bone, const double position[3],
                                      const double quaternion[4]);
@@ -303,29 +302,29 @@ tremolo_status tremolo_body_move_bone_to(tremolo_body* body, size_t bone, const 
 
 /* Of a free body: the velocity of its centre of mass, m/s, along the world's axes, and its spin,
  * rad/s, along its own. TREMOLO_USAGE if it is not free or a value is not finite. To read, either
- * may be NULL; both are zero of a body that is not free. */
+ * may be NULL; both are zero for a body that is not free. */
 tremolo_status tremolo_body_set_motion(tremolo_body* body, const double velocity[3],
                                        const double spin[3]);
 tremolo_status tremolo_body_motion(const tremolo_body* body, double velocity[3], double spin[3]);
 
 /* Of a free body, along the world's axes: linear, kg m/s, and angular about the world's origin,
- * N m s. Either may be NULL; both are zero of a body that is not free. */
+ * N m s. Either may be NULL; both are zero for a body that is not free. */
 tremolo_status tremolo_body_momentum(const tremolo_body* body, double linear[3], double angular[3]);
 
-/* m/s^2, along the world's axes; from the next step on. TREMOLO_USAGE if it is not finite, or if
- * the model has no inertia integrals. */
+/* Sets gravity, m/s^2, along the world's axes, from the next step on. TREMOLO_USAGE: it is not
+ * finite, or the model has no inertia integrals. */
 tremolo_status tremolo_body_set_gravity(tremolo_body* body, const double gravity[3]);
 
-/* What each cause has given the body since the start, J; any may be NULL. support: the
- * accelerations of its frame. damping: what it took, negative. Kinetic and potential energy change
- * by their sum and what tremolo_body_contact_work tells. */
+/* Work of each cause on the body since the start, J; any may be NULL. support: of the accelerations
+ * of its frame. damping: negative. Kinetic and potential energy change by their sum and the values
+ * of tremolo_body_contact_work. */
 tremolo_status tremolo_body_work(const tremolo_body* body, double* load, double* support,
                                  double* gravity, double* damping);
 
-/* ---- colliders and hands ----
+/* ---- colliders and grabs ----
  *
- * A collider is a shape in a frame of its own; where the frame is, is said anew in each step.
- * Bodies that touch each other are below. */
+ * A collider is a shape in a frame of its own, whose pose is given in each step. Contact between
+ * bodies is below. */
 
 /* A shape, owned until tremolo_collider_destroy; made below. */
 typedef struct tremolo_collider tremolo_collider;
@@ -333,21 +332,21 @@ typedef struct tremolo_collider tremolo_collider;
 /* Fill with tremolo_contact_options_init. `size` as in tremolo_body_options. */
 typedef struct tremolo_contact_options {
   uint32_t size;                 /* bytes of this struct as the caller knows it */
-  int32_t points;                /* at most so many vertices of the boundary feel contact; 200 */
-  double margin;                 /* where contact begins, a share of the body's size; 0.005 */
+  int32_t points;                /* at most this many contact points on the boundary; 200 */
+  double margin;                 /* distance at which contact begins, over the body's size; 0.005 */
   double stiffness;              /* (3 ms omega)^2 of the whole body a margin deep on its whole
                                   * boundary, whatever the step; 16 */
-  const tremolo_collider* shape; /* what other bodies bump into, in the mesh's frame; copied; NULL:
+  const tremolo_collider* shape; /* shape for other bodies, in the mesh's frame; copied; NULL:
                                   * they pass through */
-  double friction;               /* of this shape towards other bodies; 0.3 */
+  double friction;               /* with other bodies; 0.3 */
   double restitution;            /* of a point, 0 to 1; 0.5 */
-  double modulus;                /* Pa, instead of the stiffness: the pressure is modulus x / size at
-                                  * the depth x; 0: the stiffness */
+  double modulus; /* Pa, instead of the stiffness: the pressure is modulus x / size at
+                   * the depth x; 0: the stiffness */
 } tremolo_contact_options;
 
 void tremolo_contact_options_init(tremolo_contact_options* options);
 
-/* Makes the body feel colliders and hands. options: NULL for the defaults. TREMOLO_USAGE for
+/* Enables contact with colliders, and grabs. options: NULL for the defaults. TREMOLO_USAGE for
  * options out of range, for a driven or free body of another method than "avf", "ep2" and "ep4",
  * and for a model without inertia integrals; TREMOLO_CONTENT for a shape that extends beyond the
  * body by more than its size, and for a plane. */
@@ -367,13 +366,14 @@ tremolo_status tremolo_collider_load(const char* path, tremolo_collider** collid
 void tremolo_collider_destroy(tremolo_collider* collider);
 
 /* The distance from the shape's surface to a point in the shape's frame, m, negative inside. normal
- * (may be NULL): the way out. TREMOLO_USAGE for a point that is not finite. */
+ * (may be NULL): direction of the shortest path out. TREMOLO_USAGE for a point that is not
+ * finite. */
 tremolo_status tremolo_collider_distance(const tremolo_collider* collider, const double point[3],
                                          double* distance, double normal[3]);
 
-/* A collider in one step: its frame goes from a pose to the next one. Quaternions are w, x, y, z,
- * of length one to 1e-6. friction: not negative. restitution: the share of the speed that comes
- * back, 0 to 1. Fill with tremolo_placed_collider_init: a collider that stands at the origin. */
+/* A collider in one step: its frame moves from one pose to the next. Quaternions are w, x, y, z, of
+ * length one to 1e-6. friction: not negative. restitution: rebound speed over arrival speed, 0 to
+ * 1. Fill with tremolo_placed_collider_init: a fixed collider at the origin. */
 typedef struct tremolo_placed_collider {
   const tremolo_collider* collider;
   double position[3];        /* m */
@@ -388,88 +388,87 @@ void tremolo_placed_collider_init(tremolo_placed_collider* placed,
                                   const tremolo_collider* collider);
 
 /* One step among `count` colliders. Errors as tremolo_body_step; TREMOLO_USAGE, and no step, for a
- * pose, friction or restitution out of range. A body without tremolo_body_set_contact feels none of
+ * pose, friction or restitution out of range. A body without tremolo_body_set_contact ignores
  * them. */
 tremolo_status tremolo_body_step_among(tremolo_body* body, const tremolo_placed_collider* colliders,
                                        size_t count);
 
-/* Of the last step; any may be NULL. penetration: of the deepest point behind a surface, m.
- * impulse: sum of |F| h, N s. points: how many pushed. */
+/* Contact in the last step; any may be NULL. penetration: of the deepest point behind a surface, m.
+ * impulse: sum of |F| h, N s. points: number of points with a contact force. */
 tremolo_status tremolo_body_contact(const tremolo_body* body, double* penetration, double* impulse,
                                     int32_t* points);
 
-/* The impulse of each collider of the last step, N s, 0 where it was not touched. length must be
- * their count. */
+/* The impulse of each collider of the last step, N s, 0 without contact. length must be their
+ * count. */
 tremolo_status tremolo_body_contact_impulses(const tremolo_body* body, double* out, size_t length);
 
 /* The impulse on each collider in the last step as a vector, x y z x y z ..., N s, world; over the
- * step it is the force. length must be 3 times their count. Colliders are known from step to step by
- * their places in the array: friction remembers which one a point held on to. */
+ * step it is the force. length must be 3 times their count. Keep the order of
+ * colliders in the array from step to step: friction stores the index of a point's collider. */
 tremolo_status tremolo_body_collider_impulses(const tremolo_body* body, double* out, size_t length);
 
-/* A point of the body that pushed in the last step. */
+/* A point of the body with a contact force in the last step. */
 typedef struct tremolo_contact_point {
-  uint32_t vertex;      /* of the body's mesh */
-  int32_t on_body;      /* 1: the obstacle is a body, 0: a collider */
-  uint64_t obstacle;    /* its number among the colliders, or among the bodies of the contacts */
-  double position[3];   /* at the end of the step, m, world */
-  double normal[3];     /* out of the obstacle, length 1, world */
-  double impulse[3];    /* on the body, N s, world */
+  uint32_t vertex;    /* of the body's mesh */
+  int32_t on_body;    /* 1: the obstacle is a body, 0: a collider */
+  uint64_t obstacle;  /* its number among the colliders, or among the bodies of the contacts */
+  double position[3]; /* at the end of the step, m, world */
+  double normal[3];   /* out of the obstacle, length 1, world */
+  double impulse[3];  /* on the body, N s, world */
 } tremolo_contact_point;
 
-/* Writes at most `capacity` of the points that pushed in the last step; count receives how many there
- * are. Points of another body that met this one's shape are among that body's. */
+/* Writes at most `capacity` of the points with a contact force in the last step; count receives
+ * their number. A point of another body on this one's shape is listed by that body. */
 tremolo_status tremolo_body_contact_points(const tremolo_body* body, tremolo_contact_point* out,
                                            size_t capacity, size_t* count);
 
-/* J; any may be NULL. stored: between the body and colliders, now. The others since the start: what
- * moving colliders gave, what restitution and friction took (negative), what hands gave, and what
- * was found stored where the step before had left none (error: it should be zero). With what
- * tremolo_body_work tells they are the change of kinetic, potential and stored energy, less error.
- */
+/* J; any may be NULL. stored: between the body and colliders, now. The others are sums since the
+ * start: energy given by moving colliders, taken by restitution and friction (negative), given by
+ * grabs, and stored energy found at the start of a step but not at the end of the step before
+ * (error: it should be zero). With the values of tremolo_body_work they are the change of kinetic,
+ * potential and stored energy, less error. */
 tremolo_status tremolo_body_contact_work(const tremolo_body* body, double* stored, double* given,
                                          double* restitution, double* friction, double* hand,
                                          double* error);
 
-/* A hand takes hold of a vertex where it is, by a spring (N/m) and a damper (N s/m) to a point that
- * goes where tremolo_body_move_hand says, on the whole way at the end of the next step. Both are
+/* Grabs a vertex at its position by a spring (N/m) and a damper (N s/m) to a point. The point
+ * reaches the position given to tremolo_body_move_hand at the end of the next step. Both are
  * implicit. A stiffness above that of tremolo_body_pin is replaced by it, and a damping above h/2
- * times that stiffness by that (h: the step); tremolo_body_hand_spring returns what is used. hand
- * receives its number. Needs tremolo_body_set_contact; steps of tremolo_body_step feel hands too.
- * TREMOLO_USAGE for values that are not finite or
- * negative and for a hand that is not there. */
+ * times that stiffness by that (h: the step); tremolo_body_hand_spring returns the values in use.
+ * hand receives its number. Needs tremolo_body_set_contact; grabs act in steps of tremolo_body_step
+ * too. TREMOLO_USAGE: a value is not finite or negative, or the hand does not exist. */
 tremolo_status tremolo_body_grab(tremolo_body* body, uint32_t vertex, double stiffness,
                                  double damping, uint64_t* hand);
 tremolo_status tremolo_body_move_hand(tremolo_body* body, uint64_t hand, const double place[3]);
 tremolo_status tremolo_body_release(tremolo_body* body, uint64_t hand);
 
-/* The same at any place of the surface that is drawn: in a triangle
- * (tremolo_model_triangle_corners) at the mean of its corners by weights that are not negative and
- * sum to one, as tremolo_body_pick finds them. TREMOLO_USAGE also for a place that is none. */
+/* The same at any point of the drawn surface: in a triangle (tremolo_model_triangle_corners) at the
+ * mean of its corners by weights that are not negative and sum to one, as tremolo_body_pick returns
+ * them. TREMOLO_USAGE also for an invalid point. */
 tremolo_status tremolo_body_grab_at(tremolo_body* body, uint32_t triangle, const double weights[3],
                                     double stiffness, double damping, uint64_t* hand);
 
-/* Holds a vertex, or a place, where it is, or where tremolo_body_move_hand says: a hand whose
- * stiffness follows from mass and step (Body::pin in runtime/body.h says how, and how far off the
- * place may be). It lets go by tremolo_body_release. */
+/* Holds a vertex, or a point, at its position, or where tremolo_body_move_hand moves it, until
+ * tremolo_body_release. The stiffness follows from mass and step (Body::pin in runtime/body.h has
+ * the formula and the displacement under load). */
 tremolo_status tremolo_body_pin(tremolo_body* body, uint32_t vertex, uint64_t* hand);
 tremolo_status tremolo_body_pin_at(tremolo_body* body, uint32_t triangle, const double weights[3],
                                    uint64_t* hand);
 
-/* On the body in the last step, N; the hand feels the opposite. Zero for a hand that is not there.
- */
+/* Force on the body in the last step, N; the hand feels the opposite. Zero if the hand does not
+ * exist. */
 tremolo_status tremolo_body_hand_force(const tremolo_body* body, uint64_t hand, double force[3]);
-/* The spring (N/m) and the damper (N s/m) in use, either may be NULL. Zero for a hand that is not
- * there. A longer step may lower them again. */
+/* The spring (N/m) and the damper (N s/m) in use, either may be NULL. Zero if the hand does not
+ * exist. A longer step may lower them again. */
 tremolo_status tremolo_body_hand_spring(const tremolo_body* body, uint64_t hand, double* stiffness,
                                         double* damping);
 
-/* ---- bodies that touch and hold each other ----
+/* ---- contact and joints between bodies ----
  *
- * Bodies with tremolo_body_set_contact that are stepped together: those whose points may touch
- * another's shape, and those that a joint holds, are solved for at once, the others step by
- * themselves. A free body that has been nearly at rest for half a second sleeps with all that it
- * touches: it costs nothing, and wakes when something comes near or begins to act.
+ * Bodies with tremolo_body_set_contact that are stepped together. Bodies that may be in contact,
+ * and bodies with a joint, are solved for at once; the others step by themselves. A free body that
+ * has been nearly at rest for half a second sleeps with all bodies in contact with it: it costs
+ * nothing, and wakes when something comes near or begins to act.
  */
 typedef struct tremolo_contacts tremolo_contacts;
 
@@ -477,27 +476,28 @@ typedef struct tremolo_contacts tremolo_contacts;
 tremolo_status tremolo_contacts_create(int32_t sleep, tremolo_contacts** contacts);
 void tremolo_contacts_destroy(tremolo_contacts* contacts);
 
-/* How many threads step the bodies, the caller's included; 0: one a core; at first one. No bit
- * depends on it. TREMOLO_SYSTEM, and nothing changes, where they cannot be had. */
+/* Sets the number of threads that step the bodies, the caller's included; 0: one for each core.
+ * Default: 1. No bit depends on it. TREMOLO_SYSTEM, with nothing changed: they cannot be
+ * started. */
 tremolo_status tremolo_contacts_set_threads(tremolo_contacts* contacts, uint32_t threads);
 
 /* The body is stepped by tremolo_contacts_step from now on; it must outlive the contacts. number
  * (may be NULL): its own here, from 0; the order decides that of sums. TREMOLO_USAGE without
- * tremolo_body_set_contact, for a step other than the others', or a body that is there. */
+ * tremolo_body_set_contact, for a step other than the others', or a body that is already added. */
 tremolo_status tremolo_contacts_add(tremolo_contacts* contacts, tremolo_body* body,
                                     uint32_t* number);
 
 /* One step of all bodies among `count` colliders. TREMOLO_SOLVER or TREMOLO_BOUND if bodies failed:
- * they are where they were, the others have made their step, and the message is of the first.
- * failed (may be NULL) receives the first `length` of their numbers; failed_count (may be NULL) how
- * many there are. */
+ * they are unchanged, the others have taken their step, and the message is that of the first.
+ * failed (may be NULL) receives the first `length` of their numbers; failed_count (may be NULL)
+ * their count. */
 tremolo_status tremolo_contacts_step(tremolo_contacts* contacts,
                                      const tremolo_placed_collider* colliders, size_t count,
                                      uint32_t* failed, size_t length, size_t* failed_count);
 
-/* Who pushed whom in the last step: pairs of numbers and, of each, the impulse, N s. bodies (2
- * `length` numbers) and impulses (`length`) receive the first `length`; any may be NULL. count: how
- * many there are. */
+/* Pairs of bodies with a contact force in the last step: pairs of numbers and the impulse of each,
+ * N s. bodies (2 `length` numbers) and impulses (`length`) receive the first `length`; any may be
+ * NULL. count receives the number of pairs. */
 tremolo_status tremolo_contacts_touches(const tremolo_contacts* contacts, uint32_t* bodies,
                                         double* impulses, size_t length, size_t* count);
 
@@ -511,23 +511,23 @@ typedef struct tremolo_joint_options {
   uint32_t size;
   uint32_t vertex;    /* of the first body */
   uint32_t to_vertex; /* of the second */
-  int32_t to_place; /* nonzero: not to_vertex but where the first vertex is now, on the second; 0 */
-  int32_t touch;    /* nonzero: the two touch each other all the same; 0 */
-  int32_t reserved; /* 0 */
-  double stiffness; /* N/m; 0: stiff, as follows with a damper from masses and step */
-  double damping;   /* N s/m; not read of a stiff one */
-  double length;    /* m, without force; 0 */
+  int32_t to_place;   /* nonzero: the first vertex's present position on the second; 0 */
+  int32_t touch;      /* nonzero: contact between the two continues; 0 */
+  int32_t reserved;   /* 0 */
+  double stiffness;   /* N/m; 0: stiff, with a damper, from masses and step */
+  double damping;     /* N s/m; not read of a stiff one */
+  double length;      /* m, without force; 0 */
 } tremolo_joint_options;
 
 void tremolo_joint_options_init(tremolo_joint_options* options);
 
-/* joint receives its number. TREMOLO_USAGE for values that are not finite or negative, and where
- * neither place moves. */
+/* joint receives its number. TREMOLO_USAGE: a value is not finite or negative, or neither point can
+ * move. */
 tremolo_status tremolo_contacts_join(tremolo_contacts* contacts, uint32_t a, uint32_t b,
                                      const tremolo_joint_options* options, uint64_t* joint);
 tremolo_status tremolo_contacts_separate(tremolo_contacts* contacts, uint64_t joint);
-/* Any may be NULL. force: on the first place in the last step, N. energy: stored now, J. damped: J,
- * taken since the start. */
+/* Any may be NULL. force: on the first point in the last step, N. energy: stored now, J. damped:
+ * taken since the start, J. */
 tremolo_status tremolo_contacts_joint(const tremolo_contacts* contacts, uint64_t joint,
                                       double force[3], double* energy, double* damped);
 
@@ -536,8 +536,8 @@ tremolo_status tremolo_contacts_joint(const tremolo_contacts* contacts, uint64_t
  * Bodies in groups that share a model, a method, a step and a level of detail. Bodies of "verlet"
  * and "imexv-linear" are stepped 16 (float) or 8 (double) at a time; those of other methods, the
  * default "ep4" among them, one by one. A new body sleeps and costs nothing until a force, a state
- * or tremolo_world_wake wakes it; it falls asleep when its energy has stayed small for a while, and
- * keeps its state. The result does not depend on the number of threads. runtime/world.h says more.
+ * or tremolo_world_wake wakes it; it falls asleep when its energy has been small for some time, and
+ * keeps its state. The result does not depend on the number of threads. Details: runtime/world.h.
  */
 
 /* Fill with tremolo_group_options_init. `size` as in tremolo_body_options. */
@@ -554,7 +554,7 @@ typedef struct tremolo_group_options {
 
 void tremolo_group_options_init(tremolo_group_options* options);
 
-/* threads: how many work in a step, the caller's included; 0: one a core. */
+/* threads: number of threads in a step, the caller's included; 0: one for each core. */
 tremolo_status tremolo_world_create(uint32_t threads, tremolo_world** world);
 void tremolo_world_destroy(tremolo_world* world);
 
@@ -565,23 +565,22 @@ tremolo_status tremolo_world_add_group(tremolo_world* world, const tremolo_model
                                        const tremolo_body_options* method,
                                        const tremolo_group_options* options, uint32_t* group);
 
-/* A body at rest, asleep. Removing it hides it; its number is not used again. Moving takes it to
- * another group of the same model, say to another level of detail. */
+/* A body at rest, asleep. Removing it hides it; its number is not used again. Moving changes
+ * its group to another one of the same model, for example another level of detail. */
 tremolo_status tremolo_world_add_body(tremolo_world* world, uint32_t group, uint32_t* body);
 tremolo_status tremolo_world_remove_body(tremolo_world* world, uint32_t body);
 tremolo_status tremolo_world_move_body(tremolo_world* world, uint32_t body, uint32_t group);
 
-/* As tremolo_body_apply_force; wakes the body. Clearing takes away those that still act. */
+/* As tremolo_body_apply_force; wakes the body. Clearing removes those that still act. */
 tremolo_status tremolo_world_apply_force(tremolo_world* world, uint32_t body, uint32_t vertex,
                                          const double force[3], int32_t steps);
 tremolo_status tremolo_world_clear_forces(tremolo_world* world, uint32_t body);
 
 /* Advances every body that is awake by one step of its group. Allocates nothing. TREMOLO_SOLVER if
- * bodies failed, also by an energy as at TREMOLO_BOUND: each is where its energy was last found
- * sound, without its forces, and sleeps; the others have made their step. The message tells why the
- * first of them failed. failed (may be
- * NULL) receives the first `length` of their numbers; failed_count (may be NULL) how many there
- * are. */
+ * bodies failed, also by an energy as at TREMOLO_BOUND: each returns to its last valid state,
+ * without its forces, and sleeps; the others have taken their step. The message gives the reason of
+ * the first failure. failed (may be NULL) receives the first `length` of their numbers;
+ * failed_count (may be NULL) their count. */
 tremolo_status tremolo_world_step(tremolo_world* world, uint32_t* failed, size_t length,
                                   size_t* failed_count);
 
@@ -600,7 +599,7 @@ tremolo_status tremolo_world_energy(const tremolo_world* world, uint32_t body, d
                                     double* potential, double* high_band);
 
 /* Only shown (nonzero) bodies have a surface. Updating rebuilds those that moved; updated (may be
- * NULL) receives how many. */
+ * NULL) receives their number. */
 tremolo_status tremolo_world_set_shown(tremolo_world* world, uint32_t body, int32_t shown);
 tremolo_status tremolo_world_update_surfaces(tremolo_world* world, size_t* updated);
 
@@ -610,10 +609,10 @@ tremolo_status tremolo_world_update_surfaces(tremolo_world* world, size_t* updat
 tremolo_status tremolo_world_surface(const tremolo_world* world, uint32_t body,
                                      const float** positions, size_t* length, uint64_t* version);
 
-/* ---- recordings: what moved, in files that other programs open ----
+/* ---- recordings: motion in files for other programs ----
  *
- * Add what moves, then frame by frame where it is; write as often as you like. Recording allocates:
- * do it at the rate of pictures, not of steps.
+ * Add tracks, then record them frame by frame; write as often as you like. Recording allocates: do
+ * it at the rate of pictures, not of steps.
  *
  *   tremolo_recorder_create(60.0, &recorder);
  *   tremolo_recorder_add_body(recorder, body, "horse", &track);
@@ -627,13 +626,13 @@ tremolo_status tremolo_world_surface(const tremolo_world* world, uint32_t body,
  */
 typedef struct tremolo_recorder tremolo_recorder;
 
-/* rate: frames a second that are meant, for formats that know no times. Destroying accepts NULL. */
+/* rate: intended frames per second, for formats without times. Destroying accepts NULL. */
 tremolo_status tremolo_recorder_create(double rate, tremolo_recorder** recorder);
 void tremolo_recorder_destroy(tremolo_recorder* recorder);
 
-/* A track: one thing that moves. Of a body, on bones too, or of a model whose states the caller
- * has, as those of a world. name: UTF-8, each track's own. track receives its number.
- * TREMOLO_USAGE once there is a frame, or for a name that is empty or stands twice. */
+/* A track is the motion of one body (also on bones), or of a model whose states the caller has,
+ * such as those of a world. name: UTF-8, unique. track receives its number. TREMOLO_USAGE: there is
+ * a frame already, or the name is empty or in use. */
 tremolo_status tremolo_recorder_add_body(tremolo_recorder* recorder, const tremolo_body* body,
                                          const char* name, size_t* track);
 tremolo_status tremolo_recorder_add_model(tremolo_recorder* recorder, const tremolo_model* model,
@@ -643,22 +642,23 @@ tremolo_status tremolo_recorder_add_model(tremolo_recorder* recorder, const trem
  * time is not later, or a track is missing in the last frame. */
 tremolo_status tremolo_recorder_begin_frame(tremolo_recorder* recorder, double time);
 
-/* Where the body is now. TREMOLO_USAGE if the track is not there, has been recorded in this frame,
- * or is of a model with another number of coordinates; nothing is recorded then. */
+/* Records the body's present state. TREMOLO_USAGE, with nothing recorded: the track does not exist,
+ * has been recorded in this frame, or is of a model with another number of coordinates. */
 tremolo_status tremolo_recorder_record_body(tremolo_recorder* recorder, size_t track,
                                             const tremolo_body* body);
 
 /* The same by the reduced coordinates, of which there may be fewer than the model has: the others
- * are zero. position, quaternion (w, x, y, z): NULL for a frame that stands where the mesh is. */
+ * are zero. position, quaternion (w, x, y, z): NULL for a frame at the mesh's position. */
 tremolo_status tremolo_recorder_record_state(tremolo_recorder* recorder, size_t track,
                                              const double* q, size_t length,
                                              const double position[3], const double quaternion[4]);
 
 /* Writes all frames; the path's ending chooses: .glb (glTF: modes as morph targets), .usda, .pvd
- * (for ParaView, its .vtu files in a folder beside it), .pc2 or .mdd (point caches, the rest shapes
- * as .obj beside them), .ply or .obj (a numbered file a frame), .html (a page on which it plays).
- * TREMOLO_USAGE for another ending or while a track is missing in the last frame; TREMOLO_CONTENT
- * for what the format cannot hold; TREMOLO_SYSTEM if it cannot be written. */
+ * (for ParaView, its .vtu files in a folder next to it), .pc2 or .mdd (point caches, the rest
+ * shapes as .obj next to them), .ply or .obj (one numbered file per frame), .html (a page that
+ * plays it). TREMOLO_USAGE for another ending or while a track is missing in the last frame;
+ * TREMOLO_CONTENT for data that the format does not support; TREMOLO_SYSTEM if it cannot be
+ * written. */
 tremolo_status tremolo_recorder_write(tremolo_recorder* recorder, const char* path);
 
 #ifdef __cplusplus

@@ -1,8 +1,9 @@
-/* Solids of whole tetrahedra from C: bodies that bend, turn, touch each other and what stands
- * still, and fall asleep (docs/tets.md).
+/* Solids of full tetrahedra from C: bodies that deform, rotate, have contact with each other and
+ * with fixed obstacles, and fall asleep (docs/tets.md).
  *
  * As in tremolo.h, whose statuses and colliders are used: handles are owned until they are
- * destroyed, NULL may be destroyed, and tremolo_last_error() says what went wrong. Units are SI.
+ * destroyed, NULL may be destroyed, and tremolo_last_error() returns the reason of a failure. Units
+ * are SI.
  *
  *   tremolo_tets_scene_create(1.0 / 60, &scene);
  *   tremolo_tets_options_init(&options);
@@ -29,20 +30,20 @@
 extern "C" {
 #endif
 
-/* What there will be. */
+/* The description of a scene. */
 typedef struct tremolo_tets_scene tremolo_tets_scene;
-/* What moves. */
+/* A simulated scene. */
 typedef struct tremolo_tets_world tremolo_tets_world;
 
-/* step: s, of all bodies. Gravity is 9.81 m/s^2 downwards along z, nothing sleeps below 5 mm/s for
- * less than 0.5 s, and one thread works. */
+/* step: s, of all bodies. Defaults: gravity is 9.81 m/s^2 downwards along z, bodies sleep after
+ * 0.5 s below 5 mm/s, and one thread is used. */
 tremolo_status tremolo_tets_scene_create(double step, tremolo_tets_scene** scene);
 void tremolo_tets_scene_destroy(tremolo_tets_scene* scene);
 tremolo_status tremolo_tets_scene_set_gravity(tremolo_tets_scene* scene,
                                               const double gravity[3]); /* m/s^2 */
 /* Bodies that have been slower than speed, m/s, for `time`, s, fall asleep; speed 0: none does. */
 tremolo_status tremolo_tets_scene_set_sleep(tremolo_tets_scene* scene, double speed, double time);
-/* 1 to 256; no bit of a result depends on it. */
+/* threads: 1 to 256; no bit of a result depends on it. */
 tremolo_status tremolo_tets_scene_set_threads(tremolo_tets_scene* scene, uint32_t threads);
 
 typedef enum tremolo_tets_degree {
@@ -55,7 +56,7 @@ typedef enum tremolo_tets_degree {
 typedef struct tremolo_tets_options {
   uint32_t size;
   int32_t degree;         /* a tremolo_tets_degree; TREMOLO_TETS_ADAPTIVE */
-  const char* file;       /* of `tremolo-precompute tets`; must be told */
+  const char* file;       /* of `tremolo-precompute tets`; required */
   const char* method;     /* "bdf2"; the others are in docs/tets.md */
   double position[3];     /* m, of the mesh's frame */
   double quaternion[4];   /* w, x, y, z, of length one to 1e-6 */
@@ -66,10 +67,10 @@ typedef struct tremolo_tets_options {
   double tolerance;       /* of a step's residual over the weight and the forces; 1e-6 */
   double friction;        /* 0.3; of a pair the geometric mean */
   int32_t max_iterations; /* corrections in a step; 20 */
-  /* A step that they do not solve is cut (0), is taken as it is (1), or is cut where nothing
-   * touches, while a step in contact is two corrections (2); 2 */
+  /* A step that they do not solve is subdivided (0), is accepted (1), or is subdivided without
+   * contact, while a step in contact is two corrections (2); 2 */
   int32_t take_unsolved;
-  double drag; /* damps the whole motion as a resting medium does, 1/s; 0 */
+  double drag; /* damps the whole motion like a resting medium, 1/s; 0 */
 } tremolo_tets_options;
 
 void tremolo_tets_options_init(tremolo_tets_options* options);
@@ -77,22 +78,22 @@ void tremolo_tets_options_init(tremolo_tets_options* options);
 /* body (may be NULL) receives its number. */
 tremolo_status tremolo_tets_scene_add(tremolo_tets_scene* scene,
                                       const tremolo_tets_options* options, size_t* body);
-/* A collider that stands at its pose (next_position, next_quaternion and restitution are not read);
+/* A fixed collider at its pose (next_position, next_quaternion and restitution are not read);
  * copied. */
 tremolo_status tremolo_tets_scene_add_collider(tremolo_tets_scene* scene,
                                                const tremolo_placed_collider* collider);
 
-/* Reads the bodies' files; the scene is not needed after the call. TREMOLO_SYSTEM for a file that
- * is not there, TREMOLO_CONTENT for one that is damaged and for values out of range. */
+/* Reads the bodies' files; the scene is not needed after the call. TREMOLO_SYSTEM: a file is
+ * missing. TREMOLO_CONTENT: a file is damaged, or a value is out of range. */
 tremolo_status tremolo_tets_create(const tremolo_tets_scene* scene, tremolo_tets_world** world);
 void tremolo_tets_destroy(tremolo_tets_world* world);
 
-/* One step of all bodies. TREMOLO_SOLVER, with the bodies' numbers in the message: these and those
- * that they touch are as they were, the others have moved. */
+/* Takes one step of all bodies. TREMOLO_SOLVER, with the bodies' numbers in the message: these and
+ * the bodies in contact with them are unchanged, the others have moved. */
 tremolo_status tremolo_tets_step(tremolo_tets_world* world);
 double tremolo_tets_time(const tremolo_tets_world* world); /* s; 0 for NULL */
 
-/* 0 for NULL and for a body that is not there. vertices, triangles: of the drawn surface. points:
+/* 0 for NULL and for a body that does not exist. vertices, triangles: of the drawn surface. points:
  * control points, the mesh's vertices and then its edges. */
 size_t tremolo_tets_bodies(const tremolo_tets_world* world);
 size_t tremolo_tets_vertices(const tremolo_tets_world* world, size_t body);
@@ -103,7 +104,7 @@ size_t tremolo_tets_points(const tremolo_tets_world* world, size_t body);
  * must be three times the vertices. */
 tremolo_status tremolo_tets_surface(tremolo_tets_world* world, size_t body, float* positions,
                                     float* normals, size_t length);
-/* Three vertices a triangle; length must be three times the triangles. */
+/* Three vertices per triangle; length must be three times the triangles. */
 tremolo_status tremolo_tets_triangle_corners(const tremolo_tets_world* world, size_t body,
                                              uint32_t* out, size_t length);
 
@@ -116,17 +117,18 @@ tremolo_status tremolo_tets_set_state(tremolo_tets_world* world, size_t body,
                                       const double* positions, const double* velocities,
                                       size_t length);
 
-/* A hand pulls at a vertex of the drawn surface, from the next step on: a spring, N/m, and a
- * damper, N s/m, to a point, m, that is there at the step's end and moves with `velocity`, m/s
- * (NULL: 0). Both are implicit: no stiffness is too large. Called again it goes on; a body has one
- * hand, which wakes it and all that sleeps with it. TREMOLO_USAGE for a vertex that is not there
- * and for values that are negative or not finite. */
+/* Grabs a vertex of the drawn surface from the next step on, by a spring, N/m, and a damper, N s/m,
+ * to a point, m, which is its position at the step's end and moves with `velocity`, m/s (NULL: 0).
+ * Both are implicit: no stiffness is too large. Another call continues the grab; a body has one,
+ * which wakes it and all that sleeps with it. TREMOLO_USAGE: the vertex does not exist, or a value
+ * is negative or not finite. */
 tremolo_status tremolo_tets_pull(tremolo_tets_world* world, size_t body, size_t vertex,
                                  double stiffness, double damping, const double point[3],
                                  const double velocity[3]);
 tremolo_status tremolo_tets_let_go(tremolo_tets_world* world, size_t body);
-/* A stiffness and a damping that suit the vertex: a held body goes four fifths of a slow hand's
- * way, a free one swings about it with 2 Hz. TREMOLO_USAGE where the vertex is fixed. */
+/* Returns a stiffness and a damping that suit the vertex: a supported body moves four fifths of the
+ * path of a slow grab, a free one oscillates about it with 2 Hz. TREMOLO_USAGE: the vertex is
+ * fixed. */
 tremolo_status tremolo_tets_suitable(tremolo_tets_world* world, size_t body, size_t vertex,
                                      double* stiffness, double* damping);
 
@@ -134,7 +136,7 @@ tremolo_status tremolo_tets_suitable(tremolo_tets_world* world, size_t body, siz
 tremolo_status tremolo_tets_look(const tremolo_tets_world* world, size_t body, int32_t* asleep,
                                  double* quadratic_share);
 
-/* J, of all bodies; any may be NULL. contact: what is stored where bodies are pressed. */
+/* Energies of all bodies, J; any may be NULL. contact: stored in contacts. */
 tremolo_status tremolo_tets_energy(tremolo_tets_world* world, double* kinetic, double* elastic,
                                    double* gravity, double* contact);
 

@@ -44,7 +44,7 @@ Status check_values(const GridNodes& nodes, std::span<const float> values) {
   return Success{};
 }
 
-// The values at `count` places, `stride` apart, become coefficients of the quadratic spline that
+// The values at `count` nodes, `stride` apart, become coefficients of the quadratic spline that
 // takes them: (c[i-1] + 6 c[i] + c[i+1]) / 8 = f[i]. At both ends the outermost half cell continues
 // the polynomial of the next cell, which makes c[0] = c[1] + f[0] - f[1]. pivots, line: work space.
 void filter_line(float* values, std::size_t count, std::size_t stride,
@@ -73,14 +73,14 @@ std::vector<double> filter_pivots(std::size_t count) {
   return pivots;
 }
 
-// The three coefficients that reach a place along one axis, and how they weigh.
+// The three coefficients that affect a point along one axis, and their weights.
 struct Stencil {
   std::size_t first;
   double value[3];
   double slope[3];  // per cell
 };
 
-// u: the place in cells, within 0 .. count - 1.
+// u: the position in cells, within 0 .. count - 1.
 Stencil stencil_at(double u, std::size_t count) {
   const auto nearest = static_cast<std::size_t>(u + 0.5);
   const std::size_t middle = std::clamp<std::size_t>(nearest, 1, count - 2);
@@ -124,7 +124,7 @@ Result<DistanceGrid> DistanceGrid::create(const GridNodes& nodes, std::span<cons
   return grid;
 }
 
-// All corners of a cell that touches the solid are within its diagonal of it.
+// All corners of a cell that intersects the solid are within its diagonal of it.
 void DistanceGrid::find_boxes(std::span<const float> values) {
   const auto [nx, ny, nz] = nodes_.counts;
   box_ = {nodes_.origin, nodes_.at(nx - 1, ny - 1, nz - 1)};

@@ -21,7 +21,7 @@
 
 namespace tremolo {
 
-// Where the nodes are: (i, j, k) at origin + spacing (i, j, k), numbered i + counts[0] (j +
+// Positions of the nodes: (i, j, k) is at origin + spacing (i, j, k), numbered i + counts[0] (j +
 // counts[1] k). origin, spacing: m.
 struct GridNodes {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
@@ -58,7 +58,7 @@ class DistanceGrid {
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
   };
   // Outside of the grid's box the distance to the box is added to the value at its nearest point:
-  // continuous, and but for the grid's error no less than the distance to the surface. x: finite.
+  // continuous, and up to the grid's error no less than the distance to the surface. x: finite.
   // Allocates nothing.
   Sample at(const Eigen::Vector3d& x) const;
 

@@ -8,7 +8,7 @@
 namespace tremolo {
 namespace {
 
-// Entry k of Mandel's notation stands for (kRow[k], kColumn[k]) of a symmetric 3x3 matrix.
+// Entry k of Mandel's notation denotes (kRow[k], kColumn[k]) of a symmetric 3x3 matrix.
 constexpr int kRow[6] = {0, 1, 2, 1, 0, 0};
 constexpr int kColumn[6] = {0, 1, 2, 2, 2, 1};
 

@@ -1,8 +1,8 @@
 // Materials in the form that element loops use (docs/theory.md, section "Elements").
 //
 // In Mandel's notation a strain is e = (E_xx, E_yy, E_zz, r2 E_yz, r2 E_xz, r2 E_xy), r2 = sqrt(2),
-// a stress alike: S:E is a scalar product, a rotation of the axes is an orthogonal 6x6 matrix, and
-// S = C E is s = C e with C symmetric and positive definite.
+// and a stress s has the same form: S:E is a scalar product, a rotation of the axes is an
+// orthogonal 6x6 matrix, and S = C E is s = C e with C symmetric and positive definite.
 #pragma once
 
 #include <cstddef>

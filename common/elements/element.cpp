@@ -25,7 +25,7 @@ std::array<SamplePoint, 4> four_points() {
 }
 
 // Exact for degree 3. In terms of gradients: 120 integral l_a l_b l_c = 6 V n_abc with
-// n = sum over the points of their shares times v v v.
+// n = sum over the points of their weights times v v v.
 std::array<SamplePoint, 5> five_points() {
   std::array<SamplePoint, 5> points;
   for (std::size_t a = 0; a < 4; ++a) points[a] = towards_corner(0.45, 0.5, 1.0 / 6.0, a);

@@ -6,8 +6,8 @@
 // c is of one degree less,
 //   G(l) = sum_a G_a l_a,   G_a = 2 sum_b c_ab (grad l_b)^T        (order 2; order 1: one
 //   constant).
-// What is multiplied of k such gradients has degree k(order - 1), and a sum over sample points
-// integrates it exactly:
+// A product of k such gradients has degree k(order - 1), and a sum over sample points integrates it
+// exactly:
 //   1/V integral p dV = sum_s share_s p(l_s).
 // So an element is a set of strain samples, for both orders the same; that of order 1 has one.
 #pragma once
@@ -27,7 +27,7 @@ struct ElementGeometry {
   Eigen::Matrix<double, 3, 4> gradients;
 };
 
-// share: of the element's volume; may be negative. lambda: barycentric coordinates.
+// share: fraction of the element's volume; may be negative. lambda: barycentric coordinates.
 struct SamplePoint {
   double share = 1.0;
   std::array<double, 4> lambda = {0.25, 0.25, 0.25, 0.25};
@@ -55,9 +55,9 @@ constexpr double weight_share(int order) {
   return order == 1 ? 0.25 : 0.1;
 }
 
-// Values of the polynomials at a place, one a node. Outside the element, where a coordinate is
-// negative, those of order 2 go on straight from the nearest place inside, so that a surface that
-// stands out of the mesh a little does not swing.
+// Values of the polynomials at a point, one per node. Outside the element, where a coordinate is
+// negative, those of order 2 continue linearly from the nearest point inside, so that a surface
+// that is a little outside of the mesh does not swing.
 std::array<double, kMostNodes> polynomials_at(int order, const std::array<double, 4>& lambda);
 
 }  // namespace tremolo

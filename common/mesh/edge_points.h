@@ -55,13 +55,13 @@ Result<std::size_t> straighten_edges(TetMesh& mesh, double tolerance);
 // Returns how many there were.
 std::size_t remove_edge_points(TetMesh& mesh);
 
-// Which vertices are edge points: empty for a linear mesh, else one flag a vertex.
+// The vertices that are edge points: empty for a linear mesh, else one flag per vertex.
 std::vector<bool> edge_point_flags(const TetMesh& mesh);
 
-// The edge that a vertex stands for; nullptr if it stands for none.
+// The edge whose point a vertex is; nullptr if it is none.
 const MeshEdge* edge_of_point(const TetMesh& mesh, VertexId point);
 
-// Edge points that are held where these corners are (docs/theory.md): both ends are, and the edge
+// Edge points that are fixed if these corners are (docs/theory.md): both ends are, and the edge
 // lies in the region that was chosen. by_place: corners chosen by where they lie, whose edges lie
 // there as well; of all others an edge must be a side of a boundary triangle whose three corners
 // are held. held, by_place: ascending. Returns ascending ids.

@@ -15,7 +15,7 @@ namespace tremolo {
 // slivers that still can be computed with.
 inline constexpr double kDegenerateVolume = 1e-12;
 
-// What check_mesh() found and did.
+// Findings and repairs of check_mesh().
 struct MeshReport {
   std::size_t flipped = 0;                // inverted tetrahedra, repaired
   std::size_t unreferenced_vertices = 0;  // kept, belong to no tetrahedron

@@ -1,4 +1,4 @@
-// The parts of a mesh that do not touch.
+// The parts of a mesh that are not connected.
 #pragma once
 
 #include <cstddef>

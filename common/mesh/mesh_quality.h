@@ -1,4 +1,4 @@
-// How well shaped a mesh's tetrahedra are.
+// Shape quality of a mesh's tetrahedra.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@ struct MeshQuality {
 };
 
 // Indices must be in range. All zero for a mesh without tetrahedra. Inverted tetrahedra are judged
-// like their mirror images; min_volume tells of them.
+// like their mirror images; min_volume reveals them.
 MeshQuality mesh_quality(const TetMesh& mesh);
 
 }  // namespace tremolo

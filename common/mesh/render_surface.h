@@ -3,16 +3,18 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "common/mesh/surface_rig.h"
 #include "common/mesh/tet_mesh.h"
 
 namespace tremolo {
 
-// Vertices are split where normals or texture coordinates are: two of them may be at one place.
+// Vertices are split where normals or texture coordinates are: two of them may be at one position.
 // Nothing is promised of the triangles: holes, repeats and crossings are the author's.
 struct RenderSurface {
   std::vector<Eigen::Vector3d> vertices;   // s, m
@@ -24,6 +26,28 @@ struct RenderSurface {
   std::vector<std::uint32_t> material_of;  // t, index into materials
   std::vector<std::string> objects;        // names, each once, at least one
   std::vector<std::string> materials;      // names, each once, at least one
+  // s or none: the vertex of the author's file that each one is, or is a copy of. The n vertices of
+  // the file come first, each as itself. None: every vertex is the file's.
+  std::vector<VertexId> sources;
+  std::shared_ptr<const SurfaceRig> rig;  // the skeleton that its file gives it, or null
+
+  // Number of the file's vertices, n.
+  std::size_t authored() const {
+    std::size_t n = sources.size();
+    while (n > 0 && sources[n - 1] != static_cast<VertexId>(n - 1)) --n;
+    return sources.empty() ? vertices.size() : n;
+  }
+  // Whether `sources` is as it should be.
+  bool sources_hold() const {
+    if (sources.empty()) return true;
+    if (sources.size() != vertices.size()) return false;
+    const std::size_t n = authored();
+    for (std::size_t v = 0; v < sources.size(); ++v)
+      if (v < n ? sources[v] != static_cast<VertexId>(v)
+                : sources[v] < 0 || static_cast<std::size_t>(sources[v]) >= n)
+        return false;
+    return true;
+  }
 };
 
 }  // namespace tremolo

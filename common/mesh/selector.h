@@ -1,4 +1,4 @@
-// Sets of vertices chosen by a short text: where a body is held, where it is pushed.
+// Sets of vertices selected by a short text: where a body is fixed, where it is pushed.
 #pragma once
 
 #include <array>
@@ -42,7 +42,7 @@ struct SelectSphere {
   SelectorPoint centre;
   SelectorLength radius;  // inclusive
 };
-// What lies on the plane or on the side that the normal points to.
+// Selects the points on the plane or on the side that the normal points to.
 struct SelectPlane {
   SelectorPoint point;
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // of length 1
@@ -82,12 +82,12 @@ Result<Selector> parse_selector(const std::string& text);
 // The paths of the `file:` parts; none for a text that is no selector.
 std::vector<std::string> files_of_selector(const std::string& text);
 
-// Whether a selector means a piece of the surface (a colour, a set of the mesh) rather than all
-// that lies somewhere.
+// True if a selector means a piece of the surface (a colour, a set of the mesh) rather than all
+// points in a region.
 bool means_surface(const Selector& selector);
 
-// What is chosen from. All vectors have n entries (colours: or none). unselectable: why a vertex
-// with the flag false is not chosen, for messages.
+// The vertices to select from. All vectors have n entries (colours: or none). unselectable: the
+// reason why a vertex with the flag false is not selected, for messages.
 struct SelectionSpace {
   const std::vector<Eigen::Vector3d>& vertices;
   std::vector<bool> selectable;
@@ -108,8 +108,8 @@ Result<std::vector<VertexId>> select_vertices(const Selector& selector,
                                               const SelectionSpace& space);
 Result<std::vector<VertexId>> select_vertices(const Selector& selector, const TetMesh& mesh);
 
-// What one `near:` took: count vertices, of which nearest is so far from its point and the others
-// up to farthest, m.
+// Result of one `near:`: count vertices; the nearest is `nearest` from its point and the others are
+// up to `farthest` from it, m.
 struct NearChoice {
   std::string text;
   std::size_t count = 0;

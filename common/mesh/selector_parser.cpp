@@ -232,7 +232,7 @@ Result<Selector> parse_selector(const std::string& text) {
     const std::size_t end = rest.starts_with("file:") ? std::string_view::npos : rest.find(kAnd);
     last = end == std::string_view::npos;
     const std::string_view part = trimmed(rest.substr(0, end));
-    // What the parts say of themselves is short: a long text has many.
+    // The messages of the parts are short, because a long text has many parts.
     Result<Selector> parsed = parse_one(first ? std::string(part) : text, part);
     if (!parsed) return parsed;
     const bool alone = last && !first;

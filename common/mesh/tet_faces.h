@@ -1,4 +1,4 @@
-// Which tetrahedra share which faces.
+// The tetrahedra on both sides of each face.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +26,7 @@ inline Triangle tet_face(const Tetrahedron& tet, std::size_t face) {
 template <class Visit>
 void for_each_face(const TetMesh& mesh, const Visit& visit) {
   struct Face {
-    VertexId b, c;  // beside the smallest vertex, ascending
+    VertexId b, c;  // next to the smallest vertex, ascending
     std::size_t side;
   };
   const auto sorted = [&](std::size_t side) {

@@ -17,7 +17,7 @@ using Tetrahedron = std::array<VertexId, 4>;
 using TetEdges = std::array<VertexId, 6>;
 using Triangle = std::array<VertexId, 3>;
 
-// An edge of a quadratic mesh: the vertex that stands for it, in the middle, and its two ends,
+// An edge of a quadratic mesh: the vertex in its middle, and its two ends,
 // a < b.
 struct MeshEdge {
   VertexId point = 0;

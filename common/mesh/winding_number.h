@@ -1,7 +1,7 @@
-// How often a set of triangles goes round a point: 1 inside a closed surface that is oriented
-// outwards, 0 outside, something between where there are holes (Jacobson, Kavan and Sorkine-Hornung
-// 2013, eq. 4). Far triangles are taken together by their dipole (Barill et al. 2018, eq. 6).
-// CGAL's Side_of_triangle_mesh answers for closed surfaces only.
+// Winding number of a set of triangles about a point: 1 inside a closed surface that is oriented
+// outwards, 0 outside, a value between where there are holes (Jacobson, Kavan and Sorkine-Hornung
+// 2013, eq. 4). Far triangles are combined into their dipole (Barill et al. 2018, eq. 6). CGAL's
+// Side_of_triangle_mesh handles closed surfaces only.
 #pragma once
 
 #include <vector>
@@ -20,7 +20,7 @@ class WindingNumber {
   // Exact for near triangles; the far ones add an error of a few thousandths, 0.05 at most.
   double at(const Eigen::Vector3d& x) const;
 
-  // What at() costs there: triangles and nodes that it looks at.
+  // Cost of at() there: the number of triangles and nodes that it visits.
   std::size_t cost_at(const Eigen::Vector3d& x) const;
 
  private:
@@ -33,7 +33,7 @@ class WindingNumber {
     Eigen::Matrix3d quadrupole = Eigen::Matrix3d::Zero();  // sum of (x - centre) (area n)^T
     double radius = 0;
     std::size_t first = 0, last = 0;  // triangles
-    std::size_t right = 0;            // the left child stands next; 0: a leaf
+    std::size_t right = 0;            // the left child is next; 0: a leaf
   };
   using Corners = Eigen::Matrix3d;  // columns: the corners of a triangle
 

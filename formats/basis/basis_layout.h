@@ -63,6 +63,20 @@ inline constexpr std::string_view kMaterialNames = "material_names";
 inline constexpr std::string_view kRenderNormals = "render_normals";
 inline constexpr std::string_view kRenderUvs = "render_uvs";
 inline constexpr std::string_view kRenderColours = "render_colours";
+// Optional, of any version with a render surface: its vertices in the author's file.
+inline constexpr std::string_view kRenderSources = "render_sources";
+// Optional as well: the skeleton of the author's file (formats/surface/flat_rig.h).
+inline constexpr std::string_view kBoneNames = "bone_names";
+inline constexpr std::string_view kBoneParents = "bone_parents";
+inline constexpr std::string_view kBoneEnds = "bone_ends";
+inline constexpr std::string_view kSkinPlaces = "skin_places";
+inline constexpr std::string_view kSkinWeights = "skin_weights";
+inline constexpr std::string_view kClipNames = "clip_names";
+inline constexpr std::string_view kClipFrames = "clip_frames";
+inline constexpr std::string_view kClipTimes = "clip_times";
+inline constexpr std::string_view kClipPoses = "clip_poses";
+// Of a skeleton without a parent.
+inline constexpr std::uint32_t kNoBone = 0xffffffff;
 
 // Version 1.3, of quadratic elements.
 inline constexpr std::string_view kEdgePoints = "edge_points";

@@ -4,6 +4,7 @@
 
 #include "common/index.h"
 #include "formats/basis/basis_reader.h"
+#include "formats/surface/flat_rig.h"
 
 namespace tremolo {
 namespace {
@@ -71,6 +72,50 @@ Status read_colours(BasisReader& reader, std::vector<Colour>& colours) {
   return Success{};
 }
 
+Status read_sources(BasisReader& reader, RenderSurface& surface) {
+  if (!reader.has(kRenderSources)) return Success{};
+  if (Status s = take(surface.sources, reader.indices(kRenderSources, surface.vertices.size())); !s)
+    return s;
+  if (surface.sources_hold()) return Success{};
+  return content_error("section '" + std::string(kRenderSources) +
+                       "': the vertices of the author's file do not come first, each as itself");
+}
+
+template <class T>
+Status read_flat(const Result<std::span<const T>>& values, std::vector<T>& out) {
+  if (!values) return values.error();
+  out.assign(values->begin(), values->end());
+  return Success{};
+}
+
+Status read_clips(BasisReader& reader, FlatRig& flat) {
+  if (!reader.has(kClipNames)) return Success{};
+  const Result<std::string_view> names = reader.text(kClipNames);
+  if (!names) return names.error();
+  flat.clip_names = *names;
+  if (Status s = take(flat.clip_frames, reader.indices(kClipFrames, kMaxVertices)); !s) return s;
+  if (Status s = read_flat(reader.doubles(kClipTimes), flat.clip_times); !s) return s;
+  return read_flat(reader.doubles(kClipPoses), flat.clip_poses);
+}
+
+Status read_rig(BasisReader& reader, RenderSurface& surface) {
+  if (!reader.has(kBoneNames)) return Success{};
+  FlatRig flat;
+  const Result<std::string_view> names = reader.text(kBoneNames);
+  if (!names) return names.error();
+  flat.names = *names;
+  const std::uint64_t words = std::uint64_t{kNoBone} + 1;
+  if (Status s = take(flat.parents, reader.indices(kBoneParents, words)); !s) return s;
+  if (Status s = read_flat(reader.doubles(kBoneEnds), flat.ends); !s) return s;
+  if (Status s = take(flat.places, reader.indices(kSkinPlaces, words)); !s) return s;
+  if (Status s = read_flat(reader.floats(kSkinWeights), flat.weights); !s) return s;
+  if (Status s = read_clips(reader, flat); !s) return s;
+  surface.rig = unflatten(flat, surface.vertices.size());
+  if (surface.rig != nullptr) return Success{};
+  return content_error("section '" + std::string(kBoneNames) +
+                       "': bones, weights and clips do not fit each other or the render surface");
+}
+
 bool are_names(const std::vector<std::string>& names) {
   return !names.empty() && std::none_of(names.begin(), names.end(), [](const std::string& name) {
     return name.find('\0') != std::string::npos;
@@ -93,7 +138,8 @@ bool fits(const RenderBlock& render, Eigen::Index r, std::uint64_t n) {
       render.anchors.size() != count || !one_each_or_none(surface.normals.size()) ||
       !one_each_or_none(surface.uvs.size()) || !one_each_or_none(surface.colours.size()) ||
       surface.object_of.size() != triangles || surface.material_of.size() != triangles ||
-      !are_names(surface.objects) || !are_names(surface.materials))
+      !are_names(surface.objects) || !are_names(surface.materials) || !surface.sources_hold() ||
+      (surface.rig != nullptr && !rig_holds(*surface.rig, count)))
     return false;
   const auto is_corner = [count](VertexId id) { return is_index(id, count); };
   return std::all_of(render.anchors.begin(), render.anchors.end(),
@@ -113,6 +159,8 @@ Result<std::optional<RenderBlock>> read_render(BasisReader& reader) {
   if (Status s = read_vectors(reader, kRenderNormals, block.surface.normals); !s) return s.error();
   if (Status s = read_vectors(reader, kRenderUvs, block.surface.uvs); !s) return s.error();
   if (Status s = read_colours(reader, block.surface.colours); !s) return s.error();
+  if (Status s = read_sources(reader, block.surface); !s) return s.error();
+  if (Status s = read_rig(reader, block.surface); !s) return s.error();
   return std::optional<RenderBlock>(std::move(block));
 }
 

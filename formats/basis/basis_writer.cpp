@@ -10,6 +10,7 @@
 #include "formats/basis/basis_sections.h"
 #include "formats/basis/compact_values.h"
 #include "formats/sections/section_writer.h"
+#include "formats/surface/flat_rig.h"
 
 namespace tremolo {
 namespace {
@@ -25,6 +26,7 @@ struct Additions {
   std::string materials;
   std::array<double, kRestMoments> rest_moments{};  // of inertia_rest
   std::optional<CompactValues> compact;             // nullopt for a full file
+  std::optional<FlatRig> rig;                       // of the render surface
 };
 
 std::string joined(const std::vector<std::string>& names) {
@@ -81,11 +83,25 @@ Result<Additions> make_additions(const BasisData& data, BasisEncoding encoding) 
   if (data.render) {
     more.objects = joined(data.render->surface.objects);
     more.materials = joined(data.render->surface.materials);
+    if (data.render->surface.rig != nullptr) more.rig = flatten(*data.render->surface.rig);
   }
   if (data.inertia) more.rest_moments = rest_moments(*data.inertia);
   if (encoding == BasisEncoding::kFull) return more;
   if (Status status = take(more.compact, compact_values(data)); !status) return status.error();
   return more;
+}
+
+void add_rig(const FlatRig& rig, Contents& contents) {
+  contents[kBoneNames] = bytes_of(rig.names);
+  contents[kBoneParents] = bytes_of(rig.parents);
+  contents[kBoneEnds] = bytes_of(rig.ends);
+  contents[kSkinPlaces] = bytes_of(rig.places);
+  contents[kSkinWeights] = bytes_of(rig.weights);
+  if (rig.clip_frames.empty()) return;
+  contents[kClipNames] = bytes_of(rig.clip_names);
+  contents[kClipFrames] = bytes_of(rig.clip_frames);
+  contents[kClipTimes] = bytes_of(rig.clip_times);
+  contents[kClipPoses] = bytes_of(rig.clip_poses);
 }
 
 void add_render(const RenderBlock& render, const Additions& more, Contents& contents) {
@@ -103,6 +119,8 @@ void add_render(const RenderBlock& render, const Additions& more, Contents& cont
   if (!surface.normals.empty()) contents[kRenderNormals] = bytes_of(surface.normals);
   if (!surface.uvs.empty()) contents[kRenderUvs] = bytes_of(surface.uvs);
   if (!surface.colours.empty()) contents[kRenderColours] = bytes_of(surface.colours);
+  if (!surface.sources.empty()) contents[kRenderSources] = bytes_of(surface.sources);
+  if (more.rig) add_rig(*more.rig, contents);
 }
 
 Contents contents_of(const BasisData& data, const Additions& more) {

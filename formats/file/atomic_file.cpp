@@ -1,5 +1,6 @@
 #include "formats/file/atomic_file.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -8,46 +9,69 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
-#include <iterator>
+#include <mutex>
 #include <unistd.h>
 #include <utility>
+#include <vector>
 
 #include "formats/file/os_error.h"
+#include "formats/file/output_guard.h"
 #include "formats/file/partial_file.h"
 
 namespace tremolo {
+
+// A temporary file under way, readable from a signal handler. Slots are linked once and stay: one
+// that is free again is used by the next file.
+struct PartialSlot {
+  std::atomic<int> state{0};  // kFree, kTaken, kNamed
+  const char* path =
+      nullptr;           // of a named slot; a handler may read it at any time, so none is freed
+  std::size_t room = 0;  // bytes at `path`
+  PartialSlot* next = nullptr;
+};
+
 namespace {
 
-// The temporary files under way, readable from a signal handler: one for each thread that writes.
-struct Slot {
-  std::atomic<int> state{0};  // kFree, kTaken, kNamed
-  char path[4096] = {};
-};
 constexpr int kFree = 0, kTaken = 1, kNamed = 2;
-Slot slots[16];
+std::atomic<PartialSlot*> all_slots{nullptr};
+std::mutex free_mutex;
+std::vector<PartialSlot*> free_slots;
 
+// End a process unless they are handled, whoever sends them.
 constexpr std::array kFatal = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGXCPU};
+constexpr std::array kSeldom = {SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF,  SIGIO,
+                                SIGPWR,  SIGABRT, SIGTRAP, SIGSYS,    SIGSTKFLT};
 
-// A slot for a file that is about to be created; -1 if there is none left: a signal then leaves the
-// file behind.
-int take_slot() {
-  for (int i = 0; i < std::ssize(slots); ++i) {
-    int expected = kFree;
-    if (slots[i].state.compare_exchange_strong(expected, kTaken)) return i;
+// A slot for a file that is about to be created.
+PartialSlot* take_slot() {
+  const std::lock_guard hold(free_mutex);
+  if (!free_slots.empty()) {
+    PartialSlot* slot = free_slots.back();
+    free_slots.pop_back();
+    slot->state = kTaken;
+    return slot;
   }
-  return -1;
+  auto* slot = new PartialSlot;  // NOLINT: it stays for the handler
+  slot->state = kTaken;
+  slot->next = all_slots;
+  all_slots = slot;
+  return slot;
 }
 
-void forget_partial(int slot) {
-  if (slot >= 0) slots[slot].state = kFree;
+void forget_partial(PartialSlot* slot) {
+  if (slot == nullptr) return;
+  const std::lock_guard hold(free_mutex);
+  slot->state = kFree;
+  free_slots.push_back(slot);
 }
 
-// False if the slot has no room for the path.
-bool name_slot(int slot, const std::string& path) {
-  if (slot < 0 || path.size() >= sizeof(Slot::path)) return false;
-  std::memcpy(slots[slot].path, path.c_str(), path.size() + 1);
-  slots[slot].state = kNamed;
-  return true;
+void name_slot(PartialSlot* slot, const std::string& path) {
+  if (slot->room < path.size() + 1) {
+    slot->room = std::max<std::size_t>(2 * path.size(), 128);
+    slot->path = new char[slot->room];  // NOLINT: likewise
+  }
+  std::memcpy(const_cast<char*>(slot->path), path.c_str(), path.size() + 1);
+  slot->state = kNamed;
 }
 
 // Holds the fatal signals back from this thread. Between the creation of a file and the naming of
@@ -58,6 +82,8 @@ class FatalSignalsHeldBack {
     sigset_t fatal;
     sigemptyset(&fatal);
     for (int signal : kFatal) sigaddset(&fatal, signal);
+    for (int signal : kSeldom) sigaddset(&fatal, signal);
+    for (int signal = SIGRTMIN; signal <= SIGRTMAX; ++signal) sigaddset(&fatal, signal);
     pthread_sigmask(SIG_BLOCK, &fatal, &before_);
   }
   ~FatalSignalsHeldBack() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
@@ -74,9 +100,9 @@ static void on_fatal_signal(int signal) {
   // second for that.
   constexpr timespec kMillisecond = {0, 1'000'000};
   int patience = 1000;
-  for (const Slot& slot : slots) {
-    for (; slot.state == kTaken && patience > 0; --patience) ::nanosleep(&kMillisecond, nullptr);
-    if (slot.state == kNamed) ::unlink(slot.path);
+  for (const PartialSlot* slot = all_slots; slot != nullptr; slot = slot->next) {
+    for (; slot->state == kTaken && patience > 0; --patience) ::nanosleep(&kMillisecond, nullptr);
+    if (slot->state == kNamed) ::unlink(slot->path);
   }
   // The parent shall see death by this signal. Not by SA_RESETHAND: METIS puts the handler back
   // without its flags.
@@ -87,7 +113,7 @@ static void on_fatal_signal(int signal) {
 
 }  // namespace
 
-AtomicFile::AtomicFile(std::string path, std::string temporary, int descriptor, int slot)
+AtomicFile::AtomicFile(std::string path, std::string temporary, int descriptor, PartialSlot* slot)
     : path_(std::move(path)),
       temporary_(std::move(temporary)),
       descriptor_(descriptor),
@@ -97,11 +123,12 @@ AtomicFile::AtomicFile(AtomicFile&& other) noexcept
     : path_(std::move(other.path_)),
       temporary_(std::move(other.temporary_)),
       descriptor_(std::exchange(other.descriptor_, -1)),
-      slot_(std::exchange(other.slot_, -1)) {}
+      parked_(std::exchange(other.parked_, false)),
+      slot_(std::exchange(other.slot_, nullptr)) {}
 
 AtomicFile::~AtomicFile() {
-  if (descriptor_ < 0) return;
-  ::close(descriptor_);
+  if (descriptor_ < 0 && !parked_) return;
+  if (descriptor_ >= 0) ::close(descriptor_);
   ::unlink(temporary_.c_str());
   forget_partial(slot_);
 }
@@ -116,23 +143,39 @@ Result<AtomicFile> AtomicFile::create(const std::string& path) {
   const fs::file_status status = fs::status(path, ignored);
   if (fs::exists(status) && !fs::is_regular_file(status))
     return system_error(path + ": cannot write: it exists and is not a regular file");
+  if (const Status kept = check_replaceable(path); !kept) return kept.error();
   // Through a symbolic link, so that rename replaces the file and not the link.
   const fs::path target = fs::weakly_canonical(path, ignored);
   const std::string final_path = target.empty() ? path : target.string();
   remove_stale_partials(final_path);
   const FatalSignalsHeldBack held_back;
-  int slot = take_slot();
+  PartialSlot* slot = take_slot();
   PartialFile partial = create_partial(final_path);
   if (partial.descriptor < 0) {
     const Error error = os_error(path + ": cannot create a file there");
     forget_partial(slot);
     return error;
   }
-  if (!name_slot(slot, partial.path)) forget_partial(std::exchange(slot, -1));
+  name_slot(slot, partial.path);
   return AtomicFile(final_path, std::move(partial.path), partial.descriptor, slot);
 }
 
+void AtomicFile::park() {
+  if (descriptor_ < 0) return;
+  ::close(std::exchange(descriptor_, -1));
+  parked_ = true;
+}
+
+Status AtomicFile::reopen() {
+  if (!parked_) return Success{};
+  descriptor_ = open_partial(temporary_);
+  if (descriptor_ < 0) return failure("go on with its temporary file");
+  parked_ = false;
+  return Success{};
+}
+
 Status AtomicFile::write(std::span<const std::byte> bytes) {
+  if (Status s = reopen(); !s) return s;
   while (!bytes.empty()) {
     const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
     if (written < 0) {
@@ -149,6 +192,7 @@ Status AtomicFile::write(std::string_view text) {
 }
 
 Status AtomicFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
+  if (Status s = reopen(); !s) return s;
   while (!bytes.empty()) {
     const ssize_t written =
         ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
@@ -163,6 +207,7 @@ Status AtomicFile::write_at(std::uint64_t offset, std::span<const std::byte> byt
 }
 
 Status AtomicFile::commit() {
+  if (Status s = reopen(); !s) return s;
   while (::fsync(descriptor_) != 0)
     if (errno != EINTR) return failure("flush");
   // Everything is on the disk: a signal during close() takes nothing away.
@@ -170,10 +215,10 @@ Status AtomicFile::commit() {
   if (closed != 0 || ::rename(temporary_.c_str(), path_.c_str()) != 0) {
     const Error error = failure("finish");
     ::unlink(temporary_.c_str());
-    forget_partial(std::exchange(slot_, -1));
+    forget_partial(std::exchange(slot_, nullptr));
     return error;
   }
-  forget_partial(std::exchange(slot_, -1));
+  forget_partial(std::exchange(slot_, nullptr));
   return Success{};
 }
 
@@ -184,15 +229,35 @@ Status write_file(const std::string& path, std::string_view text) {
   return file->commit();
 }
 
+PartialOfChild::PartialOfChild(const std::string& path) : slot_(take_slot()) {
+  name_slot(slot_, path);
+}
+
+PartialOfChild::PartialOfChild(PartialOfChild&& other) noexcept
+    : slot_(std::exchange(other.slot_, nullptr)) {}
+
+PartialOfChild& PartialOfChild::operator=(PartialOfChild&& other) noexcept {
+  std::swap(slot_, other.slot_);
+  return *this;
+}
+
+PartialOfChild::~PartialOfChild() {
+  forget_partial(slot_);
+}
+
 void remove_partial_files_on_signals() {
   struct sigaction action = {};
   action.sa_handler = on_fatal_signal;
-  for (int signal : kFatal) {
+  const auto handle = [&action](int signal, bool of_others) {
     struct sigaction before = {};
     ::sigaction(signal, nullptr, &before);
     // What is ignored, as under nohup, stays ignored.
-    if (before.sa_handler != SIG_IGN) ::sigaction(signal, &action, nullptr);
-  }
+    const bool ours = of_others ? before.sa_handler != SIG_IGN : before.sa_handler == SIG_DFL;
+    if (ours) ::sigaction(signal, &action, nullptr);
+  };
+  for (const int signal : kFatal) handle(signal, true);
+  for (const int signal : kSeldom) handle(signal, false);
+  for (int signal = SIGRTMIN; signal <= SIGRTMAX; ++signal) handle(signal, false);
   // A file above the limit (ulimit -f) is then an error of write(), with a message and a path.
   ::signal(SIGXFSZ, SIG_IGN);
 }

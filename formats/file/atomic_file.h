@@ -12,12 +12,15 @@
 
 namespace tremolo {
 
+struct PartialSlot;
+
 // One file being written. Until commit() succeeds the target path is untouched; the destructor
 // removes an uncommitted temporary file. Errors are ErrorKind::kSystem and name the path. A process
 // that is killed leaves its temporary file; the next that writes the same target removes it.
 class AtomicFile {
  public:
-  // Refuses a target that exists and is not a regular file.
+  // Refuses a target that exists and is not a regular file, and one that is an input which is
+  // guarded (formats/file/output_guard.h).
   static Result<AtomicFile> create(const std::string& path);
 
   AtomicFile(AtomicFile&& other) noexcept;
@@ -30,26 +33,47 @@ class AtomicFile {
   Status write(std::string_view text);
   // Writes at an offset in bytes; the file grows if need be, and the position of write() stays.
   Status write_at(std::uint64_t offset, std::span<const std::byte> bytes);
+  // Closes the temporary file until the next call, for owners of more files than a process may have
+  // open. Meanwhile it is not locked: another process that writes the same target removes it.
+  void park();
   // Flushes to the disk and renames.
   Status commit();
 
  private:
-  AtomicFile(std::string path, std::string temporary, int descriptor, int slot);
+  AtomicFile(std::string path, std::string temporary, int descriptor, PartialSlot* slot);
   Error failure(const char* what) const;
+  // Opens the temporary file if it is parked.
+  Status reopen();
 
   std::string path_;
   std::string temporary_;
   int descriptor_;
-  int slot_;  // where a signal handler finds the temporary file's name; -1: nowhere
+  bool parked_ = false;
+  PartialSlot* slot_;  // where a signal handler finds the temporary file's name
 };
 
 // Writes `text` as the whole file.
 Status write_file(const std::string& path, std::string_view text);
 
-// Makes SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE and SIGXCPU remove the temporary files of all
-// AtomicFiles under way (up to 16) before the process ends by that signal; and ignores SIGXFSZ, so
-// that a limit on file sizes is an error like a full disk. For programs; a library must not call
-// it.
+// Another temporary file than an AtomicFile's that goes with a fatal signal: one that a child
+// writes.
+class PartialOfChild {
+ public:
+  PartialOfChild() = default;
+  explicit PartialOfChild(const std::string& path);
+  PartialOfChild(PartialOfChild&& other) noexcept;
+  PartialOfChild& operator=(PartialOfChild&& other) noexcept;
+  ~PartialOfChild();
+
+ private:
+  PartialSlot* slot_ = nullptr;
+};
+
+// Makes every signal that ends a process from outside, SIGKILL aside, remove the temporary files of
+// all AtomicFiles under way before the process ends by that signal: SIGINT, SIGTERM, SIGHUP,
+// SIGQUIT, SIGPIPE, SIGXCPU, and of the others (SIGUSR1, SIGALRM, SIGABRT, real-time signals ...)
+// those that nobody else handles; and ignores SIGXFSZ, so that a limit on file sizes is an error
+// like a full disk. For programs; a library must not call it.
 void remove_partial_files_on_signals();
 
 }  // namespace tremolo

@@ -31,11 +31,11 @@ struct Quartet {
 
 }  // namespace
 
-DecodedBase64 decode_base64(std::string_view text) {
+DecodedBase64 decode_base64(std::string_view text, std::size_t most) {
   DecodedBase64 decoded;
-  decoded.bytes.reserve(text.size() / 4 * 3);
+  decoded.bytes.reserve(std::min(text.size() / 4 * 3, most < text.size() ? most + 2 : most));
   Quartet quartet;
-  for (std::size_t at = 0; at < text.size(); ++at) {
+  for (std::size_t at = 0; at < text.size() && decoded.bytes.size() < most; ++at) {
     const char c = text[at];
     if (c == ' ' || c == '\t' || c == '\r' || c == '\n') continue;
     if (!quartet.take(c)) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <string_view>
 
@@ -15,8 +16,9 @@ struct DecodedBase64 {
 };
 
 // Blanks and line ends are skipped. Several padded texts may stand behind each other, as writers
-// that encode a header by itself leave them.
-DecodedBase64 decode_base64(std::string_view text);
+// that encode a header by itself leave them. Stops once it has `most` bytes, or up to two more.
+DecodedBase64 decode_base64(std::string_view text,
+                            std::size_t most = std::numeric_limits<std::size_t>::max());
 
 // Padded, without line ends.
 std::string encode_base64(std::string_view bytes);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <assimp/DefaultIOStream.h>
+#include <assimp/MemoryIOWrapper.h>
 #include <cstdio>
 #include <fcntl.h>
 #include <string_view>
@@ -62,6 +63,9 @@ Assimp::IOStream* FolderFiles::Open(const char* name, const char* mode) {
     refuse(name);
     return nullptr;
   }
+  if (replacement_ && real == real_file_)
+    return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(replacement_->data()),
+                                      replacement_->size());
   // O_NONBLOCK: to open a pipe would wait for its writer.
   const int descriptor = ::open(real.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   struct stat status = {};
@@ -76,6 +80,15 @@ Assimp::IOStream* FolderFiles::Open(const char* name, const char* mode) {
     return nullptr;
   }
   return new RegularFile(file, real.string());
+}
+
+std::string FolderFiles::contents(const std::string& name) {
+  Assimp::IOStream* stream = Open(name.c_str(), "rb");
+  if (stream == nullptr) return {};
+  std::string bytes(stream->FileSize(), '\0');
+  const bool whole = stream->Read(bytes.data(), 1, bytes.size()) == bytes.size();
+  Close(stream);
+  return whole ? bytes : std::string();
 }
 
 void FolderFiles::Close(Assimp::IOStream* stream) {

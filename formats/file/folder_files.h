@@ -3,6 +3,7 @@
 
 #include <assimp/IOSystem.hpp>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,11 @@ class FolderFiles : public Assimp::IOSystem {
   Assimp::IOStream* Open(const char* name, const char* mode) override;
   void Close(Assimp::IOStream* stream) override;
 
+  // Gives these bytes in the place of the file's own from now on.
+  void replace_file(std::string bytes) { replacement_ = std::move(bytes); }
+  // The bytes of a file that may be opened; empty for any other.
+  std::string contents(const std::string& name);
+
   // Names that were asked for and lie outside, or are no regular files; each once, at most ten.
   const std::vector<std::string>& refused() const { return refused_; }
 
@@ -31,6 +37,7 @@ class FolderFiles : public Assimp::IOSystem {
   std::filesystem::path real_file_;
   std::filesystem::path folder_;
   std::vector<std::string> refused_;
+  std::optional<std::string> replacement_;
 };
 
 }  // namespace tremolo

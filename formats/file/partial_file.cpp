@@ -81,6 +81,20 @@ PartialFile create_partial(const std::string& target) {
   return {base};
 }
 
+int open_partial(const std::string& path) {
+  int descriptor = -1;
+  do {
+    descriptor = ::open(path.c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC);
+  } while (descriptor < 0 && errno == EINTR);
+  if (descriptor < 0) return -1;
+  (void)lock(descriptor);
+  if (::lseek(descriptor, 0, SEEK_END) >= 0) return descriptor;
+  const int error = errno;
+  ::close(descriptor);
+  errno = error;
+  return -1;
+}
+
 void remove_stale_partials(const std::string& target) {
   static std::mutex mutex;
   static std::map<std::string, std::vector<std::string>> seen;

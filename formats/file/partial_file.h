@@ -15,6 +15,10 @@ struct PartialFile {
 // is locked while the descriptor is open, so that other processes see that it has an owner.
 PartialFile create_partial(const std::string& target);
 
+// Opens a temporary file that was closed, at its end, and locks it. The descriptor; -1: errno tells
+// why there is none.
+int open_partial(const std::string& path);
+
 // Removes the temporary files of `target` that no process has locked: their owners were killed,
 // crashed or lost power. A folder is scanned once a process. Nothing is removed where the file
 // system has no locks.

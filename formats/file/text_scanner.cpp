@@ -20,7 +20,10 @@ std::string quoted_text(std::string_view found) {
 }
 
 TextScanner::TextScanner(std::string_view text, std::string file, TextStyle style)
-    : text_(text), file_(std::move(file)), style_(style) {}
+    : text_(text),
+      file_(std::move(file)),
+      style_(style),
+      at_(text.size() - without_mark(text).size()) {}
 
 bool TextScanner::is_separator(char c) const {
   return is_blank(c) || c == '\n' || (c == ',' && style_.commas);

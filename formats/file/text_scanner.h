@@ -24,11 +24,20 @@ struct TextStyle {
   bool binary_file = false;  // errors give the byte offset, since lines mean nothing
 };
 
+// Bytes that some editors and exporters put before the first character of UTF-8.
+inline constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+
+// The text behind a byte-order mark, or all of it. TextScanner does this itself.
+inline std::string_view without_mark(std::string_view text) {
+  return text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text;
+}
+
 // What was found, for an error message: short, in quotes, without control characters.
 std::string quoted_text(std::string_view found);
 
-// Walks over a text that must outlive it. A read that fails returns false and leaves an error
-// (kContent) that names file and line, what was expected and what was found.
+// Walks over a text that must outlive it, from behind its byte-order mark if it has one. A read
+// that fails returns false and leaves an error (kContent) that names file and line, what was
+// expected and what was found.
 class TextScanner {
  public:
   TextScanner(std::string_view text, std::string file, TextStyle style = {});

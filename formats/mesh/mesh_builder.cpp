@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "formats/mesh/cut_cells.h"
+
 namespace tremolo {
 
 bool MeshBuilder::refuse(std::string complaint) {
@@ -81,6 +83,7 @@ bool MeshBuilder::add_cell(std::int64_t cell, const CellKind& kind,
         "element " + std::to_string(cell) + " is one of " + std::string(kind.plural) +
         ", expected linear or quadratic tetrahedra (4 or 10 nodes): export the mesh with order "
         "1 or 2");
+  if (kind.is_cut()) return cut(cell, kind, vertices);
   if (kind.role == CellKind::Role::kOther) {
     Others& others = others_[kind.plural];
     ++(in_set ? others.in_sets : others.skipped);
@@ -100,6 +103,30 @@ bool MeshBuilder::add_cell(std::int64_t cell, const CellKind& kind,
     const auto [a, b] = std::minmax(vertices[kEnds[e][0]], vertices[kEnds[e][1]]);
     mesh_.edges.push_back({point, a, b});
   }
+  return true;
+}
+
+bool MeshBuilder::cut(std::int64_t cell, const CellKind& kind, std::span<const VertexId> vertices) {
+  const std::size_t count = kind.corners();
+  if (vertices.size() < count)
+    return refuse("element " + std::to_string(cell) + " is one of " + std::string(kind.plural) +
+                  " with " + std::to_string(vertices.size()) + " nodes, expected " +
+                  std::to_string(count));
+  if (ranks_.empty()) ranks_ = ranks_by_place(mesh_.vertices);
+  std::array<VertexId, 8> corners{};
+  std::copy_n(vertices.begin(), count, corners.begin());
+  if (kind.role == CellKind::Role::kVoxel) {
+    std::swap(corners[2], corners[3]);
+    std::swap(corners[6], corners[7]);
+  }
+  const std::size_t before = mesh_.tetrahedra.size();
+  const std::string complaint = cut_cell(kind, {corners.data(), count}, ranks_, mesh_);
+  if (!complaint.empty())
+    return refuse("element " + std::to_string(cell) + ", one of " + std::string(kind.plural) +
+                  ", " + complaint);
+  std::array<std::size_t, 2>& counted = cut_[kind.plural];
+  ++counted[0];
+  counted[1] += mesh_.tetrahedra.size() - before;
   return true;
 }
 
@@ -143,6 +170,9 @@ Result<MeshFile> MeshBuilder::finish(std::string format) {
     if (count.skipped > 0) notes_.push_back(cells(count.skipped, plural) + " skipped");
     others += (others.empty() ? "" : ", ") + cells(count.in_sets + count.skipped, plural);
   }
+  for (const auto& [plural, count] : cut_)
+    notes_.push_back(cells(count[0], plural) + " are cut into " + std::to_string(count[1]) +
+                     " tetrahedra by their corners");
   if (mesh_.tetrahedra.empty())
     return content_error(file_ + ": expected tetrahedra, found " +
                          std::to_string(mesh_.vertices.size()) + " vertices and " +

@@ -2,6 +2,7 @@
 // are counted.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -37,8 +38,9 @@ class MeshBuilder {
   // Indices of the nodes of a cell, which `cell` names for the complaint. Refuses unknown ids.
   bool resolve(std::int64_t cell, std::span<const std::int64_t> nodes,
                std::vector<VertexId>& vertices);
-  // A cell of any kind: a tetrahedron is kept, another is counted, one of higher order refused.
-  // in_set: its vertices will be of a named set, so it is not there for nothing.
+  // A cell of any kind: a tetrahedron is kept, a hexahedron, wedge or pyramid cut into some
+  // (mesh().tetrahedra grows by up to six), another cell is counted, a tetrahedron of higher order
+  // refused. in_set: its vertices will be of a named set, so it is not there for nothing.
   bool add_cell(std::int64_t cell, const CellKind& kind, std::span<const VertexId> vertices,
                 bool in_set = false);
 
@@ -61,6 +63,7 @@ class MeshBuilder {
  private:
   VertexId find(std::int64_t id) const;
   bool refuse(std::string complaint);
+  bool cut(std::int64_t cell, const CellKind& kind, std::span<const VertexId> vertices);
 
   std::string file_;
   TetMesh mesh_;
@@ -77,6 +80,8 @@ class MeshBuilder {
     std::size_t in_sets = 0;
   };
   std::map<std::string_view, Others> others_;
+  std::vector<VertexId> ranks_;  // ranks_by_place(), once a cell is cut
+  std::map<std::string_view, std::array<std::size_t, 2>> cut_;  // by kind: cells, tetrahedra
   std::vector<std::string> notes_;
   std::vector<FileMaterial> materials_;
   std::string complaint_;

@@ -14,6 +14,10 @@ struct CellKind {
     kQuadraticTetrahedron,
     kGmshQuadraticTetrahedron,
     kHigherTetrahedron,
+    kHexahedron,
+    kVoxel,  // a hexahedron with its corners in the order of a grid, x first
+    kWedge,
+    kPyramid,
     kOther
   };
   std::string_view plural;
@@ -23,8 +27,15 @@ struct CellKind {
   bool is_quadratic() const {
     return role == Role::kQuadraticTetrahedron || role == Role::kGmshQuadraticTetrahedron;
   }
+  // Whether the cell is cut into tetrahedra (cut_cells.h), by its corners: one that has more nodes
+  // has the corners first.
+  bool is_cut() const { return corners() > 0; }
+  int corners() const {
+    if (role == Role::kHexahedron || role == Role::kVoxel) return 8;
+    return role == Role::kWedge ? 6 : role == Role::kPyramid ? 5 : 0;
+  }
   // Whether cells of this kind become tetrahedra of the mesh.
-  bool is_kept() const { return role == Role::kTetrahedron || is_quadratic(); }
+  bool is_kept() const { return role == Role::kTetrahedron || is_quadratic() || is_cut(); }
 };
 
 // Beyond 2^53 doubles skip integers: a larger number names no region.

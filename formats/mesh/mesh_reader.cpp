@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string_view>
 
+#include "common/format_text.h"
 #include "formats/file/text_scanner.h"
 #include "formats/file/whole_file.h"
 #include "formats/mesh/mesh_formats.h"
@@ -10,17 +11,21 @@
 namespace tremolo {
 namespace {
 
-enum class MeshFormat { kMsh, kVtk, kVtu, kVeg, kVegb, kUnknown };
+enum class MeshFormat { kMsh, kVtk, kVtu, kVeg, kVegb, kInp, kBdf, kUnknown };
 
 MeshFormat format_of_first_line(std::string_view text) {
   TextScanner scanner(text, "");
   const std::string_view first = scanner.peek();
   if (first == "$MeshFormat") return MeshFormat::kMsh;
   if (first == "<?xml" || first == "<VTKFile") return MeshFormat::kVtu;
-  if (text.starts_with("# vtk DataFile")) return MeshFormat::kVtk;
+  if (without_mark(text).starts_with("# vtk DataFile")) return MeshFormat::kVtk;
   // A .veg file may open with comments.
   TextScanner uncommented(text, "", {.comment = '#'});
   const std::string_view keyword = uncommented.peek();
+  const std::string upper = upper_case(first);
+  for (const std::string_view abaqus : {"*HEADING", "*NODE", "*PART"})
+    if (upper == abaqus || upper == std::string(abaqus) + ",") return MeshFormat::kInp;
+  if (upper == "BEGIN" || upper == "SOL" || upper == "CEND") return MeshFormat::kBdf;
   if (keyword.starts_with("*VERTICES") || keyword.starts_with("*INCLUDE")) return MeshFormat::kVeg;
   return MeshFormat::kUnknown;
 }
@@ -31,6 +36,8 @@ MeshFormat format_of_extension(const std::string& extension) {
   if (extension == ".vtu") return MeshFormat::kVtu;
   if (extension == ".veg") return MeshFormat::kVeg;
   if (extension == ".vegb") return MeshFormat::kVegb;
+  if (extension == ".inp") return MeshFormat::kInp;
+  if (extension == ".bdf" || extension == ".nas" || extension == ".fem") return MeshFormat::kBdf;
   return MeshFormat::kUnknown;
 }
 
@@ -54,13 +61,17 @@ Result<MeshFile> read_tet_mesh(const std::string& path) {
       return read_veg(*text, path);
     case MeshFormat::kVegb:
       return read_vegb(*text, path);
+    case MeshFormat::kInp:
+      return read_inp(*text, path);
+    case MeshFormat::kBdf:
+      return read_bdf(*text, path);
     case MeshFormat::kUnknown:
       break;
   }
   return content_error(
       path +
-      ", line 1: expected a tetrahedral mesh (.msh 2.2 or 4.1, .vtk, .vtu, .veg, .vegb, "
-      ".node/.ele), found " +
+      ", line 1: expected a tetrahedral mesh (.msh 2.2 or 4.1, .vtk, .vtu, .inp, .bdf, .veg, "
+      ".vegb, .node/.ele), found " +
       quoted_text(TextScanner(*text, path).rest_of_line()));
 }
 

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -67,18 +69,46 @@ Status read_nodes(TextScanner scanner, MeshBuilder& builder) {
   return Success{};
 }
 
+// TetGen's second order (-o2): six further nodes in the middles of the edges. Which stands for
+// which edge is seen from where they lie, as its versions differ: each goes to the edge whose
+// middle is nearest. False if two go to one edge.
+bool order_edge_nodes(const TetMesh& mesh, std::vector<VertexId>& vertices) {
+  constexpr std::array<std::array<std::size_t, 2>, 6> kEnds = {
+      {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
+  const auto at = [&](std::size_t n) -> const Eigen::Vector3d& {
+    return mesh.vertices[vertices[n]];
+  };
+  std::array<VertexId, 6> ordered;
+  ordered.fill(-1);
+  for (std::size_t n = 4; n < 10; ++n) {
+    const auto distance = [&](const std::array<std::size_t, 2>& ends) {
+      return (at(n) - 0.5 * (at(ends[0]) + at(ends[1]))).squaredNorm();
+    };
+    const auto nearest =
+        std::min_element(kEnds.begin(), kEnds.end(),
+                         [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
+    VertexId& place = ordered[nearest - kEnds.begin()];
+    if (place >= 0) return false;
+    place = vertices[n];
+  }
+  std::copy(ordered.begin(), ordered.end(), vertices.begin() + 4);
+  return true;
+}
+
 // The last attribute numbers regions: TetGen puts it there.
 Status read_elements(TextScanner scanner, MeshBuilder& builder) {
   Header header;
   if (!read_header(scanner, "tetrahedra", "the number of nodes of a tetrahedron", header))
     return scanner.error();
-  if (header.width != 4)
-    return scanner.problem("expected linear tetrahedra of 4 nodes, found " +
+  if (header.width != 4 && header.width != 10)
+    return scanner.problem("expected tetrahedra of 4 or 10 nodes, found " +
                            std::to_string(header.width) + " nodes");
   if (!scanner.fits(header.count, 10, "tetrahedra")) return scanner.error();
   builder.reserve_tetrahedra(header.count);
-  constexpr CellKind kKind{"tetrahedra", 4, CellKind::Role::kTetrahedron};
-  std::vector<std::int64_t> nodes(4);
+  constexpr CellKind kLinear{"tetrahedra", 4, CellKind::Role::kTetrahedron};
+  constexpr CellKind kQuadratic{"10-node tetrahedra", 10, CellKind::Role::kQuadraticTetrahedron};
+  const CellKind& kind = header.width == 4 ? kLinear : kQuadratic;
+  std::vector<std::int64_t> nodes(header.width);
   std::vector<VertexId> vertices;
   std::vector<std::int64_t> regions;
   bool whole = header.attributes > 0;
@@ -93,8 +123,12 @@ Status read_elements(TextScanner scanner, MeshBuilder& builder) {
       if (!scanner.read(attribute, "an attribute")) return scanner.error();
     whole = whole && std::abs(attribute) <= kMostExact && attribute == std::floor(attribute);
     if (whole) regions.push_back(static_cast<std::int64_t>(attribute));
-    if (!builder.resolve(id, nodes, vertices) || !builder.add_cell(id, kKind, vertices))
-      return scanner.problem(builder.complaint());
+    if (!builder.resolve(id, nodes, vertices)) return scanner.problem(builder.complaint());
+    if (kind.is_quadratic() && !order_edge_nodes(builder.mesh(), vertices))
+      return scanner.problem("element " + std::to_string(id) +
+                             ": expected its last six nodes near the middles of its six edges, "
+                             "found two at one edge");
+    if (!builder.add_cell(id, kind, vertices)) return scanner.problem(builder.complaint());
   }
   if (whole)
     builder.set_regions(regions,

@@ -54,7 +54,7 @@ Status read_body(Reading& reading, std::int64_t id, std::int64_t type, const Cel
       !reading.builder.add_cell(id, kind, reading.vertices, physical != 0))
     return reading.input.problem(reading.builder.complaint());
   reading.groups.add(msh_dimension(type), physical, reading.vertices);
-  if (kind.is_kept()) reading.physical_of_tet.push_back(physical);
+  reading.physical_of_tet.resize(reading.builder.mesh().tetrahedra.size(), physical);
   return Success{};
 }
 

@@ -12,30 +12,60 @@ namespace {
 // many blocks would make sets far larger than the file.
 constexpr std::size_t kMaxGroupsOfEntity = 64;
 
-// The body of one entity: a point has 3 coordinates, the others a bounding box of 6 numbers and a
-// list of the entities around them.
-bool read_entity(MshInput& input, int dimension, MshEntities& entities) {
-  std::int64_t tag = 0;
-  double ignored = 0;
+// How many numbers of a list follow, which are read to the end; each: called with every number.
+template <class Each>
+bool read_tags(MshInput& input, std::string_view items, std::string_view item, const Each& each) {
   std::uint64_t count = 0;
   std::int64_t number = 0;
-  if (!input.integer(tag, "the tag of an entity")) return false;
-  for (int n = 0; n < (dimension == 0 ? 3 : 6); ++n)
-    if (!input.real(ignored, "a coordinate of an entity")) return false;
-  if (!input.size(count, "a number of physical tags") ||
-      !input.fits(count, {.integers = 1}, "physical tags"))
+  if (!input.size(count, "a number of " + std::string(items)) ||
+      !input.fits(count, {.integers = 1}, items))
     return false;
   for (std::uint64_t n = 0; n < count; ++n) {
-    if (!input.integer(number, "a physical tag")) return false;
-    entities[{dimension, tag}].push_back(number);
+    if (!input.integer(number, item)) return false;
+    each(number);
   }
-  if (dimension == 0) return true;
-  if (!input.size(count, "a number of bounding entities") ||
-      !input.fits(count, {.integers = 1}, "bounding entities"))
-    return false;
-  for (std::uint64_t n = 0; n < count; ++n)
-    if (!input.integer(number, "the tag of a bounding entity")) return false;
   return true;
+}
+
+// Of a partitioned entity: the entity that it is a part of, and its partitions. Its groups are
+// those of the whole, so that a file has the same groups as before it was partitioned; borders
+// between partitions are of a lower dimension than what they cut and have none.
+bool read_parent(MshInput& input, int dimension, const MshEntities& entities,
+                 const std::vector<std::int64_t>** groups_of_parent) {
+  static const std::vector<std::int64_t> kNone;
+  std::int64_t parent_dimension = 0;
+  std::int64_t parent = 0;
+  if (!input.integer(parent_dimension, "the dimension of a parent entity") ||
+      !input.integer(parent, "the tag of a parent entity") ||
+      !read_tags(input, "partitions", "a partition", [](std::int64_t) {}))
+    return false;
+  const auto found = entities.find({dimension, parent});
+  *groups_of_parent =
+      parent_dimension == dimension && found != entities.end() ? &found->second : &kNone;
+  return true;
+}
+
+// The body of one entity: a point has 3 coordinates, the others a bounding box of 6 numbers and a
+// list of the entities around them.
+bool read_entity(MshInput& input, int dimension, bool partitioned, MshEntities& entities) {
+  std::int64_t tag = 0;
+  double ignored = 0;
+  const std::vector<std::int64_t>* of_parent = nullptr;
+  if (!input.integer(tag, "the tag of an entity") ||
+      (partitioned && !read_parent(input, dimension, entities, &of_parent)))
+    return false;
+  for (int n = 0; n < (dimension == 0 ? 3 : 6); ++n)
+    if (!input.real(ignored, "a coordinate of an entity")) return false;
+  std::vector<std::int64_t> groups;
+  const auto keep = [&groups](std::int64_t group) { groups.push_back(group); };
+  if (!read_tags(input, "physical tags", "a physical tag", keep)) return false;
+  if (of_parent != nullptr) groups = *of_parent;
+  if (!groups.empty()) {
+    std::vector<std::int64_t>& known = entities[{dimension, tag}];
+    known.insert(known.end(), groups.begin(), groups.end());
+  }
+  return dimension == 0 ||
+         read_tags(input, "bounding entities", "the tag of a bounding entity", [](std::int64_t) {});
 }
 
 // The four numbers with which a block of nodes or elements begins.
@@ -152,16 +182,27 @@ Error missing(const MshInput& input, std::string_view items, std::uint64_t count
 
 }  // namespace
 
-Status read_msh4_entities(MshInput& input, MshEntities& entities) {
+Status read_msh4_entities(MshInput& input, bool partitioned, MshEntities& entities) {
   std::uint64_t counts[4] = {};
+  std::uint64_t partitions = 0;
+  std::uint64_t ghosts = 0;
   if (!input.begin_data()) return input.error();
+  if (partitioned) {
+    if (!input.size(partitions, "the number of partitions") ||
+        !input.size(ghosts, "the number of ghost entities") ||
+        !input.fits(ghosts, {.integers = 2}, "ghost entities"))
+      return input.error();
+    std::int64_t ignored = 0;
+    for (std::uint64_t n = 0; n < 2 * ghosts; ++n)
+      if (!input.integer(ignored, "a ghost entity")) return input.error();
+  }
   for (std::uint64_t& count : counts)
     if (!input.size(count, "a number of entities")) return input.error();
   for (int dimension = 0; dimension < 4; ++dimension) {
     const MshItem least{.integers = 1, .sizes = 1, .reals = 3};
     if (!input.fits(counts[dimension], least, "entities")) return input.error();
     for (std::uint64_t n = 0; n < counts[dimension]; ++n)
-      if (!read_entity(input, dimension, entities)) return input.error();
+      if (!read_entity(input, dimension, partitioned, entities)) return input.error();
   }
   for (const auto& [entity, groups] : entities)
     if (groups.size() > kMaxGroupsOfEntity)
@@ -169,7 +210,7 @@ Status read_msh4_entities(MshInput& input, MshEntities& entities) {
                            " physical groups of an entity, found " + std::to_string(groups.size()) +
                            " of entity " + std::to_string(entity.second));
   input.end_data();
-  if (!input.end_section("Entities")) return input.error();
+  if (!input.end_section(partitioned ? "PartitionedEntities" : "Entities")) return input.error();
   return Success{};
 }
 

@@ -38,14 +38,13 @@ Status read_elements(MshInput& input, MshFile& file) {
 Status read_section(MshInput& input, std::string_view name, MshFile& file) {
   if (name == "Nodes") return read_nodes(input, file);
   if (name == "Elements") return read_elements(input, file);
-  if (name == "Entities" && input.version() == "4.1")
-    return read_msh4_entities(input, file.entities);
+  const bool partitioned = name == "PartitionedEntities";
+  if ((name == "Entities" || partitioned) && input.version() == "4.1")
+    return read_msh4_entities(input, partitioned, file.entities);
   if (name == "PhysicalNames") {
     if (!file.groups.read_names(input)) return input.error();
     return Success{};
   }
-  if (name == "PartitionedEntities")
-    file.builder.add_note("groups of partitioned entities are not read");
   if (!input.skip_section(name)) return input.error();
   return Success{};
 }

@@ -22,7 +22,9 @@ Status read_msh2_elements(MshInput& input, MeshBuilder& builder, MshGroups& grou
 
 // Version 4.1: groups are tags of the entities, {dimension, tag} -> physical tags.
 using MshEntities = std::map<std::pair<int, std::int64_t>, std::vector<std::int64_t>>;
-Status read_msh4_entities(MshInput& input, MshEntities& entities);
+// partitioned: the section is $PartitionedEntities, whose entities are parts of those in $Entities
+// and have the groups of the whole.
+Status read_msh4_entities(MshInput& input, bool partitioned, MshEntities& entities);
 Status read_msh4_nodes(MshInput& input, MeshBuilder& builder);
 Status read_msh4_elements(MshInput& input, const MshEntities& entities, MeshBuilder& builder,
                           MshGroups& groups, std::vector<std::int64_t>& volume_of_tet);

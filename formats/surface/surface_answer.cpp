@@ -7,13 +7,15 @@
 #include <unordered_set>
 
 #include "formats/file/byte_scanner.h"
+#include "formats/surface/flat_rig.h"
 
 namespace tremolo {
 namespace {
 
 // The answer: magic, kind, then of a refusal its text; of a surface
 //   f64 metres_per_unit, text unit, text format, texts notes, objects, materials,
-//   u32 channels, u64 s, u64 t, vertices, triangles, normals, uvs, colours, object_of, material_of
+//   u32 channels, u64 s, u64 t, vertices, triangles, normals, uvs, colours, sources, object_of,
+//   material_of, and if there is a rig the arrays of a FlatRig, each behind its u64 length,
 // in this machine's byte order. A text is u32 length and bytes; texts are u32 count and texts.
 constexpr std::uint32_t kMagic = 0x46525354;  // "TSRF"
 constexpr std::uint32_t kRefusal = 0;
@@ -22,29 +24,8 @@ constexpr std::uint32_t kSurface = 1;
 constexpr std::uint32_t kNormals = 1;
 constexpr std::uint32_t kUvs = 2;
 constexpr std::uint32_t kColours = 4;
-
-// Length in bytes of the code point at the front of `text`, 0 if there is none.
-std::size_t utf8_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
-  if (first < 0xc2 || first > 0xf4 || text.size() < length) return 0;
-  for (std::size_t i = 1; i < length; ++i)
-    if ((byte(i) & 0xc0) != 0x80) return 0;
-  // Longer than need be, a half of a surrogate pair, or above the last code point.
-  if ((first == 0xe0 && byte(1) < 0xa0) || (first == 0xed && byte(1) > 0x9f) ||
-      (first == 0xf0 && byte(1) < 0x90) || (first == 0xf4 && byte(1) > 0x8f))
-    return 0;
-  return length;
-}
-
-// ASCII's and the second set (U+0080 to U+009F), which terminals obey too.
-bool is_control(std::string_view code_point) {
-  const auto first = static_cast<unsigned char>(code_point[0]);
-  if (code_point.size() == 1) return first < 0x20 || first == 0x7f;
-  return first == 0xc2 && static_cast<unsigned char>(code_point[1]) < 0xa0;
-}
+constexpr std::uint32_t kSources = 8;
+constexpr std::uint32_t kRig = 16;
 
 class Writer {
  public:
@@ -154,12 +135,37 @@ bool normals_hold(const RenderSurface& surface) {
                      [](const Eigen::Vector3f& n) { return std::abs(n.norm() - 1.0F) < 1e-4F; });
 }
 
+template <class T>
+bool read_array(Reader& reader, std::vector<T>& values) {
+  std::uint64_t count = 0;
+  return reader.number(count) && reader.rows(values, count);
+}
+bool read_array(Reader& reader, std::string& text) {
+  std::vector<char> values;
+  if (!read_array(reader, values)) return false;
+  text.assign(values.begin(), values.end());
+  return true;
+}
+
+bool read_rig(Reader& reader, RenderSurface& surface) {
+  FlatRig flat;
+  if (!read_array(reader, flat.names) || !read_array(reader, flat.parents) ||
+      !read_array(reader, flat.ends) || !read_array(reader, flat.places) ||
+      !read_array(reader, flat.weights) || !read_array(reader, flat.clip_names) ||
+      !read_array(reader, flat.clip_frames) || !read_array(reader, flat.clip_times) ||
+      !read_array(reader, flat.clip_poses))
+    return false;
+  surface.rig = unflatten(flat, surface.vertices.size());
+  return surface.rig != nullptr || reader.fail("bones that do not fit each other or the surface");
+}
+
 bool read_surface_values(Reader& reader, RenderSurface& surface) {
   std::uint32_t channels = 0;
   std::uint64_t s = 0;
   std::uint64_t t = 0;
   if (!reader.number(channels) || !reader.number(s) || !reader.number(t)) return false;
-  if (channels > (kNormals | kUvs | kColours)) return reader.fail("unknown channels");
+  if (channels > (kNormals | kUvs | kColours | kSources | kRig))
+    return reader.fail("unknown channels");
   if (t == 0) return reader.fail("no triangles");
   constexpr std::uint64_t kMost = std::numeric_limits<VertexId>::max();
   if (s > kMost || t > kMost) return reader.fail("more vertices or triangles than have numbers");
@@ -171,8 +177,10 @@ bool read_surface_values(Reader& reader, RenderSurface& surface) {
          reader.rows<Eigen::Vector3f>(surface.normals, with(kNormals, s)) &&
          reader.rows<Eigen::Vector2f>(surface.uvs, with(kUvs, s)) &&
          reader.rows<Colour>(surface.colours, with(kColours, s)) &&
+         reader.rows<VertexId>(surface.sources, with(kSources, s)) &&
          reader.rows<std::uint32_t>(surface.object_of, t) &&
-         reader.rows<std::uint32_t>(surface.material_of, t) && reader.at_end();
+         reader.rows<std::uint32_t>(surface.material_of, t) &&
+         ((channels & kRig) == 0 || read_rig(reader, surface)) && reader.at_end();
 }
 
 bool read_file_values(Reader& reader, SurfaceFile& file) {
@@ -183,31 +191,14 @@ bool read_file_values(Reader& reader, SurfaceFile& file) {
       !read_surface_values(reader, surface))
     return false;
   if (!std::isfinite(file.metres_per_unit)) return reader.fail("a unit that is no number");
-  if (!indices_hold(surface)) return reader.fail("an index out of range");
+  if (!indices_hold(surface) || !surface.sources_hold())
+    return reader.fail("an index out of range");
   if (!all_finite(surface.vertices) || !all_finite(surface.uvs) || !normals_hold(surface))
     return reader.fail("a coordinate that is no number");
   return true;
 }
 
 }  // namespace
-
-std::string printable_text(std::string_view text, std::size_t bytes) {
-  std::string printable;
-  while (!text.empty()) {
-    const std::size_t length = utf8_length(text);
-    const std::string_view code_point = text.substr(0, std::max<std::size_t>(length, 1));
-    const std::string_view shown = length == 0 ? "?" : is_control(code_point) ? " " : code_point;
-    if (printable.size() + shown.size() > bytes) break;
-    printable += shown;
-    text.remove_prefix(code_point.size());
-  }
-  return printable;
-}
-
-bool is_printable_text(std::string_view text, std::size_t bytes) {
-  return text.size() <= bytes && printable_text(text, bytes) == text &&
-         text.find('\0') == std::string_view::npos;
-}
 
 std::vector<std::byte> encode_refusal(std::string_view message) {
   Writer writer;
@@ -230,7 +221,8 @@ std::vector<std::byte> encode_surface(const SurfaceFile& file) {
   writer.texts(surface.objects);
   writer.texts(surface.materials);
   writer.number((surface.normals.empty() ? 0 : kNormals) | (surface.uvs.empty() ? 0 : kUvs) |
-                (surface.colours.empty() ? 0 : kColours));
+                (surface.colours.empty() ? 0 : kColours) |
+                (surface.sources.empty() ? 0 : kSources) | (surface.rig == nullptr ? 0 : kRig));
   writer.number(std::uint64_t{surface.vertices.size()});
   writer.number(std::uint64_t{surface.triangles.size()});
   writer.numbers(surface.vertices.data(), surface.vertices.size());
@@ -238,8 +230,25 @@ std::vector<std::byte> encode_surface(const SurfaceFile& file) {
   writer.numbers(surface.normals.data(), surface.normals.size());
   writer.numbers(surface.uvs.data(), surface.uvs.size());
   writer.numbers(surface.colours.data(), surface.colours.size());
+  writer.numbers(surface.sources.data(), surface.sources.size());
   writer.numbers(surface.object_of.data(), surface.object_of.size());
   writer.numbers(surface.material_of.data(), surface.material_of.size());
+  if (surface.rig != nullptr) {
+    const FlatRig flat = flatten(*surface.rig);
+    const auto add = [&writer](const auto& values) {
+      writer.number(std::uint64_t{values.size()});
+      writer.numbers(values.data(), values.size());
+    };
+    add(flat.names);
+    add(flat.parents);
+    add(flat.ends);
+    add(flat.places);
+    add(flat.weights);
+    add(flat.clip_names);
+    add(flat.clip_frames);
+    add(flat.clip_times);
+    add(flat.clip_poses);
+  }
   return std::move(writer.bytes);
 }
 

@@ -8,17 +8,11 @@
 #include <vector>
 
 #include "common/result.h"
+#include "formats/file/printable_text.h"
 #include "formats/surface/surface_reader.h"
 
 namespace tremolo {
 
-// What stands for a name or a message whatever it was before: UTF-8 without control characters, of
-// at most `bytes` bytes; what is neither becomes '?' or a blank.
-std::string printable_text(std::string_view text, std::size_t bytes);
-// Whether it is that already.
-bool is_printable_text(std::string_view text, std::size_t bytes);
-
-constexpr std::size_t kLongestName = 256;
 constexpr std::size_t kLongestMessage = 1024;
 
 // SurfaceFile as it is, coordinates in the file's unit; or the one line that says why not.

@@ -9,7 +9,7 @@
 #include <Eigen/Dense>
 
 #include "common/number_text.h"
-#include "formats/surface/surface_answer.h"
+#include "formats/polygons/surface_parts.h"
 
 namespace tremolo {
 namespace {
@@ -17,10 +17,6 @@ namespace {
 using Eigen::Matrix4d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
-
-// What one vertex and one triangle take in a RenderSurface.
-constexpr std::uint64_t kVertexBytes = 48;
-constexpr std::uint64_t kTriangleBytes = 20;
 
 constexpr VertexId kNotTaken = -1;
 constexpr VertexId kNotFinite = -2;
@@ -33,35 +29,12 @@ std::string_view given_name(const aiString& text) {
   return made_up ? std::string_view() : name;
 }
 
-Matrix4d matrix_of(const aiMatrix4x4& m) {
-  Matrix4d matrix;
-  matrix << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, m.d1, m.d2,
-      m.d3, m.d4;
-  return matrix;
-}
-
 std::uint8_t channel_byte(float value) {
   // Written so that NaN becomes 0.
   return static_cast<std::uint8_t>(value > 0 ? std::lround(std::min(value, 1.0F) * 255.0F) : 0);
 }
 
-std::string counted(std::uint64_t count, const char* one, const char* many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
-}
-
 }  // namespace
-
-std::string UniqueNames::take(std::string_view wanted) {
-  // Room for a number.
-  std::string name = printable_text(wanted, kLongestName - 16);
-  if (name.find_first_not_of(' ') == std::string::npos) name = nameless_;
-  if (taken_.insert(name).second) return name;
-  std::uint64_t& count = repeats_.try_emplace(name, 1).first->second;
-  for (;;) {
-    std::string numbered = name + " " + std::to_string(++count);
-    if (taken_.insert(numbered).second) return numbered;
-  }
-}
 
 // Where a node puts its meshes. normals: the cofactors, which are the inverse transposed times the
 // determinant and exist for flat transforms too; turned for mirrors, so that outside stays outside.
@@ -98,7 +71,9 @@ VertexId Flattener::vertex_of(const aiMesh& mesh, unsigned index, const Placemen
   VertexId& taken = taken_[index];
   if (taken != kNotTaken) return taken;
   const aiVector3D& at = mesh.mVertices[index];
-  const Vector3d x = place.linear * Vector3d(at.x, at.y, at.z) + place.offset;
+  const bool skinned = !skin_.empty() && skin_[index](0, 4) > 0;
+  const Placement own = skinned ? Placement(Matrix4d(skin_[index].leftCols<4>())) : place;
+  const Vector3d x = own.linear * Vector3d(at.x, at.y, at.z) + own.offset;
   if (!x.allFinite()) return taken = kNotFinite;
   taken = static_cast<VertexId>(surface.vertices.size());
   surface.vertices.push_back(x);
@@ -106,12 +81,11 @@ VertexId Flattener::vertex_of(const aiMesh& mesh, unsigned index, const Placemen
   Vector3d n = Vector3d::Zero();
   if (mesh.mNormals != nullptr) {
     const aiVector3D& given = mesh.mNormals[index];
-    n = (place.normals * Vector3d(given.x, given.y, given.z)).stableNormalized();
+    n = (own.normals * Vector3d(given.x, given.y, given.z)).stableNormalized();
   }
   const bool good = n.allFinite() && std::abs(n.norm() - 1) < 1e-6;
   surface.normals.push_back(good ? Vector3f(n.cast<float>()) : Vector3f(0, 0, 1));
   has_normal_.push_back(good);
-  any_normal_ |= good;
 
   Eigen::Vector2f uv = Eigen::Vector2f::Zero();
   if (mesh.mTextureCoords[0] != nullptr) {
@@ -140,13 +114,16 @@ void Flattener::add_mesh(const aiMesh& mesh, const Placement& place) {
       vertices * kVertexBytes + triangles * kTriangleBytes > bytes_)
     throw Refusal{"its scene shows so many copies of its meshes that they need more than " +
                   number_text(std::ceil(static_cast<double>(bytes_) / 1e6)) + " MB"};
-  if (mesh.HasBones() || mesh.mNumAnimMeshes > 0) ++skinned_;
+  if (mesh.mNumAnimMeshes > 0) ++morphed_;
   taken_.assign(mesh.mNumVertices, kNotTaken);
+  find_skin(mesh);
   const auto object = static_cast<std::uint32_t>(surface.objects.size() - 1);
   for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
     const aiFace& face = mesh.mFaces[f];
     if (face.mNumIndices != 3) {
-      ++(face.mNumIndices < 2 ? points_ : face.mNumIndices == 2 ? lines_ : polygons_);
+      ++(face.mNumIndices < 2    ? left_out_.points
+         : face.mNumIndices == 2 ? left_out_.lines
+                                 : left_out_.polygons);
       continue;
     }
     Triangle triangle = {};
@@ -158,14 +135,40 @@ void Flattener::add_mesh(const aiMesh& mesh, const Placement& place) {
       triangle[corner] = vertex_of(mesh, index, place);
     }
     if (std::find(triangle.begin(), triangle.end(), kNotFinite) != triangle.end()) {
-      ++not_finite_;
+      ++left_out_.not_finite;
       continue;
     }
-    if (place.mirrored) std::swap(triangle[1], triangle[2]);
+    const auto& skin = skin_.empty()
+                           ? Eigen::Matrix<double, 4, 5>(Eigen::Matrix<double, 4, 5>::Zero())
+                           : skin_[face.mIndices[0]];
+    const bool mirrored =
+        skin(0, 4) > 0 ? skin.topLeftCorner<3, 3>().determinant() < 0 : place.mirrored;
+    if (mirrored) std::swap(triangle[1], triangle[2]);
     surface.triangles.push_back(triangle);
     surface.object_of.push_back(object);
     surface.material_of.push_back(material_of(mesh.mMaterialIndex));
   }
+}
+
+// Blends G_b B_b by the weights: G_b where the joint is, B_b its inverse bind matrix.
+void Flattener::find_skin(const aiMesh& mesh) {
+  skin_.clear();
+  if (!mesh.HasBones()) return;
+  skin_.assign(mesh.mNumVertices, Eigen::Matrix<double, 4, 5>::Zero());
+  for (unsigned b = 0; b < mesh.mNumBones; ++b) {
+    const aiBone& bone = *mesh.mBones[b];
+    const Matrix4d* place = rig_->place_of(text_of(bone.mName));
+    if (place == nullptr) continue;
+    const Matrix4d placed = *place * matrix_of(bone.mOffsetMatrix);
+    for (unsigned k = 0; k < bone.mNumWeights; ++k) {
+      const aiVertexWeight& weight = bone.mWeights[k];
+      if (weight.mVertexId >= mesh.mNumVertices || !(weight.mWeight > 0)) continue;
+      skin_[weight.mVertexId].leftCols<4>() += weight.mWeight * placed;
+      skin_[weight.mVertexId](0, 4) += weight.mWeight;
+    }
+  }
+  for (auto& blended : skin_)
+    if (blended(0, 4) > 0) blended.leftCols<4>() /= blended(0, 4);
 }
 
 // Walks without recursion: a file may nest its nodes as deep as it likes.
@@ -176,6 +179,7 @@ void Flattener::add_nodes(double file_scale) {
   };
   Matrix4d root = Matrix4d::Identity();
   root.topLeftCorner<3, 3>() *= 1.0 / file_scale;
+  rig_.emplace(scene_, root);
   std::vector<Visit> stack = {{scene_.mRootNode, root}};
   while (!stack.empty()) {
     const auto [node, parent] = stack.back();
@@ -190,6 +194,8 @@ void Flattener::add_nodes(double file_scale) {
       const aiMesh& mesh = *scene_.mMeshes[node->mMeshes[m]];
       if (name.empty()) name = given_name(mesh.mName);
       add_mesh(mesh, place);
+      if (mesh.HasBones()) rig_->add_skin(mesh, taken_);
+      carriers_.resize(surface.vertices.size(), rig_->bone_of(node));
     }
     if (surface.triangles.size() == before)
       surface.objects.pop_back();
@@ -202,38 +208,20 @@ void Flattener::add_nodes(double file_scale) {
   if (!any_colour_) surface.colours.clear();
 }
 
-// Vertices without a normal get that of their triangles, weighted by area.
+bool Flattener::take_rig(std::vector<std::string>& notes) {
+  if (!rig_ || rig_->empty()) return false;
+  carriers_.resize(surface.vertices.size(), kNoParent);
+  surface.rig = rig_->finish(carriers_, notes);
+  return surface.rig != nullptr;
+}
+
 void Flattener::fill_normals() {
-  if (!any_normal_) {
-    surface.normals.clear();
-    return;
-  }
-  if (std::find(has_normal_.begin(), has_normal_.end(), false) == has_normal_.end()) return;
-  std::vector<Vector3d> sums(surface.vertices.size(), Vector3d::Zero());
-  for (const Triangle& triangle : surface.triangles) {
-    const Vector3d& a = surface.vertices[triangle[0]];
-    const Vector3d twice_area =
-        (surface.vertices[triangle[1]] - a).cross(surface.vertices[triangle[2]] - a);
-    for (const VertexId v : triangle) sums[v] += twice_area;
-  }
-  for (std::size_t v = 0; v < sums.size(); ++v) {
-    const Vector3d n = sums[v].stableNormalized();
-    // A vertex of flat triangles only keeps what stands there.
-    if (!has_normal_[v] && n.allFinite() && std::abs(n.norm() - 1) < 1e-6)
-      surface.normals[v] = n.cast<float>();
-  }
+  fill_missing_normals(surface, has_normal_);
 }
 
 void Flattener::note_what_was_left_out(std::vector<std::string>& notes) const {
-  if (points_ > 0) notes.push_back(counted(points_, "point", "points") + " left out");
-  if (lines_ > 0) notes.push_back(counted(lines_, "line", "lines") + " left out");
-  if (polygons_ > 0)
-    notes.push_back(counted(polygons_, "polygon", "polygons") +
-                    " that could not be cut into triangles left out");
-  if (not_finite_ > 0)
-    notes.push_back(counted(not_finite_, "triangle", "triangles") +
-                    " with coordinates that are no numbers left out");
-  if (skinned_ > 0) notes.push_back("skins and shapes that move: taken in their rest pose");
+  note_left_out(left_out_, notes);
+  if (morphed_ > 0) notes.push_back("shapes that morph: taken in their rest shape");
 }
 
 }  // namespace tremolo

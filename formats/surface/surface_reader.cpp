@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <string_view>
 #include <unistd.h>
 
@@ -101,6 +102,16 @@ Status to_metres(SurfaceFile& file, const SurfaceReadOptions& options) {
   for (Eigen::Vector3d& x : file.surface.vertices) {
     x *= file.metres_per_unit;
     if (!x.allFinite()) return content_error("coordinates too large for a number");
+  }
+  if (file.surface.rig != nullptr) {
+    SurfaceRig rig = *file.surface.rig;
+    for (RigBone& bone : rig.bones) {
+      bone.head *= file.metres_per_unit;
+      bone.tail *= file.metres_per_unit;
+    }
+    for (RigClip& clip : rig.clips)
+      for (RigPose& pose : clip.poses) pose.position *= file.metres_per_unit;
+    file.surface.rig = std::make_shared<const SurfaceRig>(std::move(rig));
   }
   note_size(file, given);
   return Success{};

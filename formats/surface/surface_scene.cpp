@@ -8,7 +8,6 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -16,7 +15,14 @@
 #include "common/format_text.h"
 #include "common/number_text.h"
 #include "formats/file/folder_files.h"
-#include "formats/surface/off_loader.h"
+#include "formats/file/whole_file.h"
+#include "formats/polygons/obj_text.h"
+#include "formats/polygons/off_polygons.h"
+#include "formats/polygons/ply_text.h"
+#include "formats/polygons/polygon_surface.h"
+#include "formats/polygons/stl_text.h"
+#include "formats/polygons/surface_parts.h"
+#include "formats/surface/gltf_plain.h"
 #include "formats/surface/surface_answer.h"
 #include "formats/surface/surface_flattener.h"
 
@@ -53,7 +59,8 @@ bool is_unit(double metres) {
   return std::isfinite(metres) && metres > 0;
 }
 
-Unit unit_of(const aiScene& scene, const std::string& extension) {
+// scene: null where assimp has not read the file.
+Unit unit_of(const aiScene* scene, const std::string& extension) {
   Unit unit;
   if (extension == "gltf" || extension == "glb" || extension == "x3d" || extension == "x3db") {
     unit.words = "metres, as the format has it";
@@ -61,15 +68,15 @@ Unit unit_of(const aiScene& scene, const std::string& extension) {
     unit.words = "metres, into which the file's unit was turned";
   } else if (extension == "dae" || extension == "zae") {
     // assimp multiplies the root, which has no transform of its own, by the unit.
-    const double scale = scene.mRootNode->mTransformation.a1;
+    const double scale = scene->mRootNode->mTransformation.a1;
     if (is_unit(scale)) {
       unit.applied = scale;
-      unit.metres = decimal(scene.mRootNode->mTransformation.a1);
+      unit.metres = decimal(scene->mRootNode->mTransformation.a1);
       unit.words = "the file's unit of " + number_text(unit.metres) + " m";
     }
   } else if (extension == "fbx") {
     double centimetres = 0;
-    if (metadata_number(scene, "UnitScaleFactor", centimetres) && is_unit(centimetres)) {
+    if (metadata_number(*scene, "UnitScaleFactor", centimetres) && is_unit(centimetres)) {
       unit.metres = centimetres * 0.01;
       unit.words = "the file's unit of " + number_text(unit.metres) + " m";
     } else {
@@ -83,7 +90,7 @@ Unit unit_of(const aiScene& scene, const std::string& extension) {
   return unit;
 }
 
-std::string format_name(const aiScene& scene, const std::string& extension) {
+std::string format_name(const aiScene* scene, const std::string& extension) {
   static const std::unordered_map<std::string, std::string> names = {
       {"obj", "Wavefront OBJ"}, {"ply", "PLY"},       {"stl", "STL"},           {"off", "OFF"},
       {"gltf", "glTF"},         {"glb", "GLB"},       {"fbx", "Autodesk FBX"},  {"dae", "Collada"},
@@ -93,7 +100,8 @@ std::string format_name(const aiScene& scene, const std::string& extension) {
   const auto known = names.find(extension);
   if (known != names.end()) return known->second;
   aiString importer;
-  if (scene.mMetaData != nullptr) scene.mMetaData->Get("SourceAsset_Format", importer);
+  if (scene != nullptr && scene->mMetaData != nullptr)
+    scene->mMetaData->Get("SourceAsset_Format", importer);
   std::string name = printable_text(text_of(importer), kLongestName);
   return name.empty() ? extension : name;
 }
@@ -104,23 +112,10 @@ std::string lower_extension(const std::string& path) {
   return lower_case(extension);
 }
 
-// assimp 5.2.5 looks for the end of a header for ever where there is none.
-bool lacks_ply_header_end(const std::string& path) {
-  std::string start(std::size_t{1} << 20, '\0');
-  std::ifstream stream(path, std::ios::binary);
-  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(stream.gcount());
-  return start.find("end_header") == std::string::npos;
-}
-
 // What assimp says, or what it means by it.
-std::string reason(const std::string& said, const std::string& extension) {
+std::string reason(const std::string& said) {
   if (said.empty() || said.starts_with("No suitable reader"))
     return "it is not of the format that its extension says";
-  if (extension == "stl" && said.starts_with("Failed to determine"))
-    return "it is neither STL as text nor binary STL of as many triangles as it says; it may be "
-           "cut "
-           "off";
   return said;
 }
 
@@ -136,64 +131,118 @@ void set_up(Assimp::Importer& importer) {
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);
 }
 
-// Puts our reader of OFF in the place of assimp's, which is not deleted: the process ends soon.
-OffLoader& take_over_off(Assimp::Importer& importer) {
-  importer.UnregisterLoader(importer.GetImporter("off"));
-  auto* loader = new OffLoader;
-  importer.RegisterLoader(loader);  // which deletes it
-  return *loader;
+using PolygonReader = Result<PolygonMesh>(std::string_view bytes, const std::string& name);
+
+// The formats that we read ourselves; null for others.
+PolygonReader* polygon_reader(const std::string& extension) {
+  if (extension == "obj") return parse_obj_polygons;
+  if (extension == "ply") return parse_ply_polygons;
+  if (extension == "stl") return parse_stl_polygons;
+  if (extension == "off")
+    return
+        [](std::string_view text, const std::string& /*name*/) { return parse_off_polygons(text); };
+  return nullptr;
 }
 
-}  // namespace
+// "line 12: expected ...": the caller puts the file's name before it.
+Error without_name(Error error) {
+  while (error.message.starts_with(", ") || error.message.starts_with(": "))
+    error.message.erase(0, 2);
+  return error;
+}
 
-Result<SurfaceFile> import_surface(const std::string& path, std::uint64_t bytes) {
-  const std::string extension = lower_extension(path);
-  if (extension == "ply" && lacks_ply_header_end(path))
-    return content_error("its header has no end_header; the file may be cut off");
-  // Never deleted: a scene of deeply nested nodes takes itself apart by recursion, and the process
-  // ends soon.
-  Assimp::Importer& importer = *new Assimp::Importer;
-  auto* files = new FolderFiles(path);
-  importer.SetIOHandler(files);  // which deletes it
-  set_up(importer);
-  const OffLoader& off = take_over_off(importer);
-  const aiScene* scene =
-      importer.ReadFile(std::filesystem::absolute(path).string(), aiProcess_Triangulate);
-  const auto note_refused = [files](std::vector<std::string>& notes) {
-    for (const std::string& name : files->refused())
-      notes.push_back("not opened, since it is no file in this folder: " + name);
-  };
-  if (scene == nullptr || scene->mRootNode == nullptr) {
-    std::string message = reason(importer.GetErrorString(), extension);
-    std::vector<std::string> refused;
-    note_refused(refused);
-    for (const std::string& note : refused) message += "; " + note;
-    return content_error(message);
-  }
-  const Unit unit = unit_of(*scene, extension);
-  SurfaceFile file;
-  file.format = format_name(*scene, extension);
-  file.metres_per_unit = unit.metres;
-  file.unit = unit.words;
-  Flattener flattener(*scene, bytes);
-  try {
-    flattener.add_nodes(unit.applied);
-  } catch (const Refusal& refusal) {
-    return content_error(refusal.message);
-  }
-  flattener.fill_normals();
-  flattener.note_what_was_left_out(file.notes);
-  file.notes.insert(file.notes.end(), off.notes().begin(), off.notes().end());
-  if (scene->mNumAnimations > 0) file.notes.push_back("movements left out: taken in the rest pose");
-  note_refused(file.notes);
-  file.surface = std::move(flattener.surface);
+Status finish_notes(SurfaceFile& file) {
   if (file.surface.triangles.empty()) {
     std::string message = "it holds no triangles: export the shape as a mesh of polygons";
     for (const std::string& note : file.notes) message += "; " + note;
     return content_error(message);
   }
   for (std::string& note : file.notes) note = printable_text(note, kLongestMessage);
+  return Success{};
+}
+
+Result<SurfaceFile> import_polygons(const std::string& path, const std::string& extension,
+                                    PolygonReader* parse, std::uint64_t bytes) {
+  const Result<std::string> text = read_whole_file(path);
+  if (!text) return text.error();
+  Result<PolygonMesh> mesh = parse(*text, "");
+  if (!mesh) return without_name(mesh.error());
+  if (mesh->vertices.size() * kVertexBytes + mesh->corners.size() * kTriangleBytes > bytes)
+    return content_error("its vertices and triangles need more than " +
+                         number_text(std::ceil(static_cast<double>(bytes) / 1e6)) + " MB");
+  SurfaceFile file;
+  const Unit unit = unit_of(nullptr, extension);
+  file.format = format_name(nullptr, extension);
+  file.metres_per_unit = unit.metres;
+  file.unit = unit.words;
+  file.surface = render_surface_of(std::move(*mesh), file.notes);
+  if (Status s = finish_notes(file); !s) return s.error();
   return file;
+}
+
+// Hands assimp the file in terms that it understands.
+Status make_gltf_plain(const std::string& path, bool glb, FolderFiles& files) {
+  const std::string file = std::filesystem::absolute(path).string();
+  auto plain = plain_gltf(files.contents(file), glb,
+                          [&files](const std::string& name) { return files.contents(name); });
+  if (!plain) return plain.error();
+  if (*plain) files.replace_file(std::move(**plain));
+  return Success{};
+}
+
+Result<SurfaceFile> import_by_assimp(const std::string& path, const std::string& extension,
+                                     std::uint64_t bytes) {
+  // Never deleted: a scene of deeply nested nodes takes itself apart by recursion, and the process
+  // ends soon.
+  Assimp::Importer& importer = *new Assimp::Importer;
+  auto* files = new FolderFiles(path);
+  importer.SetIOHandler(files);  // which deletes it
+  set_up(importer);
+  const auto note_refused = [files](std::vector<std::string>& notes) {
+    for (const std::string& name : files->refused())
+      notes.push_back("not opened, since it is no file in this folder: " + name);
+  };
+  const auto refusal = [&note_refused](std::string message) {
+    std::vector<std::string> refused;
+    note_refused(refused);
+    for (const std::string& note : refused) message += "; " + note;
+    return content_error(std::move(message));
+  };
+  if (extension == "gltf" || extension == "glb")
+    if (Status s = make_gltf_plain(path, extension == "glb", *files); !s)
+      return refusal(s.error().message);
+  const aiScene* scene =
+      importer.ReadFile(std::filesystem::absolute(path).string(), aiProcess_Triangulate);
+  if (scene == nullptr || scene->mRootNode == nullptr)
+    return refusal(reason(importer.GetErrorString()));
+  const Unit unit = unit_of(scene, extension);
+  SurfaceFile file;
+  file.format = format_name(scene, extension);
+  file.metres_per_unit = unit.metres;
+  file.unit = unit.words;
+  Flattener flattener(*scene, bytes);
+  try {
+    flattener.add_nodes(unit.applied);
+  } catch (const Refusal& refused) {
+    return content_error(refused.message);
+  }
+  flattener.fill_normals();
+  flattener.note_what_was_left_out(file.notes);
+  if (!flattener.take_rig(file.notes) && scene->mNumAnimations > 0)
+    file.notes.push_back("movements left out: taken in the rest pose");
+  note_refused(file.notes);
+  file.surface = std::move(flattener.surface);
+  if (Status s = finish_notes(file); !s) return s.error();
+  return file;
+}
+
+}  // namespace
+
+Result<SurfaceFile> import_surface(const std::string& path, std::uint64_t bytes) {
+  const std::string extension = lower_extension(path);
+  if (PolygonReader* parse = polygon_reader(extension))
+    return import_polygons(path, extension, parse, bytes);
+  return import_by_assimp(path, extension, bytes);
 }
 
 }  // namespace tremolo

@@ -43,9 +43,10 @@ std::string one_line(std::string name) {
   return name.empty() ? "unnamed" : name;
 }
 
+// authored: how many vertices come first that are no copies of others.
 template <class Normals>
-void append_obj_vertices(std::string& text, const Drawn<Normals>& surface) {
-  for (std::size_t v = 0; v < surface.vertices.size(); ++v) {
+void append_obj_vertices(std::string& text, const Drawn<Normals>& surface, std::size_t authored) {
+  for (std::size_t v = 0; v < authored; ++v) {
     const Eigen::Vector3d& x = surface.vertices[v];
     append(text, "v %.9g %.9g %.9g", x[0], x[1], x[2]);
     if (!surface.colours.empty()) {
@@ -62,22 +63,23 @@ void append_obj_vertices(std::string& text, const Drawn<Normals>& surface) {
 
 void append_obj_corner(std::string& text, const RenderSurface& surface, VertexId corner) {
   const int index = corner + 1;
+  const int vertex = surface.sources.empty() ? index : surface.sources[corner] + 1;
   const bool uv = !surface.uvs.empty();
   const bool normal = !surface.normals.empty();
   if (uv && normal)
-    append(text, " %d/%d/%d", index, index, index);
+    append(text, " %d/%d/%d", vertex, index, index);
   else if (uv)
-    append(text, " %d/%d", index, index);
+    append(text, " %d/%d", vertex, index);
   else if (normal)
-    append(text, " %d//%d", index, index);
+    append(text, " %d//%d", vertex, index);
   else
-    append(text, " %d", index);
+    append(text, " %d", vertex);
 }
 
 std::string obj_text(const RenderSurface& surface, const std::string& library) {
   std::string text;
   if (!library.empty()) text += "mtllib " + library + "\n";
-  append_obj_vertices(text, drawn(surface));
+  append_obj_vertices(text, drawn(surface), surface.authored());
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::uint32_t object = kNone, material = kNone;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
@@ -182,7 +184,7 @@ Status write_surface(const std::string& path, const SurfaceMesh& surface) {
   if (smooth) return write_file(path, pov_text(plain));
   if (!has_ending(path, ".obj")) return unknown_ending(path);
   std::string text;
-  append_obj_vertices(text, plain);
+  append_obj_vertices(text, plain, surface.vertices.size());
   for (const Triangle& t : surface.triangles)
     append(text, "f %d %d %d\n", t[0] + 1, t[1] + 1, t[2] + 1);
   return write_file(path, text);

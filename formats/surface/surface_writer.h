@@ -23,7 +23,8 @@ Status write_painted_surface(const std::string& path, const SurfaceMesh& surface
 std::vector<Eigen::Vector3d> vertex_normals(const SurfaceMesh& surface);
 
 // A drawn surface with all that the format can carry; the ending and the errors are as above.
-//   .obj  text: v (and the colour behind it), vt, vn; an `o` line where the object changes,
+//   .obj  text: v (and the colour behind it), vt, vn; of the author's vertices alone where
+//         `sources` says which are copies; an `o` line where the object changes,
 //   `usemtl`
 //         where the material does, and a `mtllib` line if `library` names a file
 //   .ply  binary, little-endian: positions, normals, texture coordinates (s, t) and colours

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "common/mesh/render_surface.h"
 #include "formats/tets/tets_layout.h"
 
 namespace tremolo {
@@ -62,6 +63,13 @@ std::optional<TetsFault> surface_fault(const TetMesh& mesh, const TetsSurface& s
   }
   for (const Eigen::Vector2f& uv : surface.uvs)
     if (!uv.allFinite()) return TetsFault{tets_layout::kDrawnUvs, "a value is not finite"};
+  if (surface.sources.empty()) return std::nullopt;
+  RenderSurface drawn;
+  drawn.vertices = surface.vertices;
+  drawn.sources = surface.sources;
+  if (!drawn.sources_hold())
+    return TetsFault{tets_layout::kDrawnSources,
+                     "the vertices of the author's file do not come first, each as itself"};
   return std::nullopt;
 }
 

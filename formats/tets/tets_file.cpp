@@ -38,6 +38,7 @@ std::vector<SectionShape> tets_shapes(const TetsCounts& n) {
       {layout::kDrawnTetrahedra, ElementType::kU32, n[4], 1, false, layout::kDrawnVertices},
       {layout::kDrawnWeights, ElementType::kF64, n[4], 4, false, layout::kDrawnTetrahedra},
       {layout::kDrawnUvs, ElementType::kF32, n[4], 2, false, layout::kDrawnVertices},
+      {layout::kDrawnSources, ElementType::kU32, n[4], 1, false, layout::kDrawnVertices},
       {layout::kGridFrame, ElementType::kF64, layout::kGridFrameSize, 1, false, layout::kDistances},
       {layout::kDistances, ElementType::kF32, grid_size(n), 1, false, layout::kGridFrame},
       {layout::kProvenance, ElementType::kU8, layout::kAnyRows, 1}};
@@ -107,14 +108,15 @@ auto with_tets_sections(const TetsData& data, const Use& use) -> decltype(use(Se
   const TetsNumbers numbers = numbers_of_tets(data);
   std::vector<SectionShape> shapes = tets_shapes(numbers.counts);
   shapes.back().rows = data.provenance.size();
-  const std::array<std::span<const std::byte>, 14> bytes = {
+  const std::array<std::span<const std::byte>, 15> bytes = {
       bytes_of(numbers.counts),          bytes_of(data.mesh.vertices),
       bytes_of(data.mesh.tetrahedra),    bytes_of(numbers.materials),
       bytes_of(numbers.material_of),     bytes_of(data.held),
       bytes_of(data.surface.vertices),   bytes_of(data.surface.triangles),
       bytes_of(data.surface.tetrahedra), bytes_of(data.surface.weights),
-      bytes_of(data.surface.uvs),        bytes_of(numbers.frame),
-      bytes_of(data.distances),          bytes_of(data.provenance)};
+      bytes_of(data.surface.uvs),        bytes_of(data.surface.sources),
+      bytes_of(numbers.frame),           bytes_of(data.distances),
+      bytes_of(data.provenance)};
   SectionList list{layout::kKind, layout::kMinor, {}};
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     const bool of_grid = shapes[i].name == layout::kGridFrame && data.distances.empty();
@@ -194,7 +196,8 @@ Status read_surface_sections(SectionFile& file, TetsSurface& surface) {
   if (Status s = read_rows<std::uint32_t>(file, layout::kDrawnTetrahedra, surface.tetrahedra); !s)
     return s;
   if (Status s = read_rows<double>(file, layout::kDrawnWeights, surface.weights); !s) return s;
-  return read_rows<float>(file, layout::kDrawnUvs, surface.uvs);
+  if (Status s = read_rows<float>(file, layout::kDrawnUvs, surface.uvs); !s) return s;
+  return read_rows<std::uint32_t>(file, layout::kDrawnSources, surface.sources);
 }
 
 Result<TetsFile> read_tets_sections(Result<SectionFile> file) {

@@ -27,6 +27,7 @@ struct TetsSurface {
   std::vector<std::uint32_t> tetrahedra;
   std::vector<Eigen::Vector4d> weights;
   std::vector<Eigen::Vector2f> uvs;
+  std::vector<VertexId> sources;  // as RenderSurface has them
 };
 
 // mesh: linear, positively oriented. held: ascending. nodes, distances: of the surface at rest, m,

@@ -28,9 +28,11 @@ inline constexpr std::string_view kDrawnTriangles = "drawn_triangles";  // u32, 
 inline constexpr std::string_view kDrawnTetrahedra = "drawn_tets";      // u32, s x 1
 inline constexpr std::string_view kDrawnWeights = "drawn_weights";      // f64, s x 4
 inline constexpr std::string_view kDrawnUvs = "drawn_uvs";              // f32, s x 2
-inline constexpr std::string_view kGridFrame = "grid_frame";            // f64, 4 x 1
-inline constexpr std::string_view kDistances = "distances";             // f32, one a node, m
-inline constexpr std::string_view kProvenance = "provenance";           // u8, JSON
+// Optional: u32, s x 1, the vertex of the author's file that each is or is a copy of.
+inline constexpr std::string_view kDrawnSources = "drawn_sources";
+inline constexpr std::string_view kGridFrame = "grid_frame";   // f64, 4 x 1
+inline constexpr std::string_view kDistances = "distances";    // f32, one a node, m
+inline constexpr std::string_view kProvenance = "provenance";  // u8, JSON
 
 // n, m, k, h, s, t, and the nodes of the grid along x, y, z (0: none).
 inline constexpr std::size_t kCountsSize = 9;

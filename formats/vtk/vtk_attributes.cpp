@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "common/format_text.h"
 #include "formats/vtk/vtk_cells.h"
 
 namespace tremolo {
@@ -22,10 +23,11 @@ bool read_array(VtkInput& input, const std::string& name, const std::string& typ
   if (components != 0 && tuples > std::numeric_limits<std::uint64_t>::max() / components)
     return input.fail("expected an array that fits in the file, found " + std::to_string(tuples) +
                       " tuples");
-  std::vector<double> values;
-  if (!input.read_list(type, components * tuples, "numbers of an array", values)) return false;
+  const std::uint64_t count = components * tuples;
   const int rank = found.of_cells && components == 1 ? region_rank(name) : -1;
-  if (rank < 0 || rank >= found.rank) return true;
+  if (rank < 0 || rank >= found.rank) return input.skip_list(type, count, "values of an array");
+  std::vector<double> values;
+  if (!input.read_list(type, count, "numbers of an array", values)) return false;
   found.rank = rank;
   found.best = {name, std::move(values)};
   return true;
@@ -46,6 +48,11 @@ bool read_field(VtkInput& input, Attributes& found) {
         !input.text().read_word(type, "the type of an array") ||
         !read_array(input, name, type, tuples, components, found))
       return false;
+    // Each array may have a text of its own behind it.
+    if (input.text().peek() == "METADATA") {
+      input.text().token();
+      skip_vtk_metadata(input);
+    }
   }
   return true;
 }
@@ -130,7 +137,7 @@ VtkCellArray read_region_array(VtkInput& input, std::string keyword, std::string
   Attributes found;
   while (read_attribute(input, keyword, found)) {
     if (input.text().at_end()) return std::move(found.best);
-    keyword = input.text().token();
+    keyword = upper_case(input.text().token());
   }
   complaint = input.error().message;
   return std::move(found.best);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/format_text.h"
+#include "common/index.h"
 #include "formats/file/text_scanner.h"
 #include "formats/mesh/mesh_cells.h"
 
@@ -41,7 +42,25 @@ std::string check_offsets(const VtkCells& cells) {
 
 }  // namespace
 
-std::string add_vtk_cells(const VtkCells& cells, MeshBuilder& builder) {
+std::string append_vtk_cells(const VtkCells& piece, std::span<const std::int64_t> id_of_point,
+                             VtkCells& cells) {
+  const std::string complaint = check_offsets(piece);
+  if (!complaint.empty()) return complaint;
+  const std::int64_t before = cells.connectivity.size();
+  if (cells.offsets.empty()) cells.offsets.push_back(0);
+  for (std::size_t c = 0; c < piece.types.size(); ++c)
+    cells.offsets.push_back(before + piece.offsets[c + 1]);
+  for (const std::int64_t point : piece.connectivity) {
+    if (!is_index(point, id_of_point.size()))
+      return "a cell refers to point " + std::to_string(point) + ", expected one of the " +
+             std::to_string(id_of_point.size()) + " points of its piece";
+    cells.connectivity.push_back(id_of_point[point]);
+  }
+  cells.types.insert(cells.types.end(), piece.types.begin(), piece.types.end());
+  return "";
+}
+
+std::string add_vtk_cells(VtkCells& cells, MeshBuilder& builder) {
   std::string complaint = check_offsets(cells);
   if (!complaint.empty()) return complaint;
   std::vector<VertexId> vertices;
@@ -57,9 +76,12 @@ std::string add_vtk_cells(const VtkCells& cells, MeshBuilder& builder) {
       return "cell " + std::to_string(c) + " is one of " + std::string(kind->plural) +
              ", expected " + std::to_string(kind->nodes) + " nodes, found " + std::to_string(count);
     const std::int64_t id = c;
+    const std::size_t before = builder.mesh().tetrahedra.size();
     if (!builder.resolve(id, {cells.connectivity.data() + first, count}, vertices) ||
         !builder.add_cell(id, *kind, vertices))
       return builder.complaint();
+    cells.tetrahedra.push_back(
+        static_cast<std::uint8_t>(builder.mesh().tetrahedra.size() - before));
   }
   return "";
 }
@@ -84,14 +106,13 @@ void set_vtk_regions(const VtkCells& cells, const std::string& array,
   }
   std::vector<std::int64_t> labels;
   for (std::size_t c = 0; c < values.size(); ++c) {
-    const CellKind* kind = vtk_cell(cells.types[c]);
-    if (kind == nullptr || !kind->is_kept()) continue;
+    if (cells.tetrahedra[c] == 0) continue;
     if (!(std::abs(values[c]) <= kMostExact) || values[c] != std::floor(values[c])) {
       builder.add_note("cell data " + quoted_text(array) +
                        " holds numbers that are not integers: it names no regions");
       return;
     }
-    labels.push_back(static_cast<std::int64_t>(values[c]));
+    labels.insert(labels.end(), cells.tetrahedra[c], static_cast<std::int64_t>(values[c]));
   }
   builder.set_regions(labels, [](std::int64_t label) { return "region " + std::to_string(label); });
   builder.add_note("cell data " + quoted_text(array) + " gives the regions");

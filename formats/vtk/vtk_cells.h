@@ -18,11 +18,17 @@ struct VtkCells {
   std::vector<std::int64_t> offsets;
   std::vector<std::int64_t> connectivity;
   std::vector<std::int64_t> types;
+  std::vector<std::uint8_t> tetrahedra;  // that each cell became; set by add_vtk_cells()
 };
+
+// Appends the cells of one piece to those of the earlier ones. id_of_point: the number that each
+// point of the piece has in the mesh. Returns a complaint as add_vtk_cells() does.
+std::string append_vtk_cells(const VtkCells& piece, std::span<const std::int64_t> id_of_point,
+                             VtkCells& cells);
 
 // Checks the three against each other and gives the cells to the builder, whose vertices are
 // sealed. Returns a complaint that names the cell, empty if all is well.
-std::string add_vtk_cells(const VtkCells& cells, MeshBuilder& builder);
+std::string add_vtk_cells(VtkCells& cells, MeshBuilder& builder);
 
 // How well a cell array's name says that it numbers regions: 0 is best, -1 if it does not. Known
 // are material, region, gmsh:physical, medit:ref, CellEntityIds, subdomain, whatever their case,

@@ -29,6 +29,10 @@ class VtkInput {
   bool read_list(const std::string& type, std::uint64_t count, std::string_view what,
                  std::vector<double>& values);
 
+  // Goes behind an array that holds no numbers or that nobody needs: of any of VTK's types,
+  // "string", "bit" and "variant" among them. Memory is not taken.
+  bool skip_list(const std::string& type, std::uint64_t count, std::string_view what);
+
   TextScanner& text() { return text_; }
   // Begins a part at the last token: a fault in the list that follows is said to be there.
   void begin_part(const std::string& keyword) { part_ = text_.problem("in " + keyword).message; }
@@ -43,6 +47,11 @@ class VtkInput {
                    std::vector<T>& values);
   template <class Stored, class T>
   bool read_bytes(std::uint64_t count, std::string_view what, std::vector<T>& values);
+  // The bytes of a binary list begin on the next line; the text continues behind them.
+  bool begin_bytes();
+  bool end_bytes(const ByteScanner& bytes, bool good);
+  bool skip_strings(std::uint64_t count);
+  bool skip_binary_strings(std::uint64_t count);
 
   std::string_view whole_;
   std::string path_;

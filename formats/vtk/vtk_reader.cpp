@@ -1,5 +1,6 @@
 #include <cstddef>
 
+#include "common/format_text.h"
 #include "common/index.h"
 #include "formats/mesh/mesh_formats.h"
 #include "formats/vtk/vtk_attributes.h"
@@ -110,17 +111,29 @@ bool read_part(VtkInput& input, const std::string& keyword, VtkFile& file) {
   return input.text().fail("POINTS, CELLS, CELL_TYPES, FIELD or POINT_DATA", keyword);
 }
 
+// Arrays of the whole file may stand before the kind of data set.
+bool read_dataset(VtkInput& input) {
+  std::string keyword = upper_case(input.text().token());
+  while (keyword == "FIELD" || keyword == "METADATA") {
+    input.begin_part(keyword);
+    if (keyword == "FIELD" && !skip_vtk_field(input)) return false;
+    if (keyword == "METADATA") skip_vtk_metadata(input);
+    keyword = upper_case(input.text().token());
+  }
+  if (keyword != "DATASET") return input.text().fail("`DATASET`", keyword);
+  const std::string_view kind = input.text().token();
+  return upper_case(kind) == "UNSTRUCTURED_GRID" || input.text().fail("`UNSTRUCTURED_GRID`", kind);
+}
+
 }  // namespace
 
 Result<MeshFile> read_vtk(std::string_view text, const std::string& path) {
   VtkInput input(text, path);
-  if (!input.read_header() || !input.text().expect("DATASET") ||
-      !input.text().expect("UNSTRUCTURED_GRID"))
-    return input.error();
+  if (!input.read_header() || !read_dataset(input)) return input.error();
   VtkFile file{MeshBuilder(path), {}, "", false, false, false};
   std::string data;  // the keyword with which the data of points and cells begin
   while (data.empty() && !input.text().at_end()) {
-    const std::string keyword(input.text().token());
+    const std::string keyword = upper_case(input.text().token());
     if (keyword == "POINT_DATA" || keyword == "CELL_DATA")
       data = keyword;
     else if (!read_part(input, keyword, file))

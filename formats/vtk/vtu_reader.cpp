@@ -1,175 +1,93 @@
-#include <bit>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <pugixml.hpp>
+#include <map>
 #include <string>
-#include <type_traits>
 #include <vector>
 
-#include "formats/file/base64.h"
-#include "formats/file/byte_scanner.h"
 #include "formats/file/text_scanner.h"
 #include "formats/mesh/mesh_formats.h"
 #include "formats/vtk/vtk_cells.h"
+#include "formats/vtk/vtu_data.h"
 
 namespace tremolo {
 namespace {
 
-// What the root element says about the bytes of all arrays.
-struct VtuBytes {
-  bool swap = false;
-  bool long_header = false;  // sizes before the data are u64 rather than u32
+// The pieces of a grid are read into one mesh. Each has points of its own: those of a piece that
+// lie exactly where one of an earlier piece lies are that point.
+struct VtuGrid {
+  MeshBuilder builder;
+  VtkCells cells;
+  std::vector<double> regions;  // of the array `region_name`, one a cell
+  std::string region_name;      // empty: none
+  std::string region_problem;   // why the regions are not used; empty: they are
+  std::map<std::array<double, 3>, std::int64_t> id_of_place;  // of earlier pieces; empty for one
+  std::size_t pieces = 0;
+  std::size_t shared = 0;  // points that are in an earlier piece
 };
 
-struct VtuArray {
-  pugi::xml_node node;
-  std::string place;  // "FILE, array `types` (byte 800)"
-  VtuBytes bytes;
-};
-
-template <class Stored, class T>
-Status read_stored(ByteScanner scanner, std::size_t count, std::vector<T>& values) {
-  if (!scanner.fits(count, sizeof(Stored), "numbers")) return scanner.error();
-  values.reserve(count);
-  for (std::size_t n = 0; n < count; ++n) {
-    Stored stored{};
-    if (!scanner.read(stored, "a number")) return scanner.error();
-    values.push_back(static_cast<T>(stored));
-  }
-  if (scanner.remaining() == 0) return Success{};
-  return scanner.problem("expected " + std::to_string(count) + " numbers, found " +
-                         std::to_string(scanner.remaining()) + " bytes more");
+std::string quoted_name(const char* name) {
+  return "`" + std::string(name) + "`";
 }
 
-// Base64 of the size in bytes and the data.
-template <class T>
-Status read_base64(const VtuArray& array, std::size_t count, std::vector<T>& values) {
-  const std::string_view text = array.node.text().get();
-  const DecodedBase64 decoded = decode_base64(text);
-  if (decoded.bad_at != std::string_view::npos)
-    return content_error(array.place + ": expected base64, found " +
-                         (decoded.bad_at == text.size()
-                              ? "its end too early"
-                              : quoted_text(text.substr(decoded.bad_at))));
-  ByteScanner scanner(decoded.bytes, array.place, 0, array.bytes.swap);
-  std::uint64_t size = 0;
-  std::uint32_t short_size = 0;
-  if (!(array.bytes.long_header ? scanner.read(size, "a size in bytes")
-                                : scanner.read(short_size, "a size in bytes")))
-    return scanner.error();
-  if (!array.bytes.long_header) size = short_size;
-  if (size != scanner.remaining())
-    return scanner.problem("expected " + std::to_string(size) + " bytes behind the size, found " +
-                           std::to_string(scanner.remaining()));
-  const std::string type = array.node.attribute("type").value();
-  if (type == "Float32") return read_stored<float>(scanner, count, values);
-  if (type == "Float64") return read_stored<double>(scanner, count, values);
-  if (type == "Int8") return read_stored<std::int8_t>(scanner, count, values);
-  if (type == "UInt8") return read_stored<std::uint8_t>(scanner, count, values);
-  if (type == "Int16") return read_stored<std::int16_t>(scanner, count, values);
-  if (type == "UInt16") return read_stored<std::uint16_t>(scanner, count, values);
-  if (type == "Int32") return read_stored<std::int32_t>(scanner, count, values);
-  if (type == "UInt32") return read_stored<std::uint32_t>(scanner, count, values);
-  if (type == "Int64") return read_stored<std::int64_t>(scanner, count, values);
-  if (type == "UInt64") return read_stored<std::uint64_t>(scanner, count, values);
-  return content_error(array.place + ": expected a type of numbers, found " + quoted_text(type));
-}
-
-template <class T>
-Status read_text(const VtuArray& array, std::size_t count, std::vector<T>& values) {
-  TextScanner scanner(array.node.text().get(), array.place, {.open_end = true});
-  if (!scanner.fits(count, 2, "numbers")) return scanner.error();
-  values.resize(count);
-  for (T& value : values)
-    if (!scanner.read(value, "a number")) return scanner.error();
-  if (scanner.at_end()) return Success{};
-  return scanner.problem("expected " + std::to_string(count) + " numbers, found more");
-}
-
-template <class T>
-Status read_array(const VtuArray& array, std::size_t count, std::vector<T>& values) {
-  const std::string type = array.node.attribute("type").value();
-  if (std::is_integral_v<T> && type.starts_with("Float"))
-    return content_error(array.place + ": expected integers, found type " + quoted_text(type));
-  const std::string encoding = array.node.attribute("format").value();
-  if (encoding == "ascii") return read_text(array, count, values);
-  if (encoding == "binary") return read_base64(array, count, values);
-  return content_error(array.place + ": expected format \"ascii\" or \"binary\", found " +
-                       quoted_text(encoding) + "; save the mesh with inline data");
-}
-
-Result<VtuArray> find_array(pugi::xml_node parent, const char* name, const VtuBytes& bytes,
-                            const std::string& path) {
+Result<pugi::xml_node> find_array(const VtuDocument& document, pugi::xml_node parent,
+                                  const char* name) {
   const pugi::xml_node node = *name != '\0'
                                   ? parent.find_child_by_attribute("DataArray", "Name", name)
                                   : parent.child("DataArray");
-  const std::string shown = *name != '\0' ? name : "points";
-  if (!node) return content_error(path + ": expected a DataArray of " + shown + ", found none");
-  return VtuArray{node,
-                  path + ", array `" + shown + "` (element at byte " +
-                      std::to_string(node.offset_debug()) + ")",
-                  bytes};
+  if (node) return node;
+  return content_error(document.path + ": expected a DataArray of " +
+                       (*name != '\0' ? name : "points") + ", found none");
 }
 
-template <class T>
-Status read_named(pugi::xml_node parent, const char* name, const VtuBytes& bytes,
-                  const std::string& path, std::size_t count, std::vector<T>& values) {
-  const Result<VtuArray> array = find_array(parent, name, bytes, path);
-  if (!array) return array.error();
-  return read_array(*array, count, values);
-}
-
-Result<VtuBytes> read_root(pugi::xml_node root, const std::string& path) {
-  const std::string type = root.attribute("type").value();
-  if (type != "UnstructuredGrid")
-    return content_error(path + ": expected a VTKFile of type UnstructuredGrid, found " +
-                         quoted_text(type));
-  if (root.attribute("compressor"))
-    return content_error(path + ": expected data that are not compressed, found " +
-                         quoted_text(root.attribute("compressor").value()));
-  const std::string order = root.attribute("byte_order").as_string("LittleEndian");
-  const std::string header = root.attribute("header_type").as_string("UInt32");
-  if (order != "LittleEndian" && order != "BigEndian")
-    return content_error(path + ": expected byte_order LittleEndian or BigEndian, found " +
-                         quoted_text(order));
-  if (header != "UInt32" && header != "UInt64")
-    return content_error(path + ": expected header_type UInt32 or UInt64, found " +
-                         quoted_text(header));
-  const bool little = std::endian::native == std::endian::little;
-  return VtuBytes{(order == "LittleEndian") != little, header == "UInt64"};
-}
-
-// Counts of a piece, bounded by the size of the file, in which each item takes at least a byte.
-Result<std::size_t> read_count(pugi::xml_node piece, const char* name, std::size_t limit,
-                               const std::string& path) {
+// Counts of a piece, bounded by the size of the file.
+Result<std::size_t> read_count(const VtuDocument& document, pugi::xml_node piece,
+                               const char* name) {
   const std::string value = piece.attribute(name).value();
-  TextScanner scanner(value, path + ", attribute " + name, {.open_end = true});
+  TextScanner scanner(value, document.path + ", attribute " + name, {.open_end = true});
   std::size_t count = 0;
   if (!scanner.read(count, "a count")) return scanner.error();
-  if (count > limit)
-    return scanner.problem("expected a count that fits in a file of " + std::to_string(limit) +
-                           " bytes, found " + value);
+  if (count > document.most_numbers)
+    return scanner.problem("expected a count of at most " + std::to_string(document.most_numbers) +
+                           ", which fits in the file, found " + value);
   return count;
 }
 
-Status read_points(pugi::xml_node piece, const VtuBytes& bytes, const std::string& path,
-                   std::size_t count, MeshBuilder& builder) {
+// id_of_point: the mesh's number of each point of the piece.
+Status read_points(const VtuDocument& document, pugi::xml_node piece, bool several, VtuGrid& grid,
+                   std::vector<std::int64_t>& id_of_point) {
+  const Result<std::size_t> count = read_count(document, piece, "NumberOfPoints");
+  if (!count) return count.error();
+  const Result<pugi::xml_node> node = find_array(document, piece.child("Points"), "");
+  if (!node) return node.error();
   std::vector<double> coordinates;
-  Status status = read_named(piece.child("Points"), "", bytes, path, 3 * count, coordinates);
+  const Status status = read_vtu_array(document, *node, "`points`", 3 * *count, coordinates);
   if (!status) return status;
-  builder.reserve_vertices(count);
-  for (std::size_t p = 0; p < count; ++p)
-    if (!builder.add_vertex(p, Eigen::Vector3d(coordinates.data() + 3 * p)))
-      return content_error(path + ", array `points`: " + builder.complaint());
-  if (!builder.seal_vertices()) return content_error(path + ": " + builder.complaint());
+  std::vector<std::pair<std::array<double, 3>, std::int64_t>> own;
+  for (std::size_t p = 0; p < *count; ++p) {
+    const Eigen::Vector3d x(coordinates.data() + 3 * p);
+    const std::array<double, 3> place = {x[0], x[1], x[2]};
+    const auto known = grid.id_of_place.find(place);
+    if (known != grid.id_of_place.end()) {
+      id_of_point.push_back(known->second);
+      ++grid.shared;
+      continue;
+    }
+    const std::int64_t id = grid.builder.vertex_count();
+    if (!grid.builder.add_vertex(id, x))
+      return content_error(document.path + ", array `points`: " + grid.builder.complaint());
+    id_of_point.push_back(id);
+    if (several) own.emplace_back(place, id);
+  }
+  grid.id_of_place.insert(own.begin(), own.end());
   return Success{};
 }
 
-// The cell array that numbers regions, if there is one. What is wrong with it is noted: the mesh
-// does not need it.
-void read_regions(pugi::xml_node piece, const VtuBytes& bytes, const std::string& path,
-                  const VtkCells& cells, MeshBuilder& builder) {
+// The cell array that numbers regions, if there is one. A fault in it is noted: the mesh does not
+// need it.
+void read_regions(const VtuDocument& document, pugi::xml_node piece, std::size_t count,
+                  VtuGrid& grid) {
   int best = std::numeric_limits<int>::max();
   pugi::xml_node chosen;
   for (const pugi::xml_node array : piece.child("CellData").children("DataArray")) {
@@ -178,65 +96,88 @@ void read_regions(pugi::xml_node piece, const VtuBytes& bytes, const std::string
     best = rank;
     chosen = array;
   }
-  if (!chosen) return;
   const std::string name = chosen.attribute("Name").value();
-  const VtuArray array{chosen,
-                       path + ", array " + quoted_text(name) + " (element at byte " +
-                           std::to_string(chosen.offset_debug()) + ")",
-                       bytes};
+  if (grid.pieces == 1) grid.region_name = name;
+  if (grid.region_name.empty() && name.empty()) return;
+  if (name != grid.region_name) {
+    if (grid.region_problem.empty())
+      grid.region_problem = "the pieces have different arrays for them";
+    return;
+  }
   std::vector<double> values;
-  const Status status = read_array(array, cells.types.size(), values);
+  const Status status = read_vtu_array(document, chosen, quoted_text(name), count, values);
   if (status)
-    set_vtk_regions(cells, name, values, builder);
-  else
-    builder.add_note("the regions are not read: " + status.error().message);
+    grid.regions.insert(grid.regions.end(), values.begin(), values.end());
+  else if (grid.region_problem.empty())
+    grid.region_problem = status.error().message;
 }
 
-Status read_cells(pugi::xml_node piece, const VtuBytes& bytes, const std::string& path,
-                  std::size_t count, std::size_t limit, MeshBuilder& builder) {
+Status read_list(const VtuDocument& document, pugi::xml_node cells, const char* name,
+                 std::size_t count, std::vector<std::int64_t>& values) {
+  const Result<pugi::xml_node> node = find_array(document, cells, name);
+  if (!node) return node.error();
+  return read_vtu_array(document, *node, quoted_name(name), count, values);
+}
+
+Status read_cells(const VtuDocument& document, pugi::xml_node piece,
+                  const std::vector<std::int64_t>& id_of_point, VtuGrid& grid) {
+  const Result<std::size_t> count = read_count(document, piece, "NumberOfCells");
+  if (!count) return count.error();
   const pugi::xml_node cells = piece.child("Cells");
   VtkCells found;
-  Status status = read_named(cells, "offsets", bytes, path, count, found.offsets);
-  if (status) status = read_named(cells, "types", bytes, path, count, found.types);
+  Status status = read_list(document, cells, "offsets", *count, found.offsets);
+  if (status) status = read_list(document, cells, "types", *count, found.types);
   if (!status) return status;
   // VTU leaves out the first offset, 0; the last is the length of the list of nodes.
   found.offsets.insert(found.offsets.begin(), 0);
   const std::int64_t length = found.offsets.back();
-  if (length < 0 || std::cmp_greater(length, limit))
-    return content_error(path +
-                         ", array `offsets`: expected a last offset that fits in a file of " +
-                         std::to_string(limit) + " bytes, found " + std::to_string(length));
-  status = read_named(cells, "connectivity", bytes, path, length, found.connectivity);
+  if (length < 0 || std::cmp_greater(length, document.most_numbers))
+    return content_error(document.path + ", array `offsets`: expected a last offset of at most " +
+                         std::to_string(document.most_numbers) +
+                         ", which fits in the file, found " + std::to_string(length));
+  status = read_list(document, cells, "connectivity", length, found.connectivity);
   if (!status) return status;
-  const std::string complaint = add_vtk_cells(found, builder);
-  if (!complaint.empty()) return content_error(path + ": " + complaint);
-  read_regions(piece, bytes, path, found, builder);
+  const std::string complaint = append_vtk_cells(found, id_of_point, grid.cells);
+  if (!complaint.empty()) return content_error(document.path + ": " + complaint);
+  read_regions(document, piece, *count, grid);
   return Success{};
 }
 
 }  // namespace
 
 Result<MeshFile> read_vtu(std::string_view text, const std::string& path) {
-  pugi::xml_document document;
-  const pugi::xml_parse_result parsed = document.load_buffer(text.data(), text.size());
-  if (!parsed)
-    return content_error(path + ", byte " + std::to_string(parsed.offset) +
-                         ": expected well-formed XML, found: " + parsed.description());
-  const pugi::xml_node root = document.child("VTKFile");
-  const Result<VtuBytes> bytes = read_root(root, path);
-  if (!bytes) return bytes.error();
-  const pugi::xml_node piece = root.child("UnstructuredGrid").child("Piece");
-  if (!piece || piece.next_sibling("Piece"))
-    return content_error(path + ": expected one Piece, found " + (piece ? "several" : "none"));
-  const Result<std::size_t> points = read_count(piece, "NumberOfPoints", text.size(), path);
-  if (!points) return points.error();
-  const Result<std::size_t> cells = read_count(piece, "NumberOfCells", text.size(), path);
-  if (!cells) return cells.error();
-  MeshBuilder builder(path);
-  Status status = read_points(piece, *bytes, path, *points, builder);
-  if (status) status = read_cells(piece, *bytes, path, *cells, text.size(), builder);
+  VtuDocument document;
+  Status status = open_vtu(text, path, document);
   if (!status) return status.error();
-  return builder.finish("VTU");
+  VtuGrid grid{MeshBuilder(path), {}, {}, {}, {}, {}};
+  const pugi::xml_node first = document.root().child("UnstructuredGrid").child("Piece");
+  if (!first) return content_error(path + ": expected a Piece, found none");
+  const bool several = static_cast<bool>(first.next_sibling("Piece"));
+  std::size_t numbers = 0;
+  for (pugi::xml_node piece = first; piece; piece = piece.next_sibling("Piece")) {
+    ++grid.pieces;
+    std::vector<std::int64_t> id_of_point;
+    status = read_points(document, piece, several, grid, id_of_point);
+    if (status) status = read_cells(document, piece, id_of_point, grid);
+    if (!status) return status.error();
+    // Pieces may name the same appended bytes: together they still fit in the file.
+    numbers = grid.cells.connectivity.size() + grid.builder.vertex_count() + grid.shared;
+    if (numbers > 2 * document.most_numbers)
+      return content_error(path + ": expected pieces that fit in the file, found " +
+                           std::to_string(grid.pieces) + " pieces of more numbers");
+  }
+  if (!grid.builder.seal_vertices()) return content_error(path + ": " + grid.builder.complaint());
+  if (several)
+    grid.builder.add_note(std::to_string(grid.pieces) +
+                          " pieces are one mesh: " + std::to_string(grid.shared) +
+                          " points that lie where an earlier piece has one are taken once");
+  const std::string complaint = add_vtk_cells(grid.cells, grid.builder);
+  if (!complaint.empty()) return content_error(path + ": " + complaint);
+  if (!grid.region_problem.empty())
+    grid.builder.add_note("the regions are not read: " + grid.region_problem);
+  else if (!grid.region_name.empty())
+    set_vtk_regions(grid.cells, grid.region_name, grid.regions, grid.builder);
+  return grid.builder.finish("VTU");
 }
 
 }  // namespace tremolo

@@ -8,6 +8,7 @@
 #include "common/distance/distance_grid.h"
 #include "common/length_unit.h"
 #include "common/result.h"
+#include "formats/file/command_words.h"
 #include "precompute/system/option_checks.h"
 
 namespace tremolo {
@@ -43,11 +44,11 @@ std::variant<ColliderOptions, int> parse_collider_line(int count, char** words) 
       ->check(CLI::IsMember({"y", "z"}))
       ->capture_default_str();
   app.add_flag("--fill-holes", options.fill_holes, "close holes of every size");
-  app.add_option("--threads", options.threads, "threads")->check(at_least_one());
+  app.add_option("--threads", options.threads, "threads")->check(thread_count());
   app.add_flag("--json", options.json, "print one JSON object on stdout");
 
   const int usage = exit_code(ErrorKind::kUsage);
-  if (const std::optional<int> code = parse_words(app, count, words)) return *code;
+  if (const std::optional<int> code = read_words(app, count, words)) return *code;
   options.y_up = up == "y";
   if (options.unit.empty()) return options;
   if (const Result<double> metres = metres_per_unit(options.unit); !metres) {

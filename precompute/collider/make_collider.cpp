@@ -223,7 +223,9 @@ void make_file(const ColliderOptions& options) {
 }  // namespace
 
 void make_collider(const ColliderOptions& options) {
-  unwrap(keep_apart({options.output_path}, {{options.surface_path, "the surface", true}}));
+  const std::vector<NamedFile> inputs = {{options.surface_path, "the surface", true}};
+  unwrap(keep_apart({options.output_path}, inputs));
+  const GuardedInputs guard(inputs);
   unwrap(AtomicFile::create(options.output_path));
   try {
     make_file(options);

@@ -18,7 +18,9 @@
 
 #include "common/mesh/mesh_quality.h"
 #include "common/mesh/surface_mesh.h"
+#include "common/printable.h"
 #include "formats/file/atomic_file.h"
+#include "formats/file/command_words.h"
 #include "formats/file/os_error.h"
 #include "formats/file/output_guard.h"
 #include "formats/file/standard_streams.h"
@@ -76,7 +78,8 @@ Result<TetMesh> mesh_sample(Recipe recipe, const SurfaceMeshOptions& options) {
 Result<TetMesh> mesh_file(const Options& options) {
   Result<MesherAnswer> made = load_surface(options.input, options.unit, options.mesh);
   if (!made) return made.error();
-  for (const std::string& note : made->notes) std::fprintf(stderr, "  %s\n", note.c_str());
+  for (const std::string& note : made->notes)
+    std::fprintf(stderr, "  %s\n", printable(note).c_str());
   return std::move(made->mesh);
 }
 
@@ -126,6 +129,8 @@ Status run(const Options& options) {
   const NamedFile input{find_recipe(options.input) ? "" : options.input, "the surface", true};
   if (Status status = keep_apart({options.output, options.surface}, {input}); !status)
     return status;
+  if (Status status = check_writable({options.output, options.surface}); !status) return status;
+  const GuardedInputs guard({input});
   const Result<TetMesh> mesh = make_mesh(options);
   if (!mesh) return mesh.error();
   if (!options.surface.empty())
@@ -156,22 +161,18 @@ std::optional<int> parse(int count, char** words, Options& options) {
   app.add_option("--surface", options.surface,
                  "also write the boundary, as .obj, .ply or .inc (POV-Ray)");
   app.add_option("--answer", options.answer)->group("")->excludes(output);
-  try {
-    app.parse(count, words);
-    if (options.answer < 0 && options.output.empty()) throw CLI::RequiredError("--output");
-  } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error, std::cout, std::cerr);
-    return code == 0 ? 0 : exit_code({ErrorKind::kUsage, ""});
-  }
-  return std::nullopt;
+  if (const std::optional<int> code = read_words(app, count, words)) return code;
+  if (options.answer >= 0 || !options.output.empty()) return std::nullopt;
+  std::fprintf(stderr, "tremolo-mesh: --output is required (--help lists the options)\n");
+  return exit_code(ErrorKind::kUsage);
 }
 
 int run_program(int count, char** words) {
   Options options;
   if (const auto code = parse(count, words, options)) return *code;
   const Status status = run(options);
-  if (status) return 0;
-  std::fprintf(stderr, "tremolo-mesh: %s\n", status.error().message.c_str());
+  if (status) return flush_standard_output() ? 0 : exit_code(ErrorKind::kSystem);
+  std::fprintf(stderr, "tremolo-mesh: %s\n", printable(status.error().message).c_str());
   return exit_code(status.error());
 }
 

@@ -9,7 +9,7 @@
 #include "common/mesh/mesh_quality.h"
 #include "precompute/mesher/cgal/cgal_mesher.h"
 #include "precompute/mesher/cgal/polyhedral_mesher.h"
-#include "precompute/mesher/surface/point_cells.h"
+#include "common/mesh/point_cells.h"
 #include "precompute/mesher/surface/surface_geometry.h"
 
 namespace tremolo {

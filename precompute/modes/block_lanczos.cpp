@@ -55,6 +55,8 @@ struct Orthonormalised {
   Eigen::MatrixXd b;
 };
 Orthonormalised orthonormalise(const Pencil& pencil, ColumnsOut w, double scale) {
+  // Every direction was dropped before.
+  if (w.cols() == 0) return {0, Eigen::MatrixXd(0, 0)};
   const Eigen::MatrixXd gram = products_of(w, mass_times(pencil, w));
   const EigenPairs eigen = eigenpairs(0.5 * (gram + gram.transpose()));
   constexpr double kRounding = 1e-14;
@@ -145,6 +147,7 @@ LanczosPairs block_lanczos(const Pencil& pencil, const ShiftedSolver& solver, in
     first = size;
     size += kept;
   }
+  pairs.exhausted = true;
   return pairs;
 }
 

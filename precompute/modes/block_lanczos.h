@@ -20,9 +20,11 @@ void apply_inverse(const Pencil& pencil, const ShiftedSolver& solver, ColumnsOut
 
 // vectors: this rank's rows x wanted, M-orthonormal; values: theta = 1 / (lambda - shift),
 // descending. converged: all residuals |A x - theta x| / theta are at most the tolerance; if false,
-// the basis has reached its largest size, and vectors and values are not valid.
+// vectors and values are not valid: either the basis has reached its largest size or it is
+// exhausted, which means that rounding hides all further directions.
 struct LanczosPairs {
   bool converged = false;
+  bool exhausted = false;
   int solves = 0;
   Eigen::VectorXd values;
   Columns vectors;

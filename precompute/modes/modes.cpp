@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
+#include "common/number_text.h"
 #include "precompute/dense/dense_decompositions.h"
 #include "precompute/modes/block_lanczos.h"
 #include "precompute/modes/mode_clusters.h"
@@ -67,10 +69,47 @@ void keep_lowest(const Matrices& matrices, int count, Modes& modes) {
   measure_residuals(matrices, modes);
 }
 
+constexpr double kMostRatio = 1e12;  // the remaining digits of 16 do not tell modes apart
+constexpr double kLargest = 1e150;   // squares of larger numbers overflow
+
+// The largest of K_ii, 1/K_ii, M_ii, 1/M_ii and of K_ii/M_ii and its inverse on this rank.
+Eigen::ArrayXd largest_entries(const Matrices& matrices, Eigen::Index rows) {
+  const Eigen::ArrayXd stiffness = local_diagonal(matrices.stiffness.get(), rows);
+  const Eigen::ArrayXd mass = local_diagonal(matrices.mass.get(), rows);
+  Eigen::ArrayXd largest = Eigen::ArrayXd::Zero(6);
+  if (rows == 0) return largest;
+  const Eigen::ArrayXd squares = stiffness / mass;
+  int at = 0;
+  for (const Eigen::ArrayXd* values : {&stiffness, &mass, &squares}) {
+    largest[at++] = values->maxCoeff();
+    largest[at++] = 1.0 / values->minCoeff();
+  }
+  return largest;
+}
+
+// Empty, or why double precision does not hold the modes, and what to do about it.
+std::string range_problem(const Eigen::ArrayXd& largest) {
+  if ((largest < kLargest).all() && largest[4] * largest[5] <= kMostRatio) return {};
+  return "stiffness over mass, K_ii/M_ii, is " + number_text(1.0 / largest[5]) + " to " +
+         number_text(largest[4]) +
+         " (rad/s)^2 at single vertices, which is more than double precision holds: check --young, "
+         "--density, --point-mass and --unit";
+}
+
+[[noreturn]] void give_up(const std::string& what, const std::string& problem) {
+  throw Failure({ErrorKind::kSolver, what + "; " + problem});
+}
+
 // Returns false if block Lanczos does not converge; SLEPc may still succeed.
 bool solve_by_blocks(const Pencil& pencil, const ShiftedSolver& solver, int wanted, Modes& modes) {
   constexpr double kTolerance = 1e-10;  // the inverse iteration that follows squares it
   LanczosPairs pairs = block_lanczos(pencil, solver, wanted, kTolerance);
+  if (pairs.exhausted) {
+    Eigen::ArrayXd largest = largest_entries(pencil.matrices, pencil.rows());
+    MPI_Allreduce(MPI_IN_PLACE, largest.data(), 6, MPI_DOUBLE, MPI_MAX, PETSC_COMM_WORLD);
+    if (const std::string problem = range_problem(largest); !problem.empty())
+      give_up("the modes cannot be computed: the solver finds no further direction", problem);
+  }
   if (!pairs.converged) return false;
   modes.vectors = std::move(pairs.vectors);
   modes.solves = pairs.solves + wanted;
@@ -117,10 +156,17 @@ Modes compute_modes(const Pencil& pencil, ShiftedSolver& solver, double shift, i
       std::min(count + 1, available);  // one extra mode gives the distance to the next one
   Modes modes;
   modes.shift = shift;
-  if (solver.solves_unshifted())
-    solve_without_factor(pencil, solver, wanted, modes);
-  else
-    solve_on_factor(pencil, solver, wanted, modes);
+  try {
+    if (solver.solves_unshifted())
+      solve_without_factor(pencil, solver, wanted, modes);
+    else
+      solve_on_factor(pencil, solver, wanted, modes);
+  } catch (const Failure& failure) {
+    // Other ranks may not be here: the text is of this rank's rows.
+    const std::string problem = range_problem(largest_entries(pencil.matrices, pencil.rows()));
+    if (problem.empty() || failure.error().message.find("K_ii/M_ii") != std::string::npos) throw;
+    give_up(failure.error().message, problem);
+  }
   rotate_to_modes(pencil.matrices, modes);
   keep_lowest(pencil.matrices, count, modes);
   return modes;

@@ -1,8 +1,14 @@
 #include "precompute/options/config_option.h"
 
 #include <filesystem>
+#include <iterator>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "formats/file/input_file.h"
+#include "formats/file/text_scanner.h"
 #include "precompute/system/failure.h"
 
 namespace tremolo {
@@ -17,9 +23,20 @@ std::string require_regular(const std::string& path) {
   return {};
 }
 
+// CLI11's reader, which takes a byte-order mark for a part of the first key.
+class MarkedConfig : public CLI::ConfigTOML {
+ public:
+  std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
+    std::string text(std::istreambuf_iterator<char>(input), {});
+    std::istringstream unmarked(std::string(without_mark(text)));
+    return CLI::ConfigTOML::from_config(unmarked);
+  }
+};
+
 }  // namespace
 
 void add_config_option(CLI::App& app, const std::string& description) {
+  app.config_formatter(std::make_shared<MarkedConfig>());
   app.set_config("--config", "", description)->check(require_regular, "FILE");
 }
 

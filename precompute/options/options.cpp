@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "formats/file/command_words.h"
 #include "precompute/checkpoint/checkpoint.h"
 #include "precompute/options/config_option.h"
 #include "precompute/options/solid_options.h"
@@ -73,9 +74,11 @@ void add_outputs(CLI::App& app, PrecomputeOptions& options, ModelTexts& texts) {
 }
 
 void add_model_options(CLI::App& app, PrecomputeOptions& options) {
-  app.add_option("--linear-modes", options.linear_modes, "K, linear modes (default 20)");
+  app.add_option("--linear-modes", options.linear_modes, "K, linear modes (default 20)")
+      ->check(at_least_one());
   app.add_option("--modes", options.modes,
-                 "R, coordinates to keep (default 30; with --linear all linear modes)");
+                 "R, coordinates to keep (default 30; with --linear all linear modes)")
+      ->check(at_least_one());
   CLI::Option* target_error = app.add_option(
       "--target-error", options.target_error,
       "E, e.g. 0.02: as many coordinates as it takes for the static displacement under the\n"
@@ -176,12 +179,7 @@ bool check_options(const CLI::App& app, const std::vector<std::string>& words,
 // The exit code when the words are not a command line, or ask for help (the text has been printed).
 std::optional<int> parse(CLI::App& app, const std::vector<std::string>& words) {
   try {
-    std::vector<std::string> reversed(words.rbegin(), words.rend());
-    app.parse(reversed);
-    return std::nullopt;
-  } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error, std::cout, std::cerr);
-    return code == 0 ? 0 : exit_code({ErrorKind::kUsage, ""});
+    return read_words(app, words);
   } catch (const Failure& failure) {
     std::cerr << "tremolo-precompute: " << failure.what() << "\n";
     return exit_code(failure.error());
@@ -216,6 +214,8 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   SolidTexts solid_texts;
   ModelTexts model_texts;
   add_solid_options(app, options, solid_texts);
+  // They are of `reference`; whoever gives one here is told so.
+  for (const char* flag : {"--fix-x", "--fix-y", "--fix-z"}) app.get_option(flag)->group("");
   add_outputs(app, options, model_texts);
   add_model_options(app, options);
   add_import(app, options);

@@ -125,8 +125,12 @@ void add_solid_options(CLI::App& app, ProblemRequest& request, SolidTexts& texts
       kLengthUnits);
   app.add_option("--mesh-unit", request.mesh_unit,
                  "of a tetrahedral mesh's coordinates, where --unit is of the --render surface");
+  app.add_flag(
+      "--merge", request.merge,
+      "join vertices of a tetrahedral mesh that lie at one place, as where two regions were "
+      "meshed or written separately");
   request.threads = std::max(1u, std::thread::hardware_concurrency());
-  app.add_option("--threads", request.threads, "threads of a rank")->check(at_least_one());
+  app.add_option("--threads", request.threads, "threads of a rank")->check(thread_count());
 }
 
 bool finish_solid_options(const SolidTexts& texts, ProblemRequest& request) {

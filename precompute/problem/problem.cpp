@@ -6,7 +6,9 @@
 
 #include "common/hash.h"
 #include "common/length_unit.h"
+#include "common/mesh/area_shares.h"
 #include "common/mesh/selector.h"
+#include "common/mesh/surface_mesh.h"
 #include "common/packed_index.h"
 #include "formats/basis/selector_reader.h"
 #include "formats/surface/surface_reader.h"
@@ -144,19 +146,37 @@ std::vector<PointMass> make_point_masses(const ProblemRequest& request, Problem&
   return masses;
 }
 
+// On a face by its area. The mesh is linear at this stage.
+std::vector<double> shares_of(const std::vector<VertexId>& chosen, const TetMesh& mesh) {
+  if (chosen.empty()) return {};
+  const BoundarySurface boundary = boundary_surface(mesh);
+  std::vector<Eigen::Vector3d> rest;
+  for (const VertexId id : boundary.vertex_ids) rest.push_back(mesh.vertices[id]);
+  return area_shares(chosen, boundary.vertex_ids, boundary.triangles, rest);
+}
+
 }  // namespace
 
 DefaultLoad make_load(const ProblemRequest& request, const Problem& problem) {
   DefaultLoad load;
   if (request.load_at.empty()) return load;
   require_force(request);
-  for (VertexId v : unwrap(resolve_selector(request.load_at, problem.mesh)))
-    if (!std::binary_search(problem.fixed.begin(), problem.fixed.end(), v))
-      load.vertices.push_back(v);
+  const std::vector<VertexId> chosen = unwrap(resolve_selector(request.load_at, problem.mesh));
+  const std::vector<double> shares = shares_of(chosen, problem.mesh);
+  double total = 0;
+  std::vector<double> of_free;
+  for (std::size_t n = 0; n < chosen.size(); ++n) {
+    if (std::binary_search(problem.fixed.begin(), problem.fixed.end(), chosen[n])) continue;
+    load.vertices.push_back(chosen[n]);
+    of_free.push_back(shares[n]);
+    total += shares[n];
+  }
   if (load.vertices.empty())
     throw Failure(content_error("--load-at " + request.load_at + ": every such vertex is fixed"));
-  load.forces.assign(load.vertices.size(),
-                     request.load_force / static_cast<double>(load.vertices.size()));
+  // What a face's fixed vertices would have is shared by the others.
+  const auto count = static_cast<double>(load.vertices.size());
+  for (const double share : of_free)
+    load.forces.push_back((total > 0 ? share / total : 1.0 / count) * request.load_force);
   return load;
 }
 
@@ -207,6 +227,11 @@ void read_solid(const ProblemRequest& request, Problem& problem,
       throw Failure(
           {ErrorKind::kUsage, "--mesh-unit applies to a tetrahedral mesh's coordinates: " +
                                   request.mesh_path + " is a surface, see --unit"});
+    if (request.merge)
+      throw Failure(
+          {ErrorKind::kUsage,
+           "--merge applies to a tetrahedral mesh: the corners of a surface that lie at one "
+           "place are joined in any case"});
     CutSurface surface = cut_surface(request);
     problem.mesh = std::move(surface.cut.mesh);
     problem.mesh_format = std::move(surface.cut.format);
@@ -295,9 +320,13 @@ Problem load_problem(const ProblemRequest& request) {
   try {
     hold(request, problem);
   } catch (const Failure& failure) {
-    if (hint.empty()) throw;
+    const auto coincident =
+        std::find_if(problem.notes.begin(), problem.notes.end(),
+                     [](const std::string& note) { return note.ends_with(kCoincidentNote); });
+    if (hint.empty() && coincident == problem.notes.end()) throw;
     Error error = failure.error();
-    error.message += ". A hint: " + hint;
+    if (coincident != problem.notes.end()) error.message += ". A hint: " + *coincident;
+    if (!hint.empty()) error.message += ". A hint: " + hint;
     throw Failure(std::move(error));
   }
   problem.load = make_load(request, problem);

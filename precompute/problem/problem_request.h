@@ -20,6 +20,7 @@ struct ProblemRequest {
   // files say.
   std::string unit;
   std::string mesh_unit;       // of the tetrahedral mesh, overrides `unit`
+  bool merge = false;          // join vertices of the tetrahedral mesh that lie at one place
   SurfaceMeshOptions meshing;  // options for meshing a surface
   Material material;           // the default, for tetrahedra that no entry of `materials` covers
   std::vector<std::string> materials;     // see material_rules.h, in order

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/length_unit.h"
+#include "common/mesh/coincident_vertices.h"
 #include "common/number_text.h"
 #include "precompute/system/failure.h"
 
@@ -48,6 +49,25 @@ double extent(const TetMesh& mesh) {
   return bounding_box(used).diagonal();
 }
 
+// Vertices that lie at one place are joined by --merge. Without it they are counted, as bodies that
+// were written separately, or that may slide on each other, have them on purpose.
+void join_or_count(const ProblemRequest& request, MeshFile& file) {
+  if (request.merge && request.imported)
+    throw Failure({ErrorKind::kUsage,
+                   "an imported basis has rows for the vertices of its mesh: --merge would change "
+                   "the mesh alone"});
+  const Coincidences found = find_coincidences(file.mesh);
+  if (request.merge) {
+    merge_vertices(found, file.mesh);
+    file.notes.push_back(
+        std::to_string(found.pairs) +
+        " pairs of coincident vertices are merged (--merge): each second one stays, "
+        "in no tetrahedron");
+  } else if (found.pairs > 0) {
+    file.notes.push_back(std::to_string(found.pairs) + kCoincidentNote);
+  }
+}
+
 }  // namespace
 
 MeshFile load_tetrahedra(const ProblemRequest& request) {
@@ -75,6 +95,7 @@ MeshFile load_tetrahedra(const ProblemRequest& request) {
     file.notes.push_back("the mesh is " + number_text(size) +
                          " m across: if its unit is not 1 m, say so, as in " + flag + " mm or " +
                          flag + " cm");
+  join_or_count(request, file);
   return file;
 }
 

@@ -79,6 +79,18 @@ void turn_y_to_z(TetMesh& mesh) {
 void turn_y_to_z(RenderSurface& surface) {
   for (Eigen::Vector3d& x : surface.vertices) x = turned(x);
   for (Eigen::Vector3f& n : surface.normals) n = turned(n);
+  if (surface.rig == nullptr) return;
+  SurfaceRig rig = *surface.rig;
+  for (RigBone& bone : rig.bones) {
+    bone.head = turned(bone.head);
+    bone.tail = turned(bone.tail);
+  }
+  for (RigClip& clip : rig.clips)
+    for (RigPose& pose : clip.poses) {
+      pose.position = turned(pose.position);
+      pose.rotation.vec() = turned(Eigen::Vector3d(pose.rotation.vec()));
+    }
+  surface.rig = std::make_shared<const SurfaceRig>(std::move(rig));
 }
 
 void turn_y_to_z(std::vector<FileMaterial>& materials) {

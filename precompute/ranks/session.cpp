@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <thread>
 
+#include "common/printable.h"
 #include "precompute/ranks/rank_agreement.h"
 #include "precompute/system/blas_room.h"
 #include "precompute/system/petsc.h"
@@ -13,7 +14,7 @@ namespace tremolo {
 namespace {
 
 int report(const Error& error) {
-  std::fprintf(stderr, "tremolo-precompute: %s\n", error.message.c_str());
+  std::fprintf(stderr, "tremolo-precompute: %s\n", printable(error.message).c_str());
   return exit_code(error);
 }
 

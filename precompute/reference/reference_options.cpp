@@ -2,6 +2,7 @@
 
 #include <iostream>
 
+#include "formats/file/command_words.h"
 #include "precompute/options/config_option.h"
 #include "precompute/options/solid_options.h"
 #include "precompute/system/failure.h"
@@ -112,10 +113,7 @@ std::variant<ReferenceOptions, int> parse_reference_line(int count, char** words
   for (const char* flag : {"--gravity", "--load-force", "--spin", "--velocity"})
     if (!vectors_are_words(own, flag)) return usage;
   try {
-    std::vector<std::string> reversed(own.rbegin(), own.rend());
-    app.parse(reversed);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error, std::cout, std::cerr) == 0 ? 0 : usage;
+    if (const std::optional<int> code = read_words(app, own)) return *code;
   } catch (const Failure& failure) {
     std::cerr << "tremolo-precompute: " << failure.what() << "\n";
     return exit_code(failure.error());

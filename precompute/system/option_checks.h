@@ -7,10 +7,12 @@
 #include <iostream>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 
 #include "common/result.h"
+#include "common/thread_limit.h"
 
 namespace tremolo {
 
@@ -77,15 +79,20 @@ inline std::string one_line_message(const CLI::App* app, const CLI::Error& error
   return app->get_name() + ": " + error.what() + " (--help lists the options)\n";
 }
 
-// Reads the command line into what the app's options are bound to. Returns the exit code where the
-// program ends with it: 0 after --help, that of wrong usage after a message.
-inline std::optional<int> parse_words(CLI::App& app, int count, char** words) {
-  try {
-    app.parse(count, words);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error, std::cout, std::cerr) == 0 ? 0 : exit_code(ErrorKind::kUsage);
-  }
-  return std::nullopt;
+// Accepts numbers of threads.
+inline CLI::Validator thread_count() {
+  return CLI::Validator(
+      [](std::string& text) -> std::string {
+        int value = 0;
+        const char* end = text.data() + text.size();
+        const auto [stop, error] = std::from_chars(text.data(), end, value);
+        if (error == std::errc{} && stop == end && value >= 1 &&
+            std::cmp_less_equal(value, kMostThreads))
+          return "";
+        return "expected a whole number from 1 to " + std::to_string(kMostThreads) + ", found " +
+               text;
+      },
+      "");
 }
 
 }  // namespace tremolo

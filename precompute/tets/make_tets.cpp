@@ -35,6 +35,7 @@ TetsSurface drawn_surface(const Problem& problem, unsigned threads) {
     drawn.vertices = problem.render->vertices;
     drawn.triangles = problem.render->triangles;
     drawn.uvs = problem.render->uvs;
+    drawn.sources = problem.render->sources;
     embedding = problem.embedding;
   } else {
     // With the edges' middles, where a quadratic edge shows that it is bent.
@@ -100,7 +101,9 @@ TetsJson tets_json(const TetsOptions& options, const TetsData& data) {
 }  // namespace
 
 void make_tets(const TetsOptions& options) {
-  unwrap(keep_apart({options.output_path}, input_files(options.solid, "")));
+  const std::vector<NamedFile> inputs = input_files(options.solid, options.config_path);
+  unwrap(keep_apart({options.output_path}, inputs));
+  const GuardedInputs guard(inputs);
   unwrap(AtomicFile::create(options.output_path));
   StageLog log(false);
   log.begin("mesh");

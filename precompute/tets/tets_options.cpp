@@ -4,8 +4,10 @@
 #include <vector>
 
 #include "common/result.h"
+#include "formats/file/command_words.h"
 #include "precompute/options/config_option.h"
 #include "precompute/options/solid_options.h"
+#include "precompute/system/failure.h"
 #include "precompute/system/option_checks.h"
 
 namespace tremolo {
@@ -36,7 +38,13 @@ std::variant<TetsOptions, int> parse_tets_line(int count, char** words) {
   app.add_flag("--json", options.json, "print one JSON object on stdout");
 
   const int usage = exit_code(ErrorKind::kUsage);
-  if (const std::optional<int> code = parse_words(app, count, words)) return *code;
+  try {
+    if (const std::optional<int> code = read_words(app, count, words)) return *code;
+  } catch (const Failure& failure) {
+    std::cerr << app.get_name() << ": " << printable(failure.what()) << "\n";
+    return exit_code(failure.error());
+  }
+  options.config_path = config_path(app);
   if (!finish_solid_options(texts, options.solid)) return usage;
   options.solid.order = 1;
   return options;

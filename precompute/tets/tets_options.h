@@ -11,7 +11,8 @@ namespace tremolo {
 struct TetsOptions {
   ProblemRequest solid;
   std::string output_path;
-  int cells = 32;  // of the distances' grid along the surface's longest side; 0: none
+  std::string config_path;  // of --config; empty: none
+  int cells = 32;           // of the distances' grid along the surface's longest side; 0: none
   bool json = false;
   std::string command_line;  // what of it decides the result
 };

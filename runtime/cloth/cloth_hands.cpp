@@ -32,10 +32,12 @@ Status ClothWorld::Inside::add_hand(const ClothHand& wanted) {
   hand.from = wanted.from;
   hand.until = wanted.until;
   while (cloths[hand.cloth]->scene.name != wanted.cloth) ++hand.cloth;
-  const std::size_t particles = cloths[hand.cloth]->model.size();
+  const ClothParts& parts = cloths[hand.cloth]->model.parts();
+  const std::size_t particles = parts.vertices();
   if (hand.particle >= particles)
     return content_error("a hand holds particle " + std::to_string(hand.particle) + " of cloth '" +
                          wanted.cloth + "', but there are " + std::to_string(particles));
+  hand.particle = parts.particle_of_vertex(hand.particle);
   if (Status s = take(hand.path, MotionPath::create(wanted.motion)); !s) return s;
   cloths[hand.cloth]->model.expect_hold();
   hands.push_back(std::move(hand));

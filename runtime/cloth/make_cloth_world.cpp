@@ -42,7 +42,15 @@ Result<ClothModel> make_pinned_model(const SceneCloth& wanted) {
   for (const ClothPin& pin : wanted.pins) {
     Result<MotionPath> path = MotionPath::create(pin.motion);
     if (!path) return path.error();
-    if (Status s = model->pin(pin.particles, std::move(*path), pin.until); !s) return s.error();
+    const ClothParts& made = model->parts();
+    std::vector<std::size_t> particles;
+    for (const std::size_t vertex : pin.particles) {
+      if (vertex >= made.vertices())
+        return content_error("pins: there is no vertex " + std::to_string(vertex) + ": there are " +
+                             std::to_string(made.vertices()));
+      particles.push_back(made.particle_of_vertex(vertex));
+    }
+    if (Status s = model->pin(particles, std::move(*path), pin.until); !s) return s.error();
   }
   return model;
 }

@@ -5,8 +5,10 @@
 
 #include <Eigen/Geometry>
 
-#include "formats/surface/triangle_reader.h"
+#include "formats/polygons/polygon_surface.h"
+#include "formats/polygons/triangle_reader.h"
 #include "runtime/cloth/cloth_parts.h"
+#include "runtime/cloth/cloth_seams.h"
 
 namespace tremolo {
 namespace {
@@ -104,9 +106,38 @@ Result<ClothParts> make_mesh_cloth(const SceneCloth& cloth, const SurfaceMesh& m
 
 Result<ClothParts> make_cloth_parts(const SceneCloth& cloth) {
   if (cloth.file.empty()) return make_grid_cloth(cloth);
-  const Result<SurfaceMesh> mesh = read_surface_triangles(cloth.file);
+  Result<PolygonMesh> polygons = read_polygons(cloth.file);
+  if (!polygons) return polygons.error();
+  const Result<SurfaceMesh> mesh = triangles_of(*polygons, cloth.file);
   if (!mesh) return mesh.error();
-  return make_mesh_cloth(cloth, *mesh);
+  const JoinedSeams joined = join_seams(*mesh);
+  Result<ClothParts> parts = make_mesh_cloth(cloth, joined.mesh);
+  if (!parts) return parts;
+  std::vector<std::string> ignored;
+  RenderSurface drawn = render_surface_of(std::move(*polygons), ignored);
+  for (Vector3d& x : drawn.vertices) x += cloth.position;
+  parts->drawn = std::make_shared<const RenderSurface>(std::move(drawn));
+  parts->joined = mesh->vertices.size() - joined.mesh.vertices.size();
+  if (parts->joined > 0) parts->particle_of = joined.particle_of;
+  return parts;
+}
+
+std::size_t ClothParts::vertex_of_particle(std::size_t particle) const {
+  if (particle_of.empty()) return particle;
+  const auto found =
+      std::find(particle_of.begin(), particle_of.end(), static_cast<VertexId>(particle));
+  return static_cast<std::size_t>(found - particle_of.begin());
+}
+
+RenderSurface drawn_at(const ClothParts& parts, const Eigen::VectorXd& x) {
+  RenderSurface surface = *parts.drawn;
+  for (std::size_t v = 0; v < surface.vertices.size(); ++v) {
+    const std::size_t vertex =
+        surface.sources.empty() ? v : static_cast<std::size_t>(surface.sources[v]);
+    const auto particle = static_cast<Eigen::Index>(parts.particle_of_vertex(vertex));
+    surface.vertices[v] = x.segment<3>(3 * particle);
+  }
+  return surface;
 }
 
 }  // namespace tremolo

@@ -14,7 +14,7 @@
 // in closed form. n is the normal in the middle, corrected along x1 - x0, so that the work of f is
 // exactly psi(d0) - psi(d1).
 //
-// Where the obstacle deforms by w while the point moves by p along it, the correction is split: the
+// If the obstacle deforms by w while the point moves by p along it, the correction is split: the
 // force on the point is along n + c p, the force that deforms the obstacle along n - c w, and
 // (n + c p).p - (n - c w).w = d1 - d0. A correction along p - w alone would grow without bound
 // where the point sticks to a deformable obstacle.

@@ -113,7 +113,7 @@ struct Grip {
   double damping = 0.0;    // N s/m
   // The moving point at both ends of the step, m, world.
   Eigen::Vector3d start = Eigen::Vector3d::Zero(), end = Eigen::Vector3d::Zero();
-  // on the body in the last step, N, world; the hand feels its opposite
+  // On the body in the last step, N, world; the hand feels its opposite.
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   // work: on the body in that step, J. damped: the part taken by the damper, J. The spring's
   // energy is stiffness times the square of its length over 2, J.

@@ -9,9 +9,9 @@
 namespace tremolo {
 namespace {
 
-// Triples (j, k, l) that share j and k are taken `width` at a time for as many values of l: q_i and
-// the gradient's row i are then loaded once for `width` coefficients. Six of them still fit in the
-// registers of AVX-512; in a page the code's size counts.
+// Triples (j, k, l) with the same j and k are computed `width` at a time, for as many values of l:
+// q_i and the gradient's row i are then loaded once for `width` coefficients. Six of them still fit
+// in the registers of AVX-512; in a page the code's size counts.
 #if defined(__wasm__)
 constexpr std::size_t kMostTogether = 2;
 #else
@@ -19,7 +19,7 @@ constexpr std::size_t kMostTogether = 6;
 #endif
 static_assert(kMostTogether == 2 || kMostTogether == 6, "add_wide() has these");
 
-// How many of the `left` values of l come next: the fewest steps, of nearly equal width.
+// The number of the `left` values of l in the next step: the fewest steps, of nearly equal width.
 constexpr std::size_t next_width(std::size_t left) {
   const std::size_t steps = (left + kMostTogether - 1) / kMostTogether;
   return (left + steps - 1) / steps;
@@ -62,7 +62,7 @@ struct Pass {
       c += kWidth;
       for (std::size_t i = 0; i <= j; ++i, c += kWidth) {
         const Vector x_i = in(i);
-        // Summed apart from the row, so that the chain through memory is one addition.
+        // A separate sum, so that the chain through memory is one addition.
         Vector sum;
         for (std::size_t m = 0; m < kWidth; ++m) {
           const Vector c_m = c[m] - Vector{};  // minus zero: a broadcast and nothing else
@@ -90,7 +90,7 @@ struct Pass {
     for (std::size_t m = 0; m < kWidth; ++m) out(first + m) += pair_adjoint[m] * in(k);
   }
 
-  // add_triples() for a width that is known only now, 1 to kMostTogether.
+  // add_triples() for a width that is known at run time, 1 to kMostTogether.
   template <bool kEnergy>
   [[gnu::always_inline]] inline void add_wide(std::size_t width, std::size_t k, std::size_t l) {
     if constexpr (kMostTogether == 2) {
@@ -145,7 +145,7 @@ template <int kBytes, class Real>
 }  // namespace
 }  // namespace tremolo
 
-// Not by TREMOLO_CLONES: there each clone would cut the same 64-byte vectors into pieces, and the
+// TREMOLO_CLONES is not used: each clone would divide the same 64-byte vectors into pieces, and the
 // narrower machines have too few registers for that.
 #define TREMOLO_KERNEL "runtime/crowd/lane_force.inc"
 #include "runtime/kernels/every_instruction_set.inc"
@@ -153,7 +153,7 @@ template <int kBytes, class Real>
 namespace tremolo {
 namespace {
 
-// The power of two next to a positive number; 1 for what is not positive and finite.
+// The power of two next to a positive number; 1 for a number that is not positive and finite.
 double power_of_two(double value) {
   if (!(value > 0.0) || !std::isfinite(value)) return 1.0;
   return std::ldexp(1.0, static_cast<int>(std::lround(std::log2(value))));

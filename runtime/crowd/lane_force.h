@@ -1,18 +1,19 @@
-// grad (C + Q) for many bodies of one model at once, one body a lane.
+// grad (C + Q) for many bodies of one model at once, one body per lane.
 //
 // The part of V beyond 1/2 q^T Lambda q (docs/theory.md, "Reduced energy") is, over the unique
 // entries with their number of orderings multiplied in,
 //
 //     sum_{j<=k<=l} t s,   t = q_j q_k q_l,   s = c_jkl + sum_{i<=j} c_ijkl q_i .
 //
-// One pass over the coefficients gives value and gradient: each is loaded once and enters s and,
-// times t, the gradient's row i: two multiply-adds a coefficient. What s does to the rows j, k, l
-// costs a triple, not a coefficient. Every operation is done on all lanes alike, so a body's result
-// does not depend on what the other lanes hold, nor on which lane it has.
+// One pass over the coefficients gives value and gradient. Each coefficient is loaded once and is
+// added to s and, times t, to the gradient's row i: two multiply-adds per coefficient. The
+// contribution of s to the rows j, k, l costs one operation per triple, not per coefficient. Every
+// operation is the same on all lanes, so a body's result depends neither on the other lanes nor on
+// the number of its lane.
 //
-// In float the range is no question of units: the coordinates are taken relative to the scale at
-// which the cubic and the quartic terms are alike, and the energy relative to its largest
-// coefficient. Both scales are powers of two, which round nothing.
+// In float the range does not depend on units: coordinates are relative to the scale at which the
+// cubic and the quartic terms are equal, and the energy is relative to its largest coefficient.
+// Both scales are powers of two, which cause no rounding.
 #pragma once
 
 #include <cstddef>
@@ -23,12 +24,12 @@
 
 namespace tremolo {
 
-// Bodies a block: as many as fit in 64 bytes, 16 floats or 8 doubles.
+// Bodies per block: as many as fit in 64 bytes, 16 floats or 8 doubles.
 template <class Real>
 inline constexpr std::size_t kBodiesPerBlock = 64 / sizeof(Real);
 
-// The unique coefficients of the leading `modes` coordinates in the order in which the pass takes
-// them, of  (C + Q)(coordinate_scale x) / energy_scale  as a polynomial in x.
+// The unique coefficients of the leading `modes` coordinates in the order of the pass, of (C +
+// Q)(coordinate_scale x) / energy_scale as a polynomial in x.
 template <class Real>
 struct LaneCoefficients {
   std::size_t modes = 0;          // r
@@ -46,8 +47,8 @@ LaneCoefficients<Real> make_lane_coefficients(std::size_t modes, std::span<const
 // x, gradient: [coordinate][lane], r x kBodiesPerBlock, aligned to 64 bytes: x = q /
 // coordinate_scale, and the derivative with respect to x: grad (C + Q) = (energy_scale /
 // coordinate_scale) gradient. energy: kBodiesPerBlock values of (C + Q) / energy_scale, or null.
-// vectors: at most those of this machine; the narrower ones are there to be tested and measured.
-// Nothing is allocated.
+// vectors: at most those of this machine; narrower ones are for tests and measurements. Nothing is
+// allocated.
 //
 // Rounding: a row is a sum of about r^3/36 partial sums of up to 6 terms, each rounded to eps =
 // 2^-24 in float, 2^-53 in double, and the coefficients are rounded once. Measured against grad V

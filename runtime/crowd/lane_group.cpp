@@ -10,7 +10,7 @@ namespace tremolo {
 
 namespace {
 
-// What is dirty in a block: the force is not that of q; some lane's EnergyBound has not started.
+// Dirty flags of a block: the force is not that of q; some lane's EnergyBound has not started.
 constexpr std::uint8_t kForceDirty = 1, kBoundNew = 2, kBothDirty = 3;
 
 LaneVector* vectors(LaneRow* rows) {
@@ -68,7 +68,7 @@ Result<LaneGroup> LaneGroup::create(const Model& model, std::string_view integra
 void LaneGroup::reserve(std::size_t bodies) {
   const std::size_t needed = (bodies + lanes_ - 1) / lanes_;
   if (needed <= dirty_.size()) return;
-  // Half as much again, so that bodies which come one by one are not copied each time.
+  // Half as much again, so that bodies added one by one are not copied each time.
   const std::size_t blocks = std::max(needed, dirty_.size() + dirty_.size() / 2);
   for (std::vector<LaneRow>* rows : {&q_, &p_, &force_, &load_, &sound_q_, &sound_p_})
     rows->resize(blocks * block_rows());

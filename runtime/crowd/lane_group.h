@@ -1,13 +1,14 @@
-// Awake bodies of one model that step together, a body a lane: `verlet` and `imexv-linear`. Both
-// are conditionally stable (their headers say where), and an EnergyBound watches each lane.
+// Awake bodies of one model that step together, one body per lane: `verlet` and `imexv-linear`.
+// Both are conditionally stable (their headers give the limit), and an EnergyBound checks each
+// lane.
 //
 // Both are one formula (runtime/integrators/imexv/imexv_linear.cpp; verlet is the split with every
-// row low) and have no equation to solve. State, linear force, load, damping and sums are in double
-// whatever the precision: it is that of grad (C + Q) alone (runtime/crowd/lane_force.h). So a small
-// motion is exact to double, and rounding in the state does not pile up.
+// row low) and have no equation to solve. State, linear force, load, damping and sums are always in
+// double; the precision is that of grad (C + Q) alone (runtime/crowd/lane_force.h). Therefore a
+// small motion is exact to double, and rounding errors of the state do not accumulate.
 //
-// Layout: blocks of kBodiesPerBlock bodies; in a block [coordinate][lane], 64 bytes or 128 a row.
-// Slots 0..size-1 are taken without gaps; the lanes behind them are zero.
+// Layout: blocks of kBodiesPerBlock bodies; in a block [coordinate][lane], 64 or 128 bytes per row.
+// Slots 0..size-1 are used without gaps; the lanes after them are zero.
 #pragma once
 
 #include <algorithm>
@@ -35,7 +36,7 @@ struct alignas(64) LaneRow {
   double value[8];
 };
 
-// What one thread needs to step a block. Sized by LaneGroup::make_scratch.
+// Buffers for one thread and block. LaneGroup::make_scratch sets their size.
 struct LaneScratch {
   std::vector<LaneRow> q, p;         // before the step
   std::vector<LaneRow> x, gradient;  // of evaluate_lanes, in its precision
@@ -46,46 +47,46 @@ struct LaneScratch {
 class LaneGroup {
  public:
   // modes: leading coordinates that move, 1 .. model.modes(). integrator: one of the two. options
-  // as make_integrator takes them: step, alpha, beta, split. Errors (kUsage): as choose_split.
+  // as for make_integrator: step, alpha, beta, split. Errors (kUsage): same as for choose_split.
   static Result<LaneGroup> create(const Model& model, std::string_view integrator,
                                   const IntegratorOptions& options, std::size_t modes,
                                   LanePrecision precision);
 
   std::size_t modes() const { return modes_; }
-  std::size_t lanes() const { return lanes_; }  // bodies a block
+  std::size_t lanes() const { return lanes_; }  // bodies per block
   std::size_t size() const { return size_; }    // bodies
   std::size_t blocks() const { return (size_ + lanes_ - 1) / lanes_; }
 
-  void reserve(std::size_t bodies);  // room for so many; up to there insert() does not allocate
-  void make_scratch(LaneScratch& scratch) const;  // grows it to what step_block needs
+  // Memory for this number of bodies; up to it insert() does not allocate.
+  void reserve(std::size_t bodies);
+  void make_scratch(LaneScratch& scratch) const;  // grows it to the size for step_block
 
-  // A body in a lane is known by its slot. saved: 4 x modes, its q and p and those of the last
-  // sound look (runtime/energy_bound.h). remove() moves the last body into the freed slot.
+  // A body in a lane is identified by its slot. saved: 4 x modes, its q and p and those of the last
+  // valid check (runtime/energy_bound.h). remove() moves the last body into the freed slot.
   std::size_t insert(const double* saved, const EnergyBound& bound);
   void save(std::size_t slot, double* saved, EnergyBound& bound) const;
   void remove(std::size_t slot);
-  // q, p: `modes` long. A state that is written is sound, whatever its energy.
+  // q, p: `modes` long. A state that is written counts as valid, at any energy.
   void read(std::size_t slot, double* q, double* p) const;
   void write(std::size_t slot, const double* q, const double* p);
 
   // Adds a reduced force that acts on the next step only, `modes` long.
   void add_force(std::size_t slot, const double* force);
 
-  // What became of the lanes of a block in a step, a bit each. A failed lane got a number that is
-  // not finite, or a look found its energy out of all proportion: it is put back to its last sound
-  // look. exploded: the failed lanes whose energy was out of proportion; loaded: the other failed
-  // lanes that had a load. quiet: T + V has been at or below `threshold` for `time`.
+  // Results for the lanes of a block in a step, one bit each.
   struct Outcome {
+    // A number is not finite, or a check found the energy far too high: the lane has returned to
+    // its last valid check.
     std::uint32_t failed = 0;
-    std::uint32_t exploded = 0;
-    std::uint32_t loaded = 0;
-    std::uint32_t quiet = 0;
+    std::uint32_t exploded = 0;  // failed lanes whose energy was far too high
+    std::uint32_t loaded = 0;    // the other failed lanes with a load
+    std::uint32_t quiet = 0;     // T + V has been at or below `threshold` for `time`
   };
-  // threshold: J. time: s. since_last: steps since energies were last looked at, 0 not to look now.
+  // The condition for a quiet lane.
   struct QuietRule {
-    double threshold = 0.0;
-    double time = 0.0;
-    int since_last = 0;
+    double threshold = 0.0;  // J
+    double time = 0.0;       // s
+    int since_last = 0;      // steps since the last check of energies; 0: no check now
   };
 
   // Steps all bodies of a block. Different blocks may be stepped by different threads. No lane's
@@ -123,16 +124,16 @@ class LaneGroup {
   bool damped_ = false;
   std::vector<double> lambda_;
   std::vector<double> decay_;    // DampedKick's on low rows, 1 on high rows
-  std::vector<double> reach_;    // likewise; h/2 on high rows
-  std::vector<LinearRow> rows_;  // read on high rows
+  std::vector<double> reach_;    // DampedKick's on low rows; h/2 on high rows
+  std::vector<LinearRow> rows_;  // used on high rows
   std::variant<LaneCoefficients<double>, LaneCoefficients<float>> coefficients_;
 
   // force_: R_s of BlockArrays.
   std::vector<LaneRow> q_, p_, force_, load_;
-  std::vector<LaneRow> sound_q_, sound_p_;  // at the last sound look
-  std::vector<EnergyBound> bounds_;         // a slot
-  std::vector<LaneRow> quiet_time_;         // s, one row of lanes a block
-  std::vector<std::uint8_t> dirty_;         // a block: kForceDirty, kBoundNew
+  std::vector<LaneRow> sound_q_, sound_p_;  // at the last valid check
+  std::vector<EnergyBound> bounds_;         // one per slot
+  std::vector<LaneRow> quiet_time_;         // s, one row of lanes per block
+  std::vector<std::uint8_t> dirty_;         // one per block: kForceDirty, kBoundNew
   std::vector<std::uint8_t> loaded_;
 };
 

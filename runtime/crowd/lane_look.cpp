@@ -1,4 +1,4 @@
-// LaneGroup: the energies of a block, what was put in, who failed, who is quiet.
+// LaneGroup: the energies of a block, the energy put in, failed and quiet lanes.
 #include <algorithm>
 #include <cmath>
 
@@ -30,7 +30,7 @@ void LaneGroup::put_in(std::size_t block, Outcome& outcome, const LaneScratch& s
 }
 
 // A lane whose numbers overflowed had exploded if its kinetic energy before the step was already
-// too much.
+// too large.
 void LaneGroup::find_exploded(std::size_t block, Outcome& outcome,
                               const LaneScratch& scratch) const {
   const std::size_t lanes = bodies_in(block);
@@ -65,7 +65,7 @@ void LaneGroup::look(std::size_t block, Outcome& outcome, const LaneScratch& scr
 void LaneGroup::copy_lanes(std::size_t block, std::uint32_t lanes, const std::vector<LaneRow>& from,
                            std::vector<LaneRow>& to) const {
   const std::size_t first = block * block_rows();
-  if (lanes == (1u << bodies_in(block)) - 1u) {  // the lanes behind are zero in both
+  if (lanes == (1u << bodies_in(block)) - 1u) {  // the lanes after them are zero in both
     std::copy_n(&from[first], block_rows(), &to[first]);
     return;
   }

@@ -16,7 +16,7 @@ typedef float HalfVector __attribute__((vector_size(32), may_alias));
     b.p[at] += (0.5 * b.h) * force;
 }
 
-// By reference: a vector is no argument where the caller may lack the registers for it.
+// By reference: a caller may lack the registers to pass a vector as an argument.
 [[gnu::always_inline]] inline void widen(const LaneVector& v, LaneVector& out) {
   out = v;
 }

@@ -11,20 +11,19 @@ namespace tremolo {
 
 typedef double LaneVector __attribute__((vector_size(64), may_alias));
 
-// A block's arrays: r rows of `width` vectors of 8 lanes, width 1 or 2. R_s is the force of the
-// kicks: R without lambda q on the high rows.
+// A block's arrays: r rows of `width` vectors of 8 lanes, width 1 or 2.
 struct BlockArrays {
   std::size_t modes;  // r
   std::size_t low;    // rows before it are explicit
   std::size_t width;
-  double h;
+  double h;  // the step, s
   const double* lambda;
   const double* decay;  // DampedKick's on low rows, 1 on high rows; null without damping
-  const double* reach;  // likewise; h/2 on high rows
+  const double* reach;  // DampedKick's on low rows; h/2 on high rows
   const LinearRow* rows;
   LaneVector* q;
   LaneVector* p;
-  LaneVector* R_s;
+  LaneVector* R_s;      // force of the kicks: R without lambda q on the high rows
   const LaneVector* f;  // the load; null: none
 };
 

@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include "common/thread_limit.h"
 #include "runtime/crowd/world_contents.h"
 #include "runtime/energy.h"
 #include "runtime/load.h"
@@ -13,7 +14,7 @@
 namespace tremolo {
 namespace {
 
-// SleepOptions: J.
+// The threshold of SleepOptions, J.
 double quiet_energy(const Model& model, const SleepOptions& sleep) {
   if (sleep.energy > 0.0) return sleep.energy;
   const VertexBlock& surface = model.surface();
@@ -49,6 +50,9 @@ World::~World() = default;
 
 Result<World> World::create(unsigned threads) {
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+  if (threads > kMostThreads)
+    return content_error(std::to_string(threads) + " threads: at most " +
+                         std::to_string(kMostThreads));
   auto contents = std::make_unique<Contents>();
   try {
     contents->pool = std::make_unique<ThreadPool>(threads);
@@ -71,7 +75,7 @@ Result<GroupId> World::add_group(Model::Pointer model, const GroupOptions& optio
                        std::to_string(available));
   const Eigen::Index modes = options.modes == 0 ? available : options.modes;
   WorldGroup group;
-  // Lanes have the damping at rest alone.
+  // Lanes support only the damping at rest.
   const bool strain_damped = options.options.beta > 0.0 && !model->potential().linear();
   if (steps_in_lanes(options.integrator) && !strain_damped) {
     Result<LaneGroup> lanes = LaneGroup::create(*model, options.integrator, options.options,

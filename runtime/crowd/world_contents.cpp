@@ -35,7 +35,7 @@ void World::Contents::write_state(BodyId id, const double* q, const double* p) {
   WorldGroup& group = groups[body.group];
   if (!group.lanes) {
     const auto modes = static_cast<Eigen::Index>(group.modes);
-    // Both have the right length and are finite: set_state() has nothing to refuse.
+    // Both have the right length and are finite, so that set_state() does not fail.
     (void)group.bodies[body.index]->set_state(Eigen::Map<const Eigen::VectorXd>(q, modes),
                                               Eigen::Map<const Eigen::VectorXd>(p, modes));
     group.quiet[body.index] = 0.0;
@@ -88,7 +88,7 @@ void World::Contents::clear_forces(BodyId id) {
   }
 }
 
-// Makes room for one more body, with all that a step may need for it.
+// Reserves memory for one more body, with all that a step may need for it.
 Status World::Contents::reserve_index(GroupId g) {
   WorldGroup& group = groups[g];
   if (group.lanes) {

@@ -1,4 +1,4 @@
-// What a World is made of; internal to runtime/crowd/.
+// The members of a World; internal to runtime/crowd/.
 #pragma once
 
 #include <optional>
@@ -21,17 +21,16 @@ struct WorldForce {
   Eigen::VectorXd force;  // reduced
 };
 
-// index: of its saved state or its Body in the group. slot: in the group's list of awake bodies, or
-// kAsleep.
+// A body of the world.
 struct WorldBody {
   GroupId group = 0;
-  std::size_t index = 0;
-  std::size_t slot = kAsleep;
-  int forces = 0;  // WorldForces that still act
+  std::size_t index = 0;       // of its saved state or its Body in the group
+  std::size_t slot = kAsleep;  // in the group's list of awake bodies, or kAsleep
+  int forces = 0;              // WorldForces that still act
   bool alive = true;
   bool shown = false;
-  bool dirty = false;         // it moved since its surface was built, other than by being awake
-  std::int64_t built_at = 0;  // the group's steps then
+  bool dirty = false;         // it has moved since its surface was built, other than by being awake
+  std::int64_t built_at = 0;  // the group's steps at that time
   std::uint64_t version = 0;  // of the surface
   AlignedFloats surface;      // whole blocks
 };
@@ -48,16 +47,16 @@ struct WorldGroup {
   std::int64_t steps = 0;
 
   std::optional<LaneGroup> lanes;
-  std::vector<double> saved_states;  // of LaneGroup::save while a body sleeps, 4 x modes an index
-  std::vector<EnergyBound> saved_bounds;     // an index
-  std::vector<LaneGroup::Outcome> outcomes;  // a block, of the last step
+  std::vector<double> saved_states;  // of LaneGroup::save while a body sleeps, 4 x modes per index
+  std::vector<EnergyBound> saved_bounds;     // one per index
+  std::vector<LaneGroup::Outcome> outcomes;  // one per block, of the last step
   std::vector<WorldForce> forces;
 
   std::vector<std::unique_ptr<Body>> bodies;
-  std::vector<double> quiet;        // s, an index
-  std::vector<StepFailure> failed;  // a slot, of the last step
+  std::vector<double> quiet;        // s, one per index
+  std::vector<StepFailure> failed;  // one per slot, of the last step
 
-  std::size_t indices = 0;  // taken and free
+  std::size_t indices = 0;  // used and free
   std::vector<std::size_t> free_indices;
   std::vector<BodyId> awake;  // by slot
 
@@ -68,7 +67,7 @@ struct WorldGroup {
     return saved_states.data() + 4 * modes * body.index;
   }
   std::size_t tasks() const { return lanes ? lanes->blocks() : awake.size(); }
-  // Steps since energies were looked at if the coming step is one after which they are, else 0.
+  // Steps since the last check of energies if the next step is followed by a check, else 0.
   int look() const { return (steps + 1) % kStepsBetweenLooks == 0 ? kStepsBetweenLooks : 0; }
 };
 
@@ -79,7 +78,7 @@ struct SurfaceBatch {
   std::size_t count = 0;
 };
 
-// What one thread works in.
+// Buffers of one thread.
 struct WorldScratch {
   LaneScratch lanes;
   std::vector<double> q, p;    // the largest number of modes
@@ -88,13 +87,13 @@ struct WorldScratch {
 
 struct World::Contents {
   std::unique_ptr<ThreadPool> pool;
-  std::vector<WorldScratch> scratch;  // a thread
+  std::vector<WorldScratch> scratch;  // one per thread
   std::vector<WorldGroup> groups;
   std::vector<WorldBody> bodies;
   std::vector<BodyId> failed;
   std::vector<StepFailure> failures;  // of those
   WorldReport report;
-  std::vector<std::size_t> task_ends;  // a group
+  std::vector<std::size_t> task_ends;  // one per group
   std::vector<BodyId> dirty_bodies;
   std::vector<SurfaceBatch> batches;
 
@@ -108,7 +107,7 @@ struct World::Contents {
   void show(BodyId id, bool shown);
   Status reserve_index(GroupId group);  // before join()
   void join(BodyId id, GroupId group);  // at rest, asleep
-  void leave(BodyId id);                // its group; asleep and hidden
+  void leave(BodyId id);                // removes it from its group; asleep and hidden
 
   // Steps the groups [first, end).
   void step(GroupId first, GroupId end);

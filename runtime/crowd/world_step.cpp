@@ -57,7 +57,7 @@ void World::Contents::run_task(WorldGroup& group, std::size_t task, WorldScratch
   group.quiet[index] = below ? group.quiet[index] + look * group.options.step : 0.0;
 }
 
-// From the last slot down: a body that leaves is replaced by the last, which has had its turn.
+// From the last slot down: a body that leaves is replaced by the last, which is already done.
 void World::Contents::finish(WorldGroup& group) {
   const bool looked = group.look() != 0;
   ++group.steps;

@@ -26,7 +26,7 @@ void World::Contents::show(BodyId id, bool shown) {
   body.surface.resize(kSurfaceBlock * group.model->surface_basis().blocks());
   body.shown = true;
   ++group.shown;
-  // Room for what update_surfaces() lists, so that it allocates nothing.
+  // Memory for the lists of update_surfaces(), so that it allocates nothing.
   std::size_t all = 0;
   for (const WorldGroup& each : groups) all += each.shown;
   dirty_bodies.reserve(all);
@@ -35,7 +35,7 @@ void World::Contents::show(BodyId id, bool shown) {
   mark_dirty(id);
 }
 
-// Lists the bodies whose surfaces must be built again, by groups, cut into batches.
+// Lists the bodies whose surfaces must be built again, by groups, divided into batches.
 void World::Contents::list_dirty() {
   dirty_bodies.clear();
   batches.clear();

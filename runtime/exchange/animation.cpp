@@ -68,6 +68,8 @@ Status check_animated_body(const Animation& animation, const AnimatedBody& body)
     return bad_body(body, "not every frame has all coordinates");
   if (body.poses.size() != frames * body.bones())
     return bad_body(body, "not every frame has a pose for each bone");
+  if (!all_or_none(body.bone_names.size(), body.bones()))
+    return bad_body(body, "not every bone has a name");
   if (body.weights.cols() > 0 &&
       std::cmp_not_equal(body.weights.rows(), shape.surface.vertices.size()))
     return bad_body(body, "not every vertex has weights of the bones");

@@ -48,6 +48,7 @@ struct AnimatedBody {
   std::vector<double> q;
   std::vector<Pose> poses;
   BoneWeights weights;
+  std::vector<std::string> bone_names;  // one a bone, or none
   std::vector<double> displacements;
   bool collider = false;
 

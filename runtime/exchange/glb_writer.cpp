@@ -87,6 +87,11 @@ void add_weight_keys(GlbFile& file, GlbScene& scene, const Animation& animation,
   add_channel(scene, node, "weights", file.add_floats(GlbPart::kMotion, 1, all));
 }
 
+std::string name_of_bone(const AnimatedBody& body, std::size_t bone) {
+  return bone < body.bone_names.size() ? body.bone_names[bone]
+                                       : body.name + " bone " + std::to_string(bone);
+}
+
 void add_body(GlbFile& file, GlbScene& scene, const Animation& animation, const AnimatedBody& body,
               const GlbShape& shape, GlbReport& report) {
   std::vector<std::string> further;
@@ -107,9 +112,9 @@ void add_body(GlbFile& file, GlbScene& scene, const Animation& animation, const 
   // What a skin moves is where its joints are; its own node stands for itself.
   std::vector<std::size_t> joints;
   for (std::size_t b = 0; b < body.bones(); ++b)
-    joints.push_back(add_posed_node(
-        file, scene, body, b, "\"name\":" + json_string(body.name + " bone " + std::to_string(b)),
-        animation.frames()));
+    joints.push_back(add_posed_node(file, scene, body, b,
+                                    "\"name\":" + json_string(name_of_bone(body, b)),
+                                    animation.frames()));
   scene.below_root.insert(scene.below_root.end(), joints.begin(), joints.end());
   members += ",\"skin\":" + json_number(scene.skins.size());
   scene.skins.push_back("{\"name\":" + json_string(body.name + " skeleton") +

@@ -46,11 +46,13 @@ Result<WrittenFile> write_cache(const std::string& path, const Animation& animat
   if (!file) return file.error();
   const AnimatedBody& known = animation.bodies[body];
   std::vector<double> places(3 * animation.shape_of(known).surface.vertices.size());
+  // Copies of a vertex go where it goes: the author's mesh has it once.
+  const std::size_t numbers = 3 * animation.shape_of(known).surface.authored();
   CacheBytes& frame_bytes = head;
   WrittenFile written{path, 0};
   for (std::size_t frame = 0; frame < animation.frames(); ++frame) {
     world_positions(animation, known, frame, places);
-    for (const double x : places) frame_bytes.add(static_cast<float>(x));
+    for (std::size_t i = 0; i < numbers; ++i) frame_bytes.add(static_cast<float>(places[i]));
     if (Status s = file->write(frame_bytes.bytes); !s) return s.error();
     written.bytes += frame_bytes.bytes.size();
     frame_bytes.bytes.clear();
@@ -67,8 +69,8 @@ Result<WrittenFile> write_pc2(const std::string& path, const Animation& animatio
   CacheBytes head;
   head.bytes.assign("POINTCACHE2\0", 12);
   head.add(std::uint32_t{1});
-  head.add(static_cast<std::uint32_t>(
-      animation.shape_of(animation.bodies[body]).surface.vertices.size()));
+  head.add(
+      static_cast<std::uint32_t>(animation.shape_of(animation.bodies[body]).surface.authored()));
   head.add(0.0f);
   head.add(1.0f);
   head.add(static_cast<std::uint32_t>(animation.frames()));
@@ -80,8 +82,8 @@ Result<WrittenFile> write_mdd(const std::string& path, const Animation& animatio
   if (Status s = check_cache(path, animation, body); !s) return s.error();
   CacheBytes head{true};
   head.add(static_cast<std::uint32_t>(animation.frames()));
-  head.add(static_cast<std::uint32_t>(
-      animation.shape_of(animation.bodies[body]).surface.vertices.size()));
+  head.add(
+      static_cast<std::uint32_t>(animation.shape_of(animation.bodies[body]).surface.authored()));
   for (const double t : animation.times) head.add(static_cast<float>(t));
   return write_cache(path, animation, body, std::move(head));
 }

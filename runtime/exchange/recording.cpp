@@ -42,7 +42,10 @@ Status Recording::add_body(AnimatedBody body) {
 Result<std::size_t> Recording::add(const Model::Pointer& model, std::string name,
                                    const std::shared_ptr<const Skin>& skin) {
   AnimatedBody body;
-  if (skin && skin->bones() > 1) body.weights = skin->drawn;
+  if (skin && skin->bones() > 1) {
+    body.weights = skin->drawn;
+    body.bone_names = skin->names;
+  }
   if (body.weights.cols() > 0 &&
       std::cmp_not_equal(body.weights.rows(), model->drawn().rest.size()))
     return usage_error("body '" + name + "': its skin is of another model");

@@ -11,10 +11,20 @@
 
 namespace tremolo {
 
+// "OUT.csv": the list of a series.
+std::string list_of_series(const std::string& path);
+// "OUT-frames": the folder of a .pvd's files.
+std::string folder_of_pvd(const std::string& path);
+// Files that are there and that a series of this name may write over or remove, whatever it holds:
+// OUT-0000.ply, OUT-NAME-0000.ply ...; of a .pvd the .vtu files in its folder.
+std::vector<std::string> files_of_series(const std::string& path);
+std::vector<std::string> files_of_pvd(const std::string& path);
+
 // "OUT.ply" or "OUT.obj" -> OUT-0000.ply ...; of several bodies OUT-NAME-0000.ply ...; with normals
 // of the bent shape where the surface came with some. OUT.csv lists them: frame, t (s), body, file.
-// Scenery is left out. Errors: check_animation's; kUsage for another ending; kSystem. The list is
-// written last; it comes first in the result.
+// Scenery is left out. Files that an earlier list names and this one does not are removed: of a
+// longer series or of other bodies. Errors: check_animation's; kUsage for another ending; kSystem.
+// The list is written last; it comes first in the result.
 Result<std::vector<WrittenFile>> write_surface_series(const std::string& path,
                                                       const Animation& animation);
 

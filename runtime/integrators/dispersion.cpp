@@ -16,7 +16,7 @@ std::optional<double> angle_of(double cosine) {
   return std::acos(std::min(cosine, 1.0));
 }
 
-// Of the polynomial that an explicit method makes of e^{iz}, of so many terms.
+// For the polynomial of e^{iz} that an explicit method computes, with this number of terms.
 double angle_of_series(double z, int terms) {
   std::complex<double> sum = 1.0, term = 1.0;
   for (int k = 1; k <= terms; ++k) {

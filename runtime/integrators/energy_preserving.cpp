@@ -13,9 +13,9 @@
 //     H1 - H0 = f . d [+ (h/12) Df . Dp]  -  h v . D v - h Dp . theta D Dp
 //
 // for every h and every theta >= 0: without load and damping the energy stays, with damping it
-// falls. f is the load's average over the step, Df its change from end to end; what stands in
-// brackets is ep4's. theta is diagonal, 1/12 + O(h^2) where N = I - h^2 K/12. All that differs is
-// N:
+// falls. f is the load's average over the step, Df its change from end to end; the terms in
+// brackets are those of ep4. theta is diagonal, 1/12 + O(h^2) where N = I - h^2 K/12. All that
+// differs is N:
 //
 //     avf   N = I                                     (Quispel & McLaren 2008)
 //     ep2   N = diag(x_i cot x_i),  x_i = min(h omega_i/2, 1.2): small vibrations have their exact
@@ -30,10 +30,10 @@
 // the direction of time, energy moves into the fast modes, as fast as e-fold in 70 s on the horse
 // at h omega up to 9.7.
 //
-// Damping. D = alpha I + beta Lambda itself stands in (b), so that the damping force is right on
+// Damping. D = alpha I + beta Lambda itself is in (b), so that the damping force is right on
 // coordinates that are slaved to others. theta and, for each coordinate, a change of N's value are
 // chosen so that a free linear mode has its exact roots up to h omega = 2.4 at any D
-// (runtime/integrators/solve/damping.h); both tend to what stands without damping fast enough that
+// (runtime/integrators/solve/damping.h); both tend to their undamped values fast enough that
 // no order is lost. `dissipated` is exact: the negative terms of the balance above.
 //
 // Solving. Without Dp, times h^2/2, for d:
@@ -46,10 +46,10 @@
 // contraction more and is sharpened by Broyden's updates. Where that stalls the exact Jacobian and
 // a line search take over (runtime/integrators/solve/newton.h).
 //
-// What the solve leaves of g does work on d: H is off by exactly (2/h^2) g . d, which is known.
-// p1 is scaled to take that back, so the balance holds to rounding whatever the tolerance; a
-// step that ends with so little momentum that this would change the kinetic energy by a twentieth
-// is solved to 1e-13.
+// The residual g that the solve leaves does work along d: the error of H is exactly (2/h^2) g . d,
+// which is known. p1 is scaled to correct it, so that the balance holds to rounding at any
+// tolerance. A step that ends with so little momentum that this would change the kinetic energy by
+// a twentieth is solved to 1e-13.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -177,10 +177,10 @@ class EnergyPreserving final : public Integrator {
     return report;
   }
 
-  // By what H is off, J: the residual that the solve left does work on d.
+  // The error of H, J: the residual that the solve left does work along d.
   double energy_defect() const { return 2.0 / (h_ * h_) * g_hat_.dot(d_hat_); }
 
-  // False where the step ends with too little momentum; then the solve must leave less.
+  // False where the step ends with too little momentum; then the solve must leave less residual.
   bool can_be_given_back() {
     x_ = *p0_;
     N_.to_basis(x_);
@@ -235,7 +235,7 @@ class EnergyPreserving final : public Integrator {
     }
   }
 
-  // rest(qm) d with the K of the step before in the place of J^T G J.
+  // rest(qm) d with the K of the step before instead of J^T G J.
   void predict_rest() {
     if constexpr (Filter::kFollowsTheState) {
       x_ = d_hat_;
@@ -256,7 +256,7 @@ class EnergyPreserving final : public Integrator {
     }
   }
 
-  // K: K(m) + O(d^2) where it is wanted, else null.
+  // K: receives K(m) + O(d^2); null: not computed.
   void evaluate_gradient(MatrixXd* K) {
     q1_ = *q0_ + d_;
     model_->potential().averaged_gradient(*q0_, q1_, workspace_, G_, K);
@@ -265,8 +265,8 @@ class EnergyPreserving final : public Integrator {
     rest_work_ = strain_.force(middle_, d_, rest_) / h_;
   }
 
-  // N and the frozen Jacobian from the K in Z_, and what of (a) depends on them. False if they
-  // cannot be had.
+  // Computes N and the frozen Jacobian from the K in Z_, and the terms of (a) that depend on them.
+  // False if that fails.
   bool make_filter() {
     N_of_last_step_ = false;
     Z_ *= 0.25 * h_ * h_;
@@ -310,13 +310,13 @@ class EnergyPreserving final : public Integrator {
     int updates = 0;  // since the filter was made
     for (int slow = 0;; ++report.iterations) {
       report.residual = g_hat_.norm();
-      // N at the predicted midpoint would know the direction of time; it follows the midpoint
-      // until what it is off by falls below the solve's tolerance.
+      // N at the predicted midpoint would depend on the direction of time; it follows the midpoint
+      // until its error is below the solve's tolerance.
       const bool settled = !Filter::kFollowsTheState ||
                            (report.iterations > 0 &&
                             (kFilterShare * ratio < 1.0 || report.iterations == kFilterFollows));
-      // One correction from a prediction: a residual that is just small enough tells little of the
-      // error.
+      // After one correction from a prediction a residual that is just small enough does not bound
+      // the error.
       const bool guessed = predicted_ && report.iterations == 1;
       report.converged = ratio <= (!settled ? 0.0 : guessed ? kSurplus : 1.0);
       if (report.converged || !usable || !std::isfinite(ratio) || slow > 1 ||
@@ -360,7 +360,7 @@ class EnergyPreserving final : public Integrator {
     apply_broyden(std::span<const VectorXd>(moves_).first(count), move);
   }
 
-  // From newton_.unknowns, with the exact Jacobian and the line search; N is what it was.
+  // Solves from newton_.unknowns with the exact Jacobian and the line search; N is unchanged.
   StepReport solve_exactly(const StepReport& before) {
     if (N_of_last_step_) {
       d_ = h_ * *p0_;
@@ -423,7 +423,7 @@ class EnergyPreserving final : public Integrator {
   VectorXd q1_;
   VectorXd G_;
   VectorXd G_before_;      // of the last step that was made
-  VectorXd d_hat_before_;  // likewise
+  VectorXd d_hat_before_;  // of the last step that succeeded
   VectorXd G_predicted_;   // without G_missed_
   VectorXd G_missed_;      // G less G_predicted_ at the step before
   VectorXd d_hat_;
@@ -431,8 +431,8 @@ class EnergyPreserving final : public Integrator {
   VectorXd b_hat_;
   VectorXd g_hat_;
   VectorXd x_;  // scratch
-  // Of strain_: rest(qm) d, what is expected of it before it is evaluated (without rest_missed_,
-  // the difference in the step before), and its work d.rest(qm) d/h, J.
+  // Of strain_: rest(qm) d, its prediction before it is evaluated (without rest_missed_, the
+  // difference in the step before), and its work d.rest(qm) d/h, J.
   VectorXd middle_;
   VectorXd rest_;
   VectorXd rest_predicted_;

@@ -18,8 +18,8 @@ MadeIntegrator always(Model::Pointer model, const IntegratorOptions& options) {
   return kMake(std::move(model), options);
 }
 
-// halves: a step whose solve fails may be taken in parts. drifts: what the solve leaves shows in
-// the energy.
+// halves: a step whose solve fails may be taken in parts. drifts: the residual of the solve shows
+// in the energy.
 struct Entry {
   std::string_view name;
   IntegratorMaker make;
@@ -52,9 +52,9 @@ constexpr auto kNames = [] {
   return names;
 }();
 
-// A step of second order errs by (h omega)^3/12 of its own motion, and T/h steps are taken: for the
-// drift to fall with h^2 what the solve leaves must fall with h^3. omega is that of the first mode,
-// the slowest motion there is.
+// A step of second order has the error (h omega)^3/12 of its own motion, and T/h steps are taken:
+// the drift falls with h^2 if the residual of the solve falls with h^3. omega is that of the first
+// mode, the slowest motion.
 double solve_tolerance(const Model& model, const IntegratorOptions& options) {
   constexpr double kShare = 1e-5;   // of (h omega)^3 at which the solve becomes stricter
   constexpr double kLeast = 1e-13;  // rounding
@@ -102,7 +102,7 @@ MadeIntegrator make_integrator(std::string_view name, Model::Pointer model,
   for (const Entry& entry : kEntries) {
     if (entry.name != name) continue;
     if (Status status = check_options(wanted); !status) return status.error();
-    // The solution that ep4 approximates is known for a linear model.
+    // For a linear model the solution that ep4 approximates is known.
     if (entry.name == "ep4" && model->potential().linear() && !wanted.moving_frame)
       return make_exact_linear(entry.name, std::move(model), wanted);
     IntegratorOptions options = wanted;

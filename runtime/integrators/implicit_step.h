@@ -1,4 +1,4 @@
-// What the methods have in common that solve for all coordinates at once, with R and K at one place
+// Common base of the methods that solve for all coordinates at once, with R and K at one position
 // of the step.
 #pragma once
 
@@ -16,12 +16,12 @@ class ImplicitStep : public OneStep {
         newton_(model_->modes()),
         qm_(D_) {}
 
-  // Residual of the step whose R is taken at qm = q0 + theta d, for d = newton_.unknowns:
+  // Residual of the step with R at qm = q0 + theta d, for d = newton_.unknowns:
   //
   //     d - h p0 + theta h^2 [R(qm) + D d/h - f]
   //
-  // and, if it is wanted, the Jacobian I + theta^2 h^2 K(qm) + theta h D. D has its rest at qm; of
-  // that the Jacobian has beta (K - Lambda), which is near. f: average of the load over the step.
+  // On request it also computes the Jacobian I + theta^2 h^2 K(qm) + theta h D. D has its rest at
+  // qm; the Jacobian approximates that by beta (K - Lambda). f: average of the load over the step.
   // Returns relative_residual().
   double evaluate_one_stage(double theta, const State& z0, const Eigen::VectorXd& f,
                             bool jacobian) {
@@ -44,7 +44,7 @@ class ImplicitStep : public OneStep {
                              f.norm());
   }
 
-  // d = h p0, where a solve begins.
+  // Sets d = h p0, the start of a solve.
   void begin_solve(double theta, const State& z0) {
     newton_.unknowns = h_ * z0.p;
     if (!strain_.present()) return;
@@ -52,13 +52,13 @@ class ImplicitStep : public OneStep {
     strain_.stand_at(qm_);
   }
 
-  // d.D d/h, what damping took on the way d, J.
+  // d.D d/h, the energy that damping took along d, J.
   double dissipated() const { return dissipation(newton_.unknowns) / h_ + rest_work_; }
 
   double tolerance_;
   int max_iterations_;
   NewtonWorkspace newton_;
-  Eigen::VectorXd qm_;      // where R and K are taken
+  Eigen::VectorXd qm_;      // position at which R and K are evaluated
   double rest_work_ = 0.0;  // d.rest(qm) d/h, J
 };
 

@@ -1,6 +1,6 @@
-// The makers of the integration methods, one file each. Every file opens with the equation of its
-// method, its symbols, its order, its stability and what its `dissipated` means. factory.cpp gives
-// the methods their names.
+// The makers of the integration methods, one file each. Every file starts with the equation of its
+// method, its symbols, its order, its stability and the definition of its `dissipated`. factory.cpp
+// names the methods.
 #pragma once
 
 #include <memory>
@@ -29,7 +29,7 @@ IntegratorPointer make_avf(Model::Pointer model, const IntegratorOptions& option
 IntegratorPointer make_ep2(Model::Pointer model, const IntegratorOptions& options);
 IntegratorPointer make_ep4(Model::Pointer model, const IntegratorOptions& options);
 
-// The methods that split the coordinates. Errors as choose_split.
+// The methods that split the coordinates. Errors: same as for choose_split.
 using MadeIntegrator = Result<IntegratorPointer>;
 MadeIntegrator make_imexv(Model::Pointer model, const IntegratorOptions& options);
 MadeIntegrator make_imexv_thesis(Model::Pointer model, const IntegratorOptions& options);
@@ -37,7 +37,7 @@ MadeIntegrator make_imexv_adaptive(Model::Pointer model, const IntegratorOptions
 MadeIntegrator make_imexv_linear(Model::Pointer model, const IntegratorOptions& options);
 MadeIntegrator make_imexv_coupled(Model::Pointer model, const IntegratorOptions& options);
 
-// name: what Integrator::name() says. model: linear (Potential::linear).
+// name: returned by Integrator::name(). model: linear (Potential::linear).
 IntegratorPointer make_exact_linear(std::string_view name, Model::Pointer model,
                                     const IntegratorOptions& options);
 

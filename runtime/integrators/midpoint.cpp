@@ -11,7 +11,7 @@
 //     Jacobian I + (h^2/4) K(qm) + (h/2) D               symmetric
 //
 // Second order with load and damping; symplectic and time-reversible without them; linearly stable
-// for every h. Balance: load and damping do exactly fm.d - d.D d/h, which is what `dissipated`
+// for every h. Balance: load and damping do exactly fm.d - d.D d/h, which `dissipated`
 // reports; V is not kept exactly, it only oscillates.
 #include "runtime/integrators/implicit_step.h"
 

@@ -17,8 +17,8 @@
 // which is its work in the step: second order.
 //
 // The solve begins at a prediction where the step before left one: with the Jacobian J of that step
-// and its factor, K d = (J d - d - gamma h D d)/(beta h^2) gives R(q1) = R(q0) + K d + e, e what
-// the same prediction missed in the step before.
+// and its factor, K d = (J d - d - gamma h D d)/(beta h^2) gives R(q1) = R(q0) + K d + e, where e
+// is the error of the same prediction in the step before.
 #include <algorithm>
 
 #include "runtime/integrators/implicit_step.h"

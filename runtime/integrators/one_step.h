@@ -1,10 +1,10 @@
-// What most methods have in common, in the symbols of docs/theory.md:
+// Common base of most methods, in the symbols of docs/theory.md:
 //
 //     q'' + D q' + R(q) = f(t),     R = grad V,   K = grad R,   p = q'
 //
-// with D = alpha + beta Lambda + rest(q) (solve/damping.h, solve/strain_damping.h),
-// from (q0, p0) to (q1, p1) in the step h. A method derives from OneStep, opens its file with its
-// equation and writes that down in step().
+// with D = alpha + beta Lambda + rest(q) (solve/damping.h, solve/strain_damping.h), from (q0, p0)
+// to (q1, p1) in the step h. A method derives from OneStep, starts its file with its equation and
+// implements it in step().
 #pragma once
 
 #include <string_view>
@@ -38,8 +38,8 @@ class OneStep : public Integrator {
         strain_(*model_, options.beta),
         rest_(Eigen::VectorXd::Zero(D_.size())) {}
 
-  // Ends the step that began at z0_: where its solve failed or a number is not finite, the state is
-  // put back to z0_ and the report says so.
+  // Ends the step that started at z0_. If its solve failed or a number is not finite, the state
+  // returns to z0_ and the report is not converged.
   StepReport finish(StepReport report, State& state) const {
     report.converged = report.converged && state.q.allFinite() && state.p.allFinite();
     if (!report.converged) state = z0_;
@@ -47,7 +47,7 @@ class OneStep : public Integrator {
   }
 
   // k = F(t, z), the rates of z = (q, p) under the load f:  q' = p,  p' = f - R(q) - D(q) p.
-  // Returns what damping takes there, W.
+  // Returns the power taken by damping, W.
   double rates(const State& z, const Eigen::VectorXd& f, State& k) {
     k.q = z.p;
     k.p = f - V_.force(z.q) - D_.cwiseProduct(z.p);
@@ -64,7 +64,7 @@ class OneStep : public Integrator {
     to.p = from.p + s * k.p;
   }
 
-  // p.D p, W: what damping takes at the velocity p, without the rest of StrainDamping.
+  // p.D p, W: power taken by damping at the velocity p, without the rest of StrainDamping.
   template <class Velocity>
   double dissipation(const Eigen::MatrixBase<Velocity>& p) const {
     return (p.array().square() * D_.array()).sum();
@@ -75,9 +75,9 @@ class OneStep : public Integrator {
   double h_;                  // s
   Eigen::VectorXd D_;         // the diagonal of D, 1/s, r
   mutable PotentialCache V_;  // V, R and K
-  State z0_;                  // (q0, p0), for methods that change the state before they know
-  StrainDamping strain_;      // the part of the damping that depends on q
-  Eigen::VectorXd rest_;      // its force or impulse, r
+  State z0_;              // (q0, p0), for methods that change the state before they have converged
+  StrainDamping strain_;  // the part of the damping that depends on q
+  Eigen::VectorXd rest_;  // its force or impulse, r
 };
 
 }  // namespace tremolo

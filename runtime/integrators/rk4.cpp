@@ -24,7 +24,7 @@
 namespace tremolo {
 namespace {
 
-// node: where the stage stands, in steps. It is reached with the rates of the stage before it.
+// node: time of the stage, in steps. It is reached with the rates of the stage before it.
 struct Stage {
   double node;
   double weight;

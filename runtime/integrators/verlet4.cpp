@@ -31,7 +31,7 @@
 // e^{-D h}.
 //
 // `dissipated` is the kinetic energy that the damped drifts take, exact for this composition and
-// so fourth order. extra_work is what f does in the kicks less average.(q1 - q0): fourth order.
+// so fourth order. extra_work is the work of f in the kicks less average.(q1 - q0): fourth order.
 #include <array>
 #include <cmath>
 
@@ -51,7 +51,7 @@ constexpr double kA3 = 0.5 - (kA1 + kA2);
 
 constexpr std::array kDrifts = {kA1, kA2, kA3};  // in steps; then backwards
 
-// After each kick but the last comes the drift of that number in kDrifts.
+// Each kick except the last is followed by the drift of that number in kDrifts.
 struct Kick {
   double weight;
   double node;  // in steps

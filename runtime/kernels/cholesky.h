@@ -1,5 +1,5 @@
-// Cholesky's factor of a small symmetric positive definite matrix, in vectors: Eigen's is compiled
-// for the plain machine, since a library that runs everywhere must be.
+// Cholesky's factor of a small symmetric positive definite matrix, in vectors. Eigen's code is
+// compiled for the plain machine, because the library must run everywhere.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,9 +9,9 @@
 
 namespace tremolo {
 
-// A = L D L^T, L with a unit diagonal: the same without roots. A diagonal A, as every step of a
-// linear model has, is its own D: it is seen, and costs no products. All is sized by the
-// constructor; nothing is allocated later.
+// A = L D L^T, L with a unit diagonal: the same without roots. A diagonal A, as in every step of a
+// linear model, is its own D: it is detected, and costs no products. The constructor allocates all
+// memory.
 class SmallCholesky {
  public:
   explicit SmallCholesky(Eigen::Index size);
@@ -23,7 +23,7 @@ class SmallCholesky {
   // x <- A^-1 x.
   void solve(Eigen::VectorXd& x) const;
 
-  // What compute() left.
+  // Saves or restores the results of compute().
   void carry(StateStream& stream) { stream(diagonal_, columns_, rows_, inverse_); }
 
  private:

@@ -1,12 +1,13 @@
-// The instruction set whose kernels the engine calls: AVX-512, AVX2, or what every machine has.
+// The instruction set of the kernels in use: AVX-512, AVX2, or the one of every machine.
 //
-// The functions of a kernel stand in a file NAME.inc. NAME.cpp defines the structs that they take,
+// The functions of a kernel are in a file NAME.inc. NAME.cpp defines the structs that they take,
 // then TREMOLO_KERNEL as the path of that file, and includes every_instruction_set.inc: this
 // compiles the functions once in each of the namespaces avx512, avx2 and plain. TREMOLO_CALL(f, x)
-// calls f(x) for this processor, TREMOLO_CALL_FOR(set, f, x) that of a set. Structs go by reference
-// and are copied by the function: on the stack the caller would write a copy in pieces that the
-// processor cannot read back as a whole for a dozen clocks; behind a reference a vector that is
-// stored could change a pointer, and each use would load it again.
+// calls f(x) for this processor, TREMOLO_CALL_FOR(set, f, x) that of a set.
+//
+// Structs are passed by reference and copied by the function. On the stack the caller would write a
+// copy in pieces that the processor cannot read back as a whole for a dozen clocks; behind a
+// reference a vector that is stored could change a pointer, and each use would load it again.
 #pragma once
 
 #include <cstdlib>
@@ -16,12 +17,12 @@ namespace tremolo {
 
 enum class InstructionSet { kPlain, kAvx2, kAvx512 };
 
-// A sanitizer instruments the code that asks for the processor, which must not run so early: its
+// A sanitizer instruments the code that detects the processor, which must not run so early: its
 // builds have the plain kernels alone.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(TREMOLO_SANITIZED)
 #define TREMOLO_X86_KERNELS 1
-// The largest set that the processor has; TREMOLO_VECTORS=avx2 or =plain in the environment asks
-// for a smaller one.
+// The largest set that the processor has; TREMOLO_VECTORS=avx2 or =plain in the environment selects
+// a smaller one.
 inline InstructionSet instruction_set() {
   static const InstructionSet chosen = [] {
     const char* asked = std::getenv("TREMOLO_VECTORS");

@@ -1,6 +1,6 @@
-// Vectors of eight doubles for the kernels, whatever the registers: one of AVX-512, two of AVX2,
-// four of SSE2 or NEON. lanes.inc has the operations. In WebAssembly a vector is one register: its
-// compilers are left with sixteen, and longer vectors make twice the code that takes longer.
+// Vectors of eight doubles for the kernels, on any registers: one of AVX-512, two of AVX2, four of
+// SSE2 or NEON. lanes.inc has the operations. In WebAssembly a vector is one register: its
+// compilers have sixteen, and longer vectors double the code and are slower.
 #pragma once
 
 #include <cstddef>
@@ -24,8 +24,8 @@ constexpr std::size_t padded(std::size_t count) {
   return (count + kVectorLanes - 1) / kVectorLanes * kVectorLanes;
 }
 
-// Row m has all bits set in its first m lanes. The table is defined in lanes.cpp, out of the
-// compiler's sight, which turns masks that it knows into loads of single lanes.
+// Row m has all bits set in its first m lanes. The table is defined in lanes.cpp and hidden from
+// the compiler, which converts masks that it knows into loads of single lanes.
 struct alignas(kCacheLine) LaneMasks {
   double row[kVectorLanes + 1][kVectorLanes];
 };

@@ -1,4 +1,4 @@
-// The potential as a matrix over index pairs, for evaluations that are not at one point: with the
+// The potential as a matrix over index pairs, for evaluations at more than one point. With the
 // pairs a = (i <= j) in the order of pair_index,
 //
 //     A = S X,   S_ab = Q_ijkl,      B_a = sum_k C_ijk q_k
@@ -6,7 +6,7 @@
 // for any symmetric X in pair form (X_a = x_ij + x_ji for i < j, x_ii on the diagonal) and any q.
 // S is symmetric: a coefficient that is loaded once serves its row and its column, two
 // multiply-adds. That is C(p+1,2) coefficients for p = C(r+1,2) pairs, 2.4 times the unique ones
-// at r = 20, but everything comes out of one product without a second stage: see potential.h.
+// at r = 20, but one product gives everything without a second stage: see potential.h.
 #pragma once
 
 #include <cstddef>

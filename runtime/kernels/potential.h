@@ -4,9 +4,10 @@
 //     R(q)  = grad V = Lambda q + 3 C[q,q] + 4 Q[q,q,q]
 //     K(q)  = grad R = Lambda   + 6 C[q]   + 12 Q[q,q]
 //
-// There are two ways to them, the same to rounding. SymmetricKernel reads each unique coefficient
-// once: the force, and the tangent of large models. PairKernel multiplies a matrix over index
-// pairs: the tangent of small models, averages over a segment, and trailing rows alone. With its
+// Two kernels compute them, with the same results to rounding. SymmetricKernel reads each unique
+// coefficient once: it computes the force, and the tangent of large models. PairKernel multiplies a
+// matrix over index pairs: it computes the tangent of small models, averages over a segment, and
+// trailing rows alone. With its
 //
 //     X_a = q_i q_j (twice that for i != j),   A = S X,  S_ab = Q_ijkl,   B_a = sum_k C_ijk q_k,
 //
@@ -26,18 +27,19 @@
 
 namespace tremolo {
 
-// What evaluate() shall fill; combine with |.
+// Quantities that evaluate() computes; combine with |.
 enum Want : unsigned { kWantEnergy = 1, kWantForce = 2, kWantTangent = 4 };
 
-// energy: J. force: R(q), r, J per unit of q (the internal force with the sign of +grad V).
-// tangent: K(q), r x r, symmetric, both triangles filled, (rad/s)^2.
+// Results of an evaluation.
 struct Evaluation {
-  double energy = 0.0;
+  double energy = 0.0;  // J
+  // R(q), r, J per unit of q (the internal force with the sign of +grad V).
   Eigen::VectorXd force;
+  // K(q), r x r, symmetric, both triangles filled, (rad/s)^2.
   Eigen::MatrixXd tangent;
 };
 
-// What a workspace is for beyond energy and force; combine with |.
+// Uses of a workspace in addition to energy and force; combine with |.
 enum Use : unsigned {
   kUsePoint = 0,
   kUseTangent = 1,  // kWantTangent
@@ -45,18 +47,18 @@ enum Use : unsigned {
   kUseAll = 3
 };
 
-// Scratch of one caller, made by Potential::make_workspace; may be reused for any q of the same
+// Buffers of one caller, made by Potential::make_workspace; may be reused for any q of the same
 // potential, not by two threads at once. x, a, b: the X, A and B above, in the order of pair_index.
 struct PotentialWorkspace {
-  const PairKernel* pair_kernel = nullptr;  // null where no use needs it
+  const PairKernel* pair_kernel = nullptr;  // null if no use needs it
   SymmetricKernel::Workspace unique;
   SymmetricKernel::Workspace unique_second;  // of a second point
-  AlignedDoubles q;                          // a copy of the point, zeros behind it
+  AlignedDoubles q;                          // a copy of the point, followed by zeros
   AlignedDoubles second;                     // another vector
   AlignedDoubles x;
   AlignedDoubles a;
   AlignedDoubles b;
-  AlignedDoubles held_a;  // what the leading coordinates add to A and B: begin_trailing
+  AlignedDoubles held_a;  // contributions of the leading coordinates to A and B: begin_trailing
   AlignedDoubles held_b;
   AlignedDoubles triangle;  // 3B + 4A, which multiplies q in the force
   AlignedDoubles product;   // that product
@@ -81,28 +83,28 @@ class Potential {
   std::span<const double> quartic() const;
   const Eigen::VectorXd& lambda() const { return lambda_; }
 
-  // For the uses named, and for energy and force always. What a use needs is made on first demand
-  // and shared by all copies of the potential: matrices of C(p+1,2) coefficients, p =
-  // pair_count(r), for kUseSegment and, below r = 20, for kUseTangent. Thread-safe.
+  // Makes a workspace for the named uses, and for energy and force always. Data for a use is made
+  // at the first call and shared by all copies of the potential: matrices of C(p+1,2) coefficients,
+  // p = pair_count(r), for kUseSegment and, below r = 20, for kUseTangent. Thread-safe.
   PotentialWorkspace make_workspace(unsigned uses = kUseAll) const;
   Evaluation make_evaluation() const;
 
-  // Fills the parts of `out` that `want` names; the others keep what they held. q: r. Nothing is
-  // allocated.
+  // Sets the parts of `out` named by `want`; the others are unchanged. q: r. Nothing is allocated.
   void evaluate(const Eigen::VectorXd& q, unsigned want, PotentialWorkspace& workspace,
                 Evaluation& out) const;
 
-  // The trailing rows alone, for a solve in which the leading `held` coordinates stand still:
-  // begin_trailing() contracts what depends on those only, once; evaluate_trailing() then fills
-  // force[held..r) and, if wanted, the block tangent[held..r, held..r) for a q that differs from
+  // The trailing rows alone, for a solve in which the leading `held` coordinates are constant.
+  // begin_trailing() contracts the terms of those only, once. evaluate_trailing() then sets
+  // force[held..r) and, on request, the block tangent[held..r, held..r) for a q that differs from
   // the first in trailing coordinates only. Energy is not available here.
   void begin_trailing(const Eigen::VectorXd& q, Eigen::Index held,
                       PotentialWorkspace& workspace) const;
   void evaluate_trailing(const Eigen::VectorXd& q, Eigen::Index held, unsigned want,
                          PotentialWorkspace& workspace, Evaluation& out) const;
 
-  // The average of grad V on the segment from q0 to q1, exact since V is quartic:
-  // with m = (q0+q1)/2, d = (q1-q0)/2:  Lambda m + 3 C[m,m] + C[d,d] + 4 Q[m m^T + d d^T] m.
+  // The average of grad V on the segment from q0 to q1, exact because V is quartic: with m =
+  // (q0+q1)/2, d = (q1-q0)/2:
+  //  Lambda m + 3 C[m,m] + C[d,d] + 4 Q[m m^T + d d^T] m.
   // Hence out . (q1 - q0) = V(q1) - V(q0). tangent, if given, receives from the same contraction
   // Lambda + 6 C[m] + 12 Q[m m^T + d d^T] = K(m) + O(d^2), r x r, both triangles.
   void averaged_gradient(const Eigen::VectorXd& q0, const Eigen::VectorXd& q1,

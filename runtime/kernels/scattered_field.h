@@ -10,8 +10,8 @@
 
 namespace tremolo {
 
-// The points, coordinate by coordinate, padded to whole vectors by points that are so far away that
-// they weigh nothing.
+// The points, coordinate by coordinate, padded to whole vectors by points so far away that their
+// weight is zero.
 class ScatteredPoints {
  public:
   ScatteredPoints() = default;
@@ -30,13 +30,14 @@ class ScatteredPoints {
   double softness2_ = 1.0;
 };
 
-// u: 3 stride() entries, all x, all y, all z; those of padding are finite. The mean at a place.
+// u: 3 stride() entries, all x, all y, all z; those of padding are finite. Returns the mean at a
+// position.
 Eigen::Vector3d field_at(const ScatteredPoints& points, const Eigen::VectorXd& u,
                          const Eigen::Vector3d& place);
 // gradient(i, j): of component i along j.
 Eigen::Vector3d field_at(const ScatteredPoints& points, const Eigen::VectorXd& u,
                          const Eigen::Vector3d& place, Eigen::Matrix3d& gradient);
-// The weights at a place, which sum to one. weights: stride() entries.
+// The weights at a position, which sum to one. weights: stride() entries.
 void field_weights(const ScatteredPoints& points, const Eigen::Vector3d& place,
                    Eigen::VectorXd& weights);
 

@@ -34,7 +34,7 @@ StrainMatrix::StrainMatrix(size_t r, std::span<const double> gram)
   tiles_.assign(plain::group_start(padded_ / kVectorLanes), 0.0);
   const size_t terms = strain_terms(r);
   const auto set = [this, gram](size_t a, size_t b) {
-    const size_t row = a + 1, column = b + 1;  // behind the constant term
+    const size_t row = a + 1, column = b + 1;  // after the constant term
     tiles_[plain::group_start(column / kVectorLanes) + column % kVectorLanes * kVectorLanes +
            row / kVectorLanes * plain::kTile + row % kVectorLanes] =
         (a == b ? 0.5 : 1.0) * gram[pair_index(a, b)];

@@ -1,17 +1,17 @@
-// The part of Kelvin-Voigt damping that is not linear (docs/theory.md, "Stiffness damping"). The
-// Green strains are the quadratic terms y(q) = (q_j, q_i q_j) times constants, so that with the
-// Gram matrix G of these constants and J = dy/dq
+// The nonlinear part of Kelvin-Voigt damping (docs/theory.md, "Stiffness damping"). The Green
+// strains are the quadratic terms y(q) = (q_j, q_i q_j) times constants, so that with the Gram
+// matrix G of these constants and J = dy/dq
 //
 //     V(q) = 1/2 y^T G y,      force of unit damping on the strain rates: J(q)^T G J(q) v.
 //
-// G's block of the linear terms is Lambda, whose damping the methods take by themselves; here
-// stands the rest,
+// G's block of the linear terms is Lambda, whose damping the methods compute separately. This file
+// has the rest,
 //
 //     M(q) v = J(q)^T G J(q) v - Lambda v.
 //
 // With z = (1, q) and dz = (0, v) the rates of all terms are w_ab = z_a dz_b + dz_a z_b, a <= b,
-// and J^T y is (T + T^T) z for the packed triangle T of y: a product with G, one coefficient loaded
-// for its row and its column, is all that costs.
+// and J^T y is (T + T^T) z for the packed triangle T of y. The only cost is a product with G, in
+// which each coefficient is loaded once for its row and its column.
 #pragma once
 
 #include <cstddef>

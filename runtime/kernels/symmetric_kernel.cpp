@@ -122,7 +122,7 @@ double SymmetricKernel::hessian(const double* q, Workspace& workspace, double* g
   const UniqueRows rows{rows_.data(), r_, z_stride_};
   const double value =
       TREMOLO_CALL(evaluate_hessian, rows, q, sums_in(workspace), gradient, hessian);
-  // What lies behind each Z^k must stay zero.
+  // The padding after each Z^k must stay zero.
   if (!std::isfinite(value)) std::fill(workspace.z.begin(), workspace.z.end(), 0.0);
   return value;
 }

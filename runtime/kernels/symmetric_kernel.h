@@ -16,7 +16,7 @@
 //
 //     P = E . x,   grad P = (F + F^T) q + W_.r,   Hess P = B + B^T,   B_jk = F_jk + y^k_j,
 //
-// where x_ij = q_i q_j; E comes for nothing from 2E = sum_k q_k Z^k + Z^r. The gradient needs two
+// where x_ij = q_i q_j; E costs nothing, by 2E = sum_k q_k Z^k + Z^r. The gradient needs two
 // multiply-adds a coefficient, the Hessian with gradient and value three.
 #pragma once
 

@@ -5,7 +5,7 @@
 namespace tremolo {
 namespace {
 
-// Entries by columns, `stride` apart; rows: those that are wanted, a multiple of eight.
+// Entries by columns, `stride` apart; rows: the number to compute, a multiple of eight.
 struct TallRows {
   const double* entries;
   std::size_t stride;

@@ -1,4 +1,4 @@
-// Products with matrices that stand for several square ones below each other, and sums of such
+// Products with matrices that consist of several square ones below each other, and sums of such
 // blocks, in vectors.
 #pragma once
 
@@ -8,8 +8,8 @@
 
 namespace tremolo {
 
-// How many rows a tall matrix of `rows` rows is stored with: the next multiple of a vector's
-// length. Entries of rows that are only there for that are finite.
+// The number of stored rows of a tall matrix of `rows` rows: the next multiple of a vector's
+// length. Entries of padding rows are finite.
 Eigen::Index tall_rows(Eigen::Index rows);
 
 // The first tall_rows(rows) entries of y become those of A x. a: stored with at least as many rows,
@@ -18,8 +18,8 @@ void multiply_tall(const Eigen::MatrixXd& a, Eigen::Index rows, const Eigen::Vec
                    Eigen::VectorXd& y);
 
 // sum += sum_b weights[b] A_b, A_b the rows b r .. b r + r - 1 of a, r its number of columns. a:
-// stored with at least tall_rows(r) rows from where its last block begins; sum: tall_rows(r) x r,
-// whose last rows receive what is of no use. Nothing is allocated.
+// stored with at least tall_rows(r) rows from the start of its last block; sum: tall_rows(r) x r,
+// whose last rows are undefined. Nothing is allocated.
 void add_blocks(const Eigen::MatrixXd& a, std::span<const double> weights, Eigen::MatrixXd& sum);
 
 }  // namespace tremolo

@@ -16,7 +16,7 @@ struct PaddedMatrix {
   std::size_t stride;
 };
 
-// What reduce() finds (Tridiagonal has the names), and scratch w.
+// Results of reduce() (Tridiagonal has the names), and scratch w.
 struct Reduction {
   double* diagonal;
   double* off;
@@ -25,7 +25,7 @@ struct Reduction {
   double* w;
 };
 
-// What PartialFractions::compute() has found (tridiagonal.h has the names), and scratch; r each.
+// Results of PartialFractions::compute() (tridiagonal.h has the names), and scratch; r each.
 struct PoleFactors {
   std::size_t r;
   const ComplexLanes* inverse;
@@ -62,7 +62,7 @@ void Tridiagonal::compute(const Eigen::MatrixXd& a) {
       a_[i * stride_ + j] = a_[j * stride_ + i] = a.data()[j * r_ + i];
   const Reduction reduction{diagonal_.data(), off_.data(), u_.data(), f_.data(), image_.data()};
   TREMOLO_CALL(reduce, {a_.data(), r_, stride_}, reduction);
-  // What overflowed is in the padding too, which the next matrix needs to be zero.
+  // The padding may contain overflowed numbers too; the next matrix needs zeros there.
   if (!diagonal_.allFinite() || !off_.allFinite()) std::fill(a_.begin(), a_.end(), 0.0);
   TREMOLO_CALL(accumulate, reduction, {basis_.data(), r_, stride_});
 }

@@ -26,7 +26,7 @@ class Tridiagonal {
   const Eigen::VectorXd& diagonal() const { return diagonal_; }  // r
   const Eigen::VectorXd& off() const { return off_; }            // r - 1: T_{i,i+1}
 
-  // What compute() left.
+  // Saves or restores the results of compute().
   void carry(StateStream& stream) { stream(diagonal_, off_, basis_); }
 
  private:
@@ -34,9 +34,9 @@ class Tridiagonal {
   std::size_t stride_;
   Eigen::VectorXd diagonal_;
   Eigen::VectorXd off_;
-  AlignedDoubles a_;      // A, then what is left of it
+  AlignedDoubles a_;      // A, then its remaining part
   AlignedDoubles u_;      // column k: u_k of the reflection I - f_k u_k u_k^T, below row k
-  AlignedDoubles f_;      // f_k = 2/|u_k|^2, or 0 where there is nothing to reflect
+  AlignedDoubles f_;      // f_k = 2/|u_k|^2, or 0 without a reflection
   AlignedDoubles basis_;  // W^T, column by column
   AlignedDoubles image_;
   mutable AlignedDoubles vector_;
@@ -65,19 +65,19 @@ class PartialFractions {
   PartialFractions(Eigen::Index size, const ComplexLanes& poles);
 
   // Factorises T - z_k without pivoting. A pole should have an imaginary part or lie below the
-  // spectrum; a real pole among the eigenvalues may cost accuracy, and on one the result is not
-  // finite.
+  // spectrum; a real pole among the eigenvalues may cost accuracy, and at an eigenvalue the result
+  // is not finite.
   void compute(const Tridiagonal& t);
 
   // x <- limit x + sum_k Re[c_k (T - z_k)^-1 x] with the residues c.
   void apply(const ComplexLanes& residues, double limit, Eigen::VectorXd& x);
 
-  // What compute() left.
+  // Saves or restores the results of compute().
   void carry(StateStream& stream) { stream(inverse_, ratio_); }
 
  private:
   ComplexLanes poles_;
-  // T - z_k = L D L^T: 1/D, the entries of L beside the diagonal, and scratch; r each.
+  // T - z_k = L D L^T: 1/D, the entries of L next to the diagonal, and scratch; r each.
   std::vector<ComplexLanes> inverse_, ratio_, scratch_;
 };
 

@@ -9,7 +9,7 @@
 //   implicit-euler-sweep   f at the end of an explicit Euler step: one sweep of fixed points
 //   midpoint               2 M (x1 - x0 - h v0)/h^2 = f((x0 + x1)/2, (x1 - x0)/h)
 //   newmark                beta = 1/4, gamma = 1/2
-//   bdf2                   x1 - 4/3 x0 + 1/3 x-1 = 2/3 h v1, v in the same form; first step: midpoint
+//   bdf2                   x1 - 4/3 x0 + 1/3 x-1 = 2/3 h v1, v the same; its first step: midpoint
 //   imex                   half a kick of soft forces, midpoint of stiff ones, half a kick
 //   energy                 2 M (x1 - x0 - h v0)/h^2 = NodalSystem::step_force: energy is balanced
 #pragma once

@@ -30,7 +30,7 @@ class StepLedger {
   void end(const NodalState& state, double h, double share, NodalReport& report);
   // Ends the step of a method that reports its work.
   void end(const NodalState& state, const StepWork& work, double held, NodalReport& report);
-  // The kinetic energy at the last end plus the change of the potential in that step, J.
+  // Kinetic energy at the last end plus the size of the potential's change in that step, J.
   double turnover() const { return turnover_; }
 
  private:

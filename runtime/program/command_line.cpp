@@ -3,7 +3,6 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <iostream>
 #include <optional>
 #include <unistd.h>
 
@@ -11,6 +10,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/thread_limit.h"
+#include "formats/file/command_words.h"
+#include "formats/file/output_guard.h"
 #include "formats/file/whole_file.h"
 #include "runtime/integrator.h"
 #include "runtime/program/export/export.h"
@@ -21,6 +23,7 @@
 #include "runtime/program/run/run.h"
 #include "runtime/program/run/run_flags.h"
 #include "runtime/program/run/sound.h"
+#include "runtime/program/world/inspect_world.h"
 #include "runtime/program/world/run_world.h"
 #include "runtime/scene_reader/scene_kind.h"
 #include "runtime/scene_reader/scene_reader.h"
@@ -67,6 +70,8 @@ void add_export_flags(CLI::App& app, ExportOptions& o) {
   app.add_option("--vtu", o.vtu,
                  "the modes as point data of the surface, .vtu (tremolo-precompute --modes-vtu "
                  "writes them on the tetrahedra)");
+  app.add_option("--rescaled", o.rescaled,
+                 "a basis file of the same body of another material, which --rescale gives");
   app.add_option("--light", o.light,
                  "a basis file of the same body without the vertices inside, for pages and games");
 }
@@ -90,7 +95,8 @@ void add_motion_outputs(CLI::App& app, MotionOutputs& o) {
   app.add_option("--from", o.range.from, "the first frame's time, s")->capture_default_str();
   app.add_option("--to", o.range.to, "s (default: the end of the run)");
   app.add_option("--modes", o.modes,
-                 "keep the first R coordinates in the files only (0: all); all of them move");
+                 "keep the first R coordinates in the files only (0: all); all of them move")
+      ->check(CLI::Range(0, 1'000'000));
   app.add_flag(
       "--plain-weights", o.plain_weights,
       "of a .glb: weights are q itself, which programs that clamp them to [0, 1] get wrong");
@@ -134,8 +140,9 @@ struct Parser {
     app.name("tremolo");
     app.set_version_flag("--version", std::string("tremolo ") + TREMOLO_VERSION);
     app.require_subcommand(1);
-    inspect = app.add_subcommand("inspect", "show what a basis file or a scene of cloth holds");
-    inspect->add_option("file", request.file, "basis file, or scene of cloth")->required();
+    inspect = app.add_subcommand(
+        "inspect", "show what a basis file holds, or where the bodies of a scene are at its start");
+    inspect->add_option("file", request.file, "basis file, or scene.toml")->required();
     inspect->add_option("--select", request.select,
                         "print the boundary's vertices that a selector chooses, and nothing else");
     inspect->add_flag("--json", request.json, "print one JSON object on stdout");
@@ -145,7 +152,8 @@ struct Parser {
     run->add_option("--save", request.save, "of a scene with [[bodies]]: its state at the end");
     run->add_option("--restore", request.restore, "likewise: begin with what --save has written");
     run->add_option("--threads", request.threads,
-                    "likewise: how many threads step its bodies, 0: one a core (1)");
+                    "likewise: how many threads step its bodies, 0: one a core (1)")
+        ->check(CLI::Range(0U, kMostThreads));
     run->add_option("--degree", request.degree,
                     "of bodies of kind tets: linear, quadratic or adaptive");
     add_run_flags(*run, options);
@@ -256,7 +264,12 @@ Result<std::vector<RunOptions>> scene_bodies(const std::string& text, const std:
     parser.app.parse(count, words);  // cannot fail: it has been parsed before
     const CLI::App& flags = *(parser.*command);
     // A flag wins over the scene's way to say the same.
-    if (flags.count("--load") > 0) body.signal.clear();
+    if (flags.count("--load") > 0) {
+      body.signal.clear();
+      if (flags.count("--frequency") == 0) body.shape.frequency.reset();
+      if (flags.count("--sweep") == 0) body.shape.sweep.clear();
+    }
+    if (flags.count("--alpha") + flags.count("--beta") > 0) body.damping_ratio.clear();
     if (flags.count("--scale") > 0) body.deflect.clear();
     if (flags.count("--deflect") > 0) body.scale = 1.0;
     if (!body.wav.empty() && flags.count("--step") == 0) take_sound_step(body);
@@ -334,11 +347,18 @@ int export_scene(int count, char** words, const MotionOutputs& outputs, const Sc
 
 int run_export(int count, char** words, const Request& request, const RunOptions& flags,
                const CLI::App& app, const NodalScenes* nodal) {
-  const ExportOptions& still = request.exported;
+  ExportOptions still = request.exported;
+  still.rescale = flags.rescale;
   const bool asks_still = still.any();
   if (asks_still && is_scene(still.model))
-    return report_error(
-        usage_error("--cub, --U, --vtu and --light are of a basis file, not of a scene"));
+    return report_error(usage_error(
+        "--cub, --U, --vtu, --light and --rescaled are of a basis file, not of a scene"));
+  const MotionOutputs& moved = request.motion;
+  if (Status s = keep_apart({still.cub, still.u, still.vtu, still.light, moved.glb, moved.pc2,
+                             moved.mdd, moved.pvd, moved.usda, moved.series, moved.page},
+                            {});
+      !s)
+    return report_error(s.error());
   if (asks_still || !request.motion.any())
     if (const int code = export_command(still); code != 0) return code;
   if (!request.motion.any()) return 0;
@@ -354,31 +374,37 @@ int run_export(int count, char** words, const Request& request, const RunOptions
   return export_motion_command(request.motion, *bodies_motion(bodies_of(of_run, flags)));
 }
 
+// Scenes that this program knows.
+int inspect_bodies(const std::string& text, SceneKind kind, const Request& request) {
+  if (kind == SceneKind::kWorld) {
+    const Result<SceneFile> file = parse_world(text, request.file);
+    return file ? inspect_world_command(*file, request.json) : report_error(file.error());
+  }
+  const Result<std::vector<RunOptions>> bodies = parse_scene(text, request.file);
+  return bodies ? inspect_bodies_command(*bodies, request.file, request.json)
+                : report_error(bodies.error());
+}
+
 int inspect_scene(char** words, const Request& request, const NodalScenes* nodal) {
   const Result<std::string> text = read_whole_file(request.file);
   if (!text) return report_error(text.error());
   const Result<SceneKind> kind = scene_kind(*text, request.file);
   if (!kind) return report_error(kind.error());
-  if (*kind != SceneKind::kCloth)
-    return report_error(usage_error(request.file +
-                                    ": a scene without cloth; `tremolo inspect` looks into basis "
-                                    "files, and `tremolo run --json` tells what a scene holds"));
   if (!request.select.empty())
     return report_error(usage_error("--select is of a basis file, not of a scene"));
+  if (*kind == SceneKind::kBodies || *kind == SceneKind::kWorld)
+    return inspect_bodies(*text, *kind, request);
   if (nodal == nullptr) return start_nodal(request.file, words);
-  return nodal->inspect_cloth(*text, {request.file, {}, {}, {}, request.json});
+  const SceneCommand command = {request.file, {}, {}, {}, request.json};
+  return *kind == SceneKind::kCloth ? nodal->inspect_cloth(*text, command)
+                                    : nodal->inspect_tets(*text, command);
 }
 
 int run_program(int count, char** words, const NodalScenes* nodal) {
   Request request;
   RunOptions options;
   Parser parser(request, options);
-  try {
-    parser.app.parse(count, words);
-  } catch (const CLI::ParseError& error) {
-    const int code = parser.app.exit(error, std::cout, std::cerr);
-    return code == 0 ? 0 : exit_code(ErrorKind::kUsage);
-  }
+  if (const std::optional<int> code = read_words(parser.app, count, words)) return *code;
   if (*parser.inspect && is_scene(request.file)) return inspect_scene(words, request, nodal);
   if (*parser.inspect) return inspect_command(request.file, request.select, request.json);
   if (*parser.plot) return plot_command(request.directories, request.picture);

@@ -33,6 +33,7 @@ struct NodalScenes {
   Result<std::unique_ptr<MotionSource>> (*tets_motion)(const std::string& text,
                                                        const SceneCommand& command);
   int (*inspect_cloth)(const std::string& text, const SceneCommand& command);
+  int (*inspect_tets)(const std::string& text, const SceneCommand& command);
 };
 
 // Parses the words and does what they ask for; the exit code. nodal: null where another program,

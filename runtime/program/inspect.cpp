@@ -1,8 +1,6 @@
 #include "runtime/program/inspect.h"
 
 #include <cmath>
-#include <cstdio>
-#include <iostream>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -46,13 +44,6 @@ Result<Json> parse_provenance(std::string_view text) {
   if (deep) return content_error("section 'provenance' is nested too deep");
   if (json.is_discarded()) return content_error("section 'provenance' is not JSON");
   return json;
-}
-
-// A section's name on a terminal.
-std::string shown(std::string name) {
-  for (char& c : name)
-    if (c < ' ' || c > '~') c = '?';
-  return name;
 }
 
 Result<Contents> read_contents(BasisReader& reader) {
@@ -131,13 +122,34 @@ std::string encoding_text(const Json& encoding) {
   return text;
 }
 
+Json rig_json(const SurfaceRig* rig) {
+  if (rig == nullptr) return nullptr;
+  Json json = {{"bones", Json::array()}, {"clips", Json::array()}};
+  for (const RigBone& bone : rig->bones) json["bones"].push_back(bone.name);
+  for (const RigClip& clip : rig->clips)
+    json["clips"].push_back(
+        {{"name", clip.name}, {"start", clip.times.front()}, {"end", clip.times.back()}});
+  return json;
+}
+
+void print_rig(const SurfaceRig& rig) {
+  std::vector<std::string> bones, clips;
+  for (const RigBone& bone : rig.bones) bones.push_back(bone.name);
+  for (const RigClip& clip : rig.clips)
+    clips.push_back(
+        fmt::format("'{}' ({:.4g} to {:.4g} s)", clip.name, clip.times.front(), clip.times.back()));
+  fmt::print("    bones: {}\n", fmt::join(bones, ", "));
+  if (!clips.empty()) fmt::print("    clips: {}\n", fmt::join(clips, ", "));
+}
+
 Json render_json(const std::optional<RenderBlock>& render) {
   if (!render) return nullptr;
   const RenderSurface& surface = render->surface;
   return {{"vertices", surface.vertices.size()}, {"triangles", surface.triangles.size()},
           {"objects", surface.objects},          {"materials", surface.materials},
           {"normals", !surface.normals.empty()}, {"uvs", !surface.uvs.empty()},
-          {"colours", !surface.colours.empty()}};
+          {"colours", !surface.colours.empty()}, {"authored_vertices", surface.authored()},
+          {"rig", rig_json(surface.rig.get())}};
 }
 
 void print_render(const RenderSurface& surface) {
@@ -145,10 +157,14 @@ void print_render(const RenderSurface& surface) {
   if (!surface.normals.empty()) with += ", normals";
   if (!surface.uvs.empty()) with += ", texture coordinates";
   if (!surface.colours.empty()) with += ", colours";
-  fmt::print("  render surface: {} vertices, {} triangles{}\n", surface.vertices.size(),
-             surface.triangles.size(), with);
-  fmt::print("    objects: {}\n    materials: {}\n", fmt::join(surface.objects, ", "),
-             fmt::join(surface.materials, ", "));
+  show("  render surface: {} vertices, {} triangles{}\n", surface.vertices.size(),
+       surface.triangles.size(), with);
+  show("    objects: {}\n    materials: {}\n", fmt::join(surface.objects, ", "),
+       fmt::join(surface.materials, ", "));
+  if (surface.authored() < surface.vertices.size())
+    show("    {} vertices of the author's file, the others are copies at seams\n",
+         surface.authored());
+  if (surface.rig != nullptr) print_rig(*surface.rig);
 }
 
 // What --select asks for.
@@ -161,7 +177,7 @@ int print_selection(BasisReader& reader, const Contents& contents, const std::st
       select_on_boundary(select, {*surface, contents.render ? &*contents.render : nullptr,
                                   contents.load, reader.dimensions().vertices});
   if (!chosen) return report_error(chosen.error());
-  for (const std::string& note : chosen->notes) std::fprintf(stderr, "  %s\n", note.c_str());
+  for (const std::string& note : chosen->notes) tell("  {}\n", note);
   if (json) {
     const BoundingBox box = bounding_box(chosen->places);
     print_json(Json{{"selector", select},
@@ -169,7 +185,7 @@ int print_selection(BasisReader& reader, const Contents& contents, const std::st
                     {"low", {box.low.x(), box.low.y(), box.low.z()}},
                     {"high", {box.high.x(), box.high.y(), box.high.z()}}});
   } else {
-    std::cout << describe_vertices(chosen->ids, chosen->places) << "\n";
+    show("{}\n", describe_vertices(chosen->ids, chosen->places));
   }
   return 0;
 }
@@ -207,34 +223,33 @@ Json to_json(const std::string& path, const BasisReader& reader, const Contents&
 
 void print_text(const std::string& path, const BasisReader& reader, const Contents& contents) {
   const BasisDimensions& d = reader.dimensions();
-  fmt::print("{}: basis file {}.{}, all checksums good\n", path, layout::kMajor,
-             reader.minor_version());
-  fmt::print("  {} vertices ({} on the surface, {} fixed), {} tetrahedra, {} triangles\n",
-             d.vertices, d.surface_vertices, d.fixed, d.tetrahedra, d.triangles);
-  if (reader.order() == 2) fmt::print("  quadratic elements: edge points are among the vertices\n");
+  show("{}: basis file {}.{}, all checksums good\n", path, layout::kMajor, reader.minor_version());
+  show("  {} vertices ({} on the surface, {} fixed), {} tetrahedra, {} triangles\n", d.vertices,
+       d.surface_vertices, d.fixed, d.tetrahedra, d.triangles);
+  if (reader.order() == 2) show("  quadratic elements: edge points are among the vertices\n");
   if (contents.render) print_render(contents.render->surface);
-  fmt::print("  {} coordinates{}{}\n", d.modes,
-             d.linear_modes > 0 ? fmt::format(" from {} linear modes", d.linear_modes) : "",
-             d.rigid > 0 ? fmt::format("; a free body, {} rigid motions left out", d.rigid) : "");
-  fmt::print("  {}\n", encoding_text(encoding_json(reader, contents.provenance)));
-  if (reader.linear()) fmt::print("  a linear model: no cubic, no quartic terms\n");
+  show("  {} coordinates{}{}\n", d.modes,
+       d.linear_modes > 0 ? fmt::format(" from {} linear modes", d.linear_modes) : "",
+       d.rigid > 0 ? fmt::format("; a free body, {} rigid motions left out", d.rigid) : "");
+  show("  {}\n", encoding_text(encoding_json(reader, contents.provenance)));
+  if (reader.linear()) show("  a linear model: no cubic, no quartic terms\n");
   if (!reader.linear() && !reader.has(layout::kStrainGram))
-    fmt::print(
+    show(
         "  no section strain_gram: stiffness damping (beta) takes the positive part of the tangent "
         "stiffness; a file that tremolo-precompute makes today has it\n");
-  fmt::print("  frequencies {:.4g} Hz\n", fmt::join(contents.frequencies, " "));
-  fmt::print("  explicit methods are stable below a step of {:.4g} s\n", step_limit(contents));
-  fmt::print("  the first mode makes {:g} steps a period with a step of {:.4g} s\n", kStepsAPeriod,
-             resolving_step(contents.frequencies.front()));
+  show("  frequencies {:.4g} Hz\n", fmt::join(contents.frequencies, " "));
+  show("  explicit methods are stable below a step of {:.4g} s\n", step_limit(contents));
+  show("  the first mode makes {:g} steps a period with a step of {:.4g} s\n", kStepsAPeriod,
+       resolving_step(contents.frequencies.front()));
   for (std::size_t i = 0; i < contents.load.vertices.size() && i < 4; ++i) {
     const Eigen::Vector3d& f = contents.load.forces[i];
-    fmt::print("  default load at vertex {}: {:g}, {:g}, {:g} N\n", contents.load.vertices[i],
-               f.x(), f.y(), f.z());
+    show("  default load at vertex {}: {:g}, {:g}, {:g} N\n", contents.load.vertices[i], f.x(),
+         f.y(), f.z());
   }
-  fmt::print("  {:<16} {:>12} {:>10} {:>8}\n", "section", "bytes", "rows", "columns");
+  show("  {:<16} {:>12} {:>10} {:>8}\n", "section", "bytes", "rows", "columns");
   for (const BasisSection& s : reader.sections())
-    fmt::print("  {:<16} {:>12} {:>10} {:>8}\n", shown(s.name), s.size, s.rows, s.columns);
-  if (contents.provenance.is_object()) fmt::print("{}", json_text(contents.provenance));
+    show("  {:<16} {:>12} {:>10} {:>8}\n", s.name, s.size, s.rows, s.columns);
+  if (contents.provenance.is_object()) show("{}", json_text(contents.provenance));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "runtime/program/cloth/run_cloth.h"
 #include "runtime/program/command_line.h"
 #include "runtime/program/output/tell.h"
+#include "runtime/program/tets/inspect_tets.h"
 #include "runtime/program/tets/run_tets.h"
 #include "runtime/program/tets/tets_motion.h"
 
@@ -45,6 +46,11 @@ int run_tets_scene(const std::string& text, const SceneCommand& command) {
   return scene ? run_tets_command(*scene, command.json) : report_error(scene.error());
 }
 
+int inspect_tets_scene(const std::string& text, const SceneCommand& command) {
+  const Result<TetScene> scene = parse_tets_scene(text, command.file);
+  return scene ? inspect_tets_command(*scene, command.json) : report_error(scene.error());
+}
+
 Result<std::unique_ptr<MotionSource>> cloth_source(const std::string& text,
                                                    const SceneCommand& command) {
   Result<ClothFile> file = cloths_of(text, command);
@@ -74,7 +80,7 @@ Result<std::unique_ptr<MotionSource>> tets_source(const std::string& text,
 
 int main(int count, char** words) {
   using namespace tremolo;
-  const NodalScenes nodal = {run_cloth_scene, run_tets_scene, cloth_source, tets_source,
-                             inspect_cloth_scene};
+  const NodalScenes nodal = {run_cloth_scene, run_tets_scene,      cloth_source,
+                             tets_source,     inspect_cloth_scene, inspect_tets_scene};
   return run_command_line(count, words, &nodal);
 }

@@ -221,7 +221,7 @@ void MotionPath::find_slopes(Segment& segment, Interpolation interpolation) {
 }
 
 MotionPath::Keys MotionPath::make_keys(const KeyframeMotion& motion) {
-  Keys keys{{}, motion.jumps, motion.smooth_time};
+  Keys keys{{}, motion.jumps, motion.smooth_time, motion.absolute};
   for (const Keyframe& key : motion.keys) {
     if (keys.segments.empty() || keys.segments.back().times.back() == key.time)
       keys.segments.emplace_back();
@@ -347,6 +347,10 @@ Pose MotionPath::pose_in(std::size_t piece, double t) const {
   Pose pose = base_;
   for (const Part& part : parts_) {
     const Pose map = part_pose(part, piece, t);
+    if (const auto* keys = std::get_if<Keys>(&part); keys != nullptr && keys->absolute) {
+      pose = {map.position, map.rotation.normalized()};
+      continue;
+    }
     pose = {map * pose.position, (map.rotation * pose.rotation).normalized()};
   }
   return pose;

@@ -98,12 +98,15 @@ enum class Interpolation { kSmooth, kLinear };
 enum class JumpRule { kRefuse, kSmooth, kTeleport };
 
 // Poses at times that ascend; a time may stand twice. Before the first and after the last one they
-// stand still.
+// stand still. absolute: they are where the frame is in the world, whatever its base and the parts
+// before this one; else they are maps of the world, so that the identity leaves the frame at its
+// base.
 struct KeyframeMotion {
   std::vector<Keyframe> keys;
   Interpolation interpolation = Interpolation::kSmooth;
   JumpRule jumps = JumpRule::kRefuse;
   double smooth_time = 0.1;  // s
+  bool absolute = false;
 };
 
 // Accelerations, m/s^2, at times that ascend, straight lines between, integrated twice from rest.
@@ -153,6 +156,7 @@ class MotionPath {
     std::vector<Segment> segments;
     JumpRule jumps = JumpRule::kRefuse;
     double smooth_time = 0.0;
+    bool absolute = false;
   };
   struct Record {
     std::vector<double> times;

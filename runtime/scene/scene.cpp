@@ -80,6 +80,14 @@ Status check_damping(const SceneBody& body) {
 }
 
 Status check_bones(const SceneBody& body) {
+  if (body.rig && (!body.bones.empty() || body.bone_weights.size() > 0))
+    return content_error(
+        "rig: bones and weights are those of the model: leave [[bodies.bones]] and "
+        "bone-weights out");
+  if (!body.rig && !body.clip.empty())
+    return content_error("clip: it is a motion of the model's bones: say rig = true");
+  if (body.rig && body.kind != FrameKind::kDriven)
+    return content_error("rig: bones carry a driven body only: say kind = \"driven\"");
   if (body.bones.empty()) {
     if (body.bone_weights.size() > 0) return content_error("bone-weights: it has no bones");
     return Success{};
@@ -132,7 +140,7 @@ Status check_body(const SceneBody& body) {
 // Checks the method of a body that needs contact.
 Status check_method(const SceneBody& body) {
   const std::string& method = body.integrator;
-  if (!body.bones.empty())
+  if (!body.bones.empty() || body.rig)
     return content_error(
         "a body on bones touches nothing, and no hand holds it: say contact = false");
   if (frame_kind(body) == FrameKind::kFixed || method == "avf" || method == "ep2" ||
@@ -170,9 +178,9 @@ Status check_colliders(const Scene& scene) {
   return Success{};
 }
 
-Status check_hand(const SceneHand& hand, const Scene& scene) {
-  const auto named = [&hand](const SceneBody& body) { return body.name == hand.body; };
-  if (std::none_of(scene.bodies.begin(), scene.bodies.end(), named))
+// bodies: names of those that there are.
+Status check_hand(const SceneHand& hand, const std::set<std::string>& bodies) {
+  if (!bodies.contains(hand.body))
     return content_error("body: there is no body '" + hand.body + "'");
   if (hand.at.empty()) return content_error("at: it names no vertex");
   if (!hand.pin && (!(hand.stiffness > 0.0) || !std::isfinite(hand.stiffness)))
@@ -192,12 +200,10 @@ Status check_hand(const SceneHand& hand, const Scene& scene) {
   return Success{};
 }
 
-Status check_joint(const SceneJoint& joint, const Scene& scene) {
-  for (const auto& [key, name] : {std::pair{"body", &joint.body}, std::pair{"to", &joint.to}}) {
-    const auto named = [name = name](const SceneBody& body) { return body.name == *name; };
-    if (std::none_of(scene.bodies.begin(), scene.bodies.end(), named))
+Status check_joint(const SceneJoint& joint, const std::set<std::string>& bodies) {
+  for (const auto& [key, name] : {std::pair{"body", &joint.body}, std::pair{"to", &joint.to}})
+    if (!bodies.contains(*name))
       return content_error(std::string(key) + ": there is no body '" + *name + "'");
-  }
   if (joint.body == joint.to) return content_error("to: it joins '" + joint.to + "' to itself");
   if (joint.at.empty()) return content_error("at: it names no vertex");
   const JointOptions& options = joint.options;
@@ -228,12 +234,17 @@ bool bodies_touch(const Scene& scene) {
 }
 
 bool needs_contact(const Scene& scene, const SceneBody& body) {
-  if (body.feels_contact && (!scene.colliders.empty() || bodies_touch(scene))) return true;
-  return std::any_of(scene.hands.begin(), scene.hands.end(),
-                     [&body](const SceneHand& hand) { return hand.body == body.name; }) ||
-         std::any_of(scene.joints.begin(), scene.joints.end(), [&body](const SceneJoint& joint) {
-           return joint.body == body.name || joint.to == body.name;
-         });
+  return ContactNeeds(scene).of(body);
+}
+
+ContactNeeds::ContactNeeds(const Scene& scene)
+    : felt_(!scene.colliders.empty() || bodies_touch(scene)) {
+  for (const SceneHand& hand : scene.hands) held_.insert(hand.body);
+  for (const SceneJoint& joint : scene.joints) held_.insert({joint.body, joint.to});
+}
+
+bool ContactNeeds::of(const SceneBody& body) const {
+  return (body.feels_contact && felt_) || held_.contains(body.name);
 }
 
 Eigen::Vector3d SceneGravity::at(double t) const {
@@ -258,20 +269,21 @@ Status check_scene(const Scene& scene) {
   if (scene.bodies.empty()) return content_error("the scene has no body");
   if (Status s = check_gravity(scene.gravity); !s) return s;
   std::set<std::string> names;
+  const ContactNeeds needs(scene);
   for (const SceneBody& body : scene.bodies) {
     if (body.name.empty()) return content_error("a body has no name");
     if (!names.insert(body.name).second)
       return content_error("two bodies are named '" + body.name + "'");
     Status good = check_body(body);
-    if (good && needs_contact(scene, body)) good = check_method(body);
+    if (good && needs.of(body)) good = check_method(body);
     if (!good) return error_of("body '" + body.name + "'", good.error());
   }
   if (Status s = check_colliders(scene); !s) return s;
   for (std::size_t i = 0; i < scene.hands.size(); ++i)
-    if (Status s = check_hand(scene.hands[i], scene); !s)
+    if (Status s = check_hand(scene.hands[i], names); !s)
       return error_of("hand " + std::to_string(i + 1), s.error());
   for (std::size_t i = 0; i < scene.joints.size(); ++i)
-    if (Status s = check_joint(scene.joints[i], scene); !s)
+    if (Status s = check_joint(scene.joints[i], names); !s)
       return error_of("joint " + std::to_string(i + 1), s.error());
   return Success{};
 }

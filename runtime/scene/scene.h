@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -69,9 +71,10 @@ struct ValueFrom {
 // says; a driven, free or turned body then needs avf, ep2 or ep4. Hands hold it either way.
 // contact.shape: what other bodies bump into; without one they pass through. shape_file: of a
 // mesh's distances, in its place; shape_made_by: the command that makes it, told where it is
-// missing. bones: of a driven body that hangs on several frames and touches nothing; bone_weights:
-// a row a drawn vertex, a column a bone; none: by distance, with bone_blend, m (runtime/bones.h; 0:
-// the usual one).
+// missing. rig: bones, their weights and their motions are those of the model's render surface;
+// clip: the name of the motion, empty for the first one. bones: of a driven body that hangs on
+// several frames and touches nothing; bone_weights: a row a drawn vertex, a column a bone; none: by
+// distance, with bone_blend, m (runtime/bones.h; 0: the usual one).
 struct SceneBody {
   std::string name;
   std::string model;
@@ -90,6 +93,8 @@ struct SceneBody {
   std::vector<SceneBone> bones;
   BoneWeights bone_weights;
   double bone_blend = 0.0;
+  bool rig = false;
+  std::string clip;
   double acceleration_limit = 1e4;
   bool feels_contact = true;
   ContactOptions contact;
@@ -169,6 +174,17 @@ bool bodies_touch(const Scene& scene);
 // Whether the body needs Body::set_contact(): colliders or bodies that it feels, a hand or a joint
 // on it.
 bool needs_contact(const Scene& scene, const SceneBody& body);
+
+// The same for each body of a scene of many, which must outlive it.
+class ContactNeeds {
+ public:
+  explicit ContactNeeds(const Scene& scene);
+  bool of(const SceneBody& body) const;
+
+ private:
+  bool felt_;
+  std::set<std::string_view> held_;  // bodies on hands and joints
+};
 
 // Errors, kContent, each with the body, collider, hand or key that it is about: no body, names that
 // are empty or stand twice, a step or duration that is not positive and finite, a pose, velocity,

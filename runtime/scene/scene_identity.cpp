@@ -67,6 +67,7 @@ struct PartAdder {
   }
   void operator()(const KeyframeMotion& part) const {
     identity.add(part.interpolation, part.jumps, part.smooth_time, part.keys.size());
+    if (part.absolute) identity.add(part.absolute);
     for (const Keyframe& key : part.keys) identity.add(key.time, key.pose);
   }
   void operator()(const RecordMotion& part) const { identity.add(part.times, part.accelerations); }
@@ -102,6 +103,7 @@ void add(Identity& identity, const Collider& shape) {
 
 void add(Identity& identity, const SceneLoad& load) {
   identity.add(load.signal.kind, load.signal.start, load.signal.duration, load.signal.frequency);
+  if (load.signal.kind == SignalKind::kChirp) identity.add(load.signal.last_frequency);
   if (load.table) identity.add(load.table->times, load.table->values);
   identity.add(load.at, load.force, load.scale);
 }

@@ -53,9 +53,7 @@ Result<DefaultLoad> forces_of(const SceneLoad& load, const Model& model) {
   }
   const Result<std::vector<VertexId>> vertices = vertices_of(load.at, model);
   if (!vertices) return Error{vertices.error().kind, "at: " + vertices.error().message};
-  const auto count = static_cast<double>(std::max<std::size_t>(1, vertices->size()));
-  const Eigen::Vector3d share = (load.scale / count) * load.force;
-  DefaultLoad forces{*vertices, std::vector<Eigen::Vector3d>(vertices->size(), share)};
+  DefaultLoad forces = shared_by_area(*vertices, load.scale * load.force, model);
   const Result<Eigen::VectorXd> reduced = reduce_load(model, forces);
   if (!reduced) return content_error(reduced.error().message);
   if (load.scale != 0.0 && reduced->isZero(0.0))

@@ -1,5 +1,6 @@
 // SceneWorld: what it carries from step to step, saved and put back.
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -59,6 +60,12 @@ void SceneWorld::carry_contacts(StateStream& stream) {
   stream(touching_);
   stream.sized(events_);
   stream.sized(pairs_);
+  if (stream.reads()) {
+    for (const Touching& touching : touching_)
+      stream.require(std::isfinite(touching.place.impulse) && touching.whole.allFinite());
+    for (const ContactEvent& event : events_) stream.require(std::isfinite(event.place.impulse));
+    for (const Pair& pair : pairs_) stream.require(std::isfinite(pair.place.impulse));
+  }
   const auto is_body = [this](std::size_t i) { return i < size(); };
   for (const ContactEvent& event : events_)
     stream.require(
@@ -80,6 +87,9 @@ void SceneWorld::carry(StateStream& stream) {
     stream(piece, actor.energy_at_start, actor.failed, actor.penetration);
     stream(actor.contacts, actor.speed, actor.passed);
     stream.require(piece <= actor.path.jumps().size());
+    if (stream.reads())
+      stream.require(std::isfinite(actor.energy_at_start) && std::isfinite(actor.penetration) &&
+                     std::isfinite(actor.speed));
     if (!stream.good()) return;
     actor.piece = piece;
     actor.body.carry(stream);

@@ -15,6 +15,7 @@
 #include "runtime/contact/passage.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/frames/frame_inertia.h"
+#include "runtime/scene/near_balls.h"
 #include "runtime/scene/scene_start.h"
 
 namespace tremolo {
@@ -76,16 +77,21 @@ Result<SceneWorld> SceneWorld::create(const Scene& scene, const ModelSource& sou
   const std::vector<Vector3d>& values = world.scene_.gravity.values;
   world.gravity_changes_ = values.size() > 1;
   std::map<std::tuple<std::string, int, bool, bool>, Model::Pointer> models;
-  for (const SceneBody& wanted : world.scene_.bodies) {
+  for (SceneBody& wanted : world.scene_.bodies) {
     const ModelOptions& options = wanted.model_options;
     Model::Pointer& model = models[{wanted.model, options.modes, options.linear, options.hull}];
     if (!model)
       if (Status s = take(model, source(wanted)); !s) return error_of_body(wanted, s.error());
+    if (wanted.rig)
+      if (Status s = take_rig(wanted, *model); !s) return error_of_body(wanted, s.error());
     if (Status s = world.add(wanted, model); !s) return error_of_body(wanted, s.error());
   }
   if (Status s = take(world.colliders_, SceneColliders::create(world.scene_)); !s) return s.error();
+  for (std::size_t i = 0; i < world.size(); ++i) world.numbers_[world.name(i)] = i;
+  world.list_passing();
+  const ContactNeeds needs(world.scene_);
   for (std::size_t i = 0; i < world.size(); ++i)
-    if (Status s = world.begin_contact(i); !s)
+    if (Status s = world.begin_contact(i, needs); !s)
       return error_of_body(world.scene_.bodies[i], s.error());
   if (Status s = world.check_apart(); !s) return s.error();
   if (Status s = world.add_hands(); !s) return s.error();
@@ -179,19 +185,18 @@ Result<ContactOptions> SceneWorld::contact_of(const SceneBody& wanted) {
 // No body begins inside another one.
 Status SceneWorld::check_apart() const {
   if (!bodies_touch(scene_)) return Success{};
-  const auto ball = [this](std::size_t i) {
+  NearBalls near;
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (!scene_.bodies[i].feels_contact) continue;
     const ContactPoints& points = actors_[i].body.contact()->points();
-    return std::pair{Vector3d(actors_[i].body.pose() * points.centre), points.radius};
-  };
+    near.add(i, actors_[i].body.pose() * points.centre, points.radius);
+  }
+  near.sort();
   for (std::size_t a = 0; a < size(); ++a)
-    for (std::size_t b = 0; b < size(); ++b) {
-      if (a == b || !scene_.bodies[a].feels_contact || !scene_.bodies[b].feels_contact) continue;
+    for (const std::size_t b : near.of(a)) {
       if (passes_through(a, b)) continue;
       const Collider* shape = actors_[b].body.contact()->shape();
       if (shape == nullptr) continue;
-      const auto [x, r] = ball(a);
-      const auto [y, s] = ball(b);
-      if ((x - y).norm() > r + s) continue;
       const Pose pose = actors_[b].body.pose();
       const PlacedCollider placed{*shape, pose, pose};
       const double depth = deepest_point(actors_[a].body, std::span(&placed, 1)).depth;
@@ -205,10 +210,10 @@ Status SceneWorld::check_apart() const {
 }
 
 // Makes the body feel colliders and hands. It must not begin inside a collider.
-Status SceneWorld::begin_contact(std::size_t i) {
+Status SceneWorld::begin_contact(std::size_t i, const ContactNeeds& needs) {
   const SceneBody& wanted = scene_.bodies[i];
   Actor& actor = actors_[i];
-  if (!needs_contact(scene_, wanted)) return Success{};
+  if (!needs.of(wanted)) return Success{};
   const Result<ContactOptions> contact = contact_of(wanted);
   if (!contact) return contact.error();
   if (Status s = actor.body.set_contact(*contact); !s)
@@ -260,11 +265,14 @@ Status SceneWorld::add_joints() {
 
 // Whether a joint holds the two that do not touch each other.
 bool SceneWorld::passes_through(std::size_t a, std::size_t b) const {
-  const std::string &one = name(a), &two = name(b);
-  return std::any_of(scene_.joints.begin(), scene_.joints.end(), [&](const SceneJoint& joint) {
-    return !joint.options.touch &&
-           ((joint.body == one && joint.to == two) || (joint.body == two && joint.to == one));
-  });
+  return passing_.contains(std::minmax(a, b));
+}
+
+void SceneWorld::list_passing() {
+  for (const SceneJoint& joint : scene_.joints) {
+    const auto a = find(joint.body), b = find(joint.to);
+    if (!joint.options.touch && a && b) passing_.insert(std::minmax(*a, *b));
+  }
 }
 
 double SceneWorld::contact_speed_limit() const {
@@ -280,9 +288,8 @@ double SceneWorld::contact_speed_limit() const {
 }
 
 std::optional<std::size_t> SceneWorld::find(std::string_view name) const {
-  for (std::size_t i = 0; i < size(); ++i)
-    if (scene_.bodies[i].name == name) return i;
-  return std::nullopt;
+  const auto found = numbers_.find(std::string(name));
+  return found == numbers_.end() ? std::nullopt : std::optional(found->second);
 }
 
 // Damping that begins at the step.

@@ -17,9 +17,12 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -98,6 +101,8 @@ class SceneWorld {
   Body& body(std::size_t i) { return actors_[i].body; }
   const std::string& name(std::size_t i) const { return scene_.bodies[i].name; }
   std::optional<std::size_t> find(std::string_view name) const;
+  // Whether a joint holds the two bodies that do not touch each other.
+  bool passes_through(std::size_t a, std::size_t b) const;
 
   // As Body::set_method: of one body another method, of all another step, s. The world's time goes
   // to the nearest multiple of it.
@@ -227,11 +232,11 @@ class SceneWorld {
   explicit SceneWorld(const Scene& scene) : scene_(scene) {}
   Status add(const SceneBody& wanted, Model::Pointer model);
   Status begin(const SceneBody& wanted, Actor& actor) const;
-  Status begin_contact(std::size_t i);
+  Status begin_contact(std::size_t i, const ContactNeeds& needs);
   Status add_hands();
   Status add_joints();
   Status damp(std::size_t i);
-  bool passes_through(std::size_t a, std::size_t b) const;
+  void list_passing();
   std::span<const PlacedCollider> felt_by(std::size_t i) const;
   Result<ContactOptions> contact_of(const SceneBody& wanted);
   void move_frame(Actor& actor) const;
@@ -260,7 +265,9 @@ class SceneWorld {
   std::vector<std::size_t> order_, place_;  // bodies by their names, and where each is there
   std::vector<Body*> stepped_;              // by their names; null: it has failed
   std::vector<StepReport> reports_;
-  std::map<std::string, Collider> shapes_;  // of bodies, by their files
+  std::map<std::string, Collider> shapes_;                 // of bodies, by their files
+  std::unordered_map<std::string, std::size_t> numbers_;   // of bodies, by their names
+  std::set<std::pair<std::size_t, std::size_t>> passing_;  // a < b: a joint lets them pass through
   bool gravity_changes_ = false;
   std::int64_t steps_ = 0;
 };

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "common/mesh/area_shares.h"
 #include "common/mesh/selector.h"
 #include "common/mesh/vertex_lookup.h"
 #include "formats/basis/selector_reader.h"
@@ -112,10 +113,23 @@ Result<std::vector<VertexId>> vertices_of(const std::string& text, const Model& 
     if (vertex < 0) return content_error("vertex " + text + " must not be negative");
     return std::vector<VertexId>{vertex};
   }
+  // A number may be that of a vertex inside, however it is written.
+  if (const Result<Selector> selector = parse_selector(text); selector && selector->further.empty())
+    if (const auto* list = std::get_if<SelectVertices>(&selector->choice)) return list->ids;
   Result<Selection> chosen = select_on_boundary(
       text, {model.surface(), model.render(), model.default_load(), model.vertex_count()});
   if (!chosen) return chosen.error();
   return std::move(chosen->ids);
+}
+
+DefaultLoad shared_by_area(const std::vector<VertexId>& vertices, const Eigen::Vector3d& force,
+                           const Model& model) {
+  DefaultLoad load{vertices, {}};
+  if (vertices.empty()) return load;
+  for (const double share :
+       area_shares(vertices, model.surface().vertex_ids, model.triangles(), model.surface().rest))
+    load.forces.push_back(share * force);
+  return load;
 }
 
 }  // namespace tremolo

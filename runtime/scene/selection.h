@@ -33,6 +33,10 @@ Result<Selection> select_on_boundary(const std::string& text, const Boundary& bo
 // Errors: kContent for a negative id, else as select_on_boundary.
 Result<std::vector<VertexId>> vertices_of(const std::string& text, const Model& model);
 
+// A force (N) on these vertices, on a face shared by its area (common/mesh/area_shares.h).
+DefaultLoad shared_by_area(const std::vector<VertexId>& vertices, const Eigen::Vector3d& force,
+                           const Model& model);
+
 // What each `near:` of the text took, for the user; empty where vertices_of gives an error.
 std::vector<std::string> nearest_of(const std::string& text, const Model& model);
 

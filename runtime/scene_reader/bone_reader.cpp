@@ -49,6 +49,8 @@ Status read_weights(const std::string& csv, SceneBody& body) {
 Status read_bones(TomlKeys& keys, const std::string& path, const std::string& what,
                   std::vector<std::string>& files, SceneBody& body) {
   std::string csv;
+  keys.read("rig", body.rig);
+  keys.read("clip", body.clip);
   keys.read("bone-blend", body.bone_blend);
   keys.read_path("bone-weights", csv);
   for (const toml::table* entry : keys.read_tables("bones")) {

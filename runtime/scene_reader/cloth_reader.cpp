@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "formats/file/input_file.h"
 #include "runtime/scene_reader/contact_reader.h"
 #include "runtime/scene_reader/motion_reader.h"
 #include "runtime/scene_reader/pin_reader.h"
@@ -74,6 +75,17 @@ std::string told_name(const toml::table& table, const char* kind, std::size_t nu
   return std::string(kind) + " " + std::to_string(number);
 }
 
+// A mesh that is not there is told where the scene names it, not where a pin asks for it.
+Status check_mesh(TomlKeys& keys, const SceneCloth& cloth) {
+  if (cloth.file.empty()) return Success{};
+  const auto seen = examine_input(cloth.file);
+  if (seen) return Success{};
+  keys.fail("file", seen.error().message);
+  Error error = keys.finish().error();
+  error.kind = seen.error().kind;
+  return error;
+}
+
 Result<SceneCloth> read_cloth(const toml::table& table, std::size_t number, const std::string& path,
                               std::vector<std::string>& files) {
   SceneCloth cloth;
@@ -94,6 +106,7 @@ Result<SceneCloth> read_cloth(const toml::table& table, std::size_t number, cons
   keys.read("restitution", cloth.restitution);
   keys.read("crumple", cloth.crumple);
   if (!keys.good()) return keys.finish().error();
+  if (Status s = check_mesh(keys, cloth); !s) return s.error();
   if (Status s = read_pins(keys, path, what, files, cloth); !s) return s.error();
   if (Status s = keys.finish(); !s) return s.error();
   return cloth;
@@ -114,7 +127,8 @@ Result<SceneBall> read_ball(const toml::table& table, std::size_t number, const 
   keys.read("fixed", ball.fixed);
   keys.read("friction", ball.friction);
   keys.read("restitution", ball.restitution);
-  if (Status s = take(ball.motion, read_motion(keys, path, what, files)); !s) return s.error();
+  if (Status s = take(ball.motion, read_motion(keys, path, what, files, true)); !s)
+    return s.error();
   if (!ball.motion.parts.empty() && !ball.fixed)
     keys.fail("motion", "a `motion` is of a ball with `fixed = true`: the others go as they fall");
   for (const char* key : {"mass", "velocity", "spin"})

@@ -101,7 +101,8 @@ Result<SceneCollider> read_collider(const toml::table& table, std::size_t number
     collider.shape = *shape;
   collider.pose = read_pose(keys);
   read_rubbing(keys, collider.friction, collider.restitution);
-  if (Status s = take(collider.motion, read_motion(keys, path, what, files)); !s) return s.error();
+  if (Status s = take(collider.motion, read_motion(keys, path, what, files, true)); !s)
+    return s.error();
   if (Status s = keys.finish(); !s) return s.error();
   return collider;
 }

@@ -90,6 +90,7 @@ void read_key_rules(TomlKeys& keys, KeyframeMotion& motion) {
   motion.interpolation = kKinds[keys.read_word("interpolation", {"smooth", "linear"}, 0)];
   motion.jumps = kRules[keys.read_word("jumps", {"refuse", "smooth", "teleport"}, 0)];
   keys.read("smooth-time", motion.smooth_time);
+  motion.absolute = keys.read_word("frame", {"position", "world"}, 0) == 1;
 }
 
 KeyframeMotion read_keyframes(TomlKeys& keys) {
@@ -192,11 +193,17 @@ Result<MotionPart> read_motion_part(const toml::table& table, const std::string&
 }
 
 Result<Motion> read_motion(TomlKeys& keys, const std::string& path, const std::string& what,
-                           std::vector<std::string>& files) {
+                           std::vector<std::string>& files, bool placed) {
   Motion motion;
   for (const toml::table* entry : keys.read_tables("motion")) {
     Result<MotionPart> part = read_motion_part(*entry, path, what + ", motion", files);
     if (!part) return part.error();
+    const auto* keyframes = std::get_if<KeyframeMotion>(&*part);
+    if (keyframes != nullptr && keyframes->absolute && !placed)
+      keys.fail(
+          "motion",
+          "`frame = \"world\"` is of a body, a collider or a ball: this has no pose of its own, "
+          "its keyframes say how it moves from where it is");
     motion.parts.push_back(std::move(*part));
   }
   return motion;

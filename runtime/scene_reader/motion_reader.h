@@ -20,8 +20,9 @@ Pose read_pose(TomlKeys& keys);
 Result<MotionPart> read_motion_part(const toml::table& table, const std::string& path,
                                     const std::string& what, std::vector<std::string>& files);
 
-// All parts of the key `motion` of a table that is named `what`.
+// All parts of the key `motion` of a table that is named `what`. placed: what moves has a
+// `position`, so that `frame = "world"` means something; refused else.
 Result<Motion> read_motion(TomlKeys& keys, const std::string& path, const std::string& what,
-                           std::vector<std::string>& files);
+                           std::vector<std::string>& files, bool placed = false);
 
 }  // namespace tremolo

@@ -70,11 +70,11 @@ std::optional<Eigen::Vector3d> point_of_text(std::string_view text) {
 void add_nearest(TomlKeys& keys, const SceneCloth& cloth, const Eigen::Vector3d& point,
                  std::vector<std::size_t>& particles) {
   const Result<ClothParts> parts = make_cloth_parts(cloth);
-  if (!parts) return keys.fail("", parts.error().message);
+  if (!parts) return keys.fail(parts.error());
   const Eigen::Map<const Eigen::Matrix3Xd> places(parts->x.data(), 3, parts->x.size() / 3);
   Eigen::Index nearest = 0;
   (places.colwise() - point).colwise().squaredNorm().minCoeff(&nearest);
-  particles.push_back(static_cast<std::size_t>(nearest));
+  particles.push_back(parts->vertex_of_particle(static_cast<std::size_t>(nearest)));
 }
 
 void add_part(const ClothGrid& grid, const GridPart& part, std::vector<std::size_t>& particles) {

@@ -2,10 +2,23 @@
 
 #include <string_view>
 
+#include "common/rayleigh.h"
 #include "formats/file/whole_file.h"
 #include "runtime/scene_reader/csv_rows.h"
 
 namespace tremolo {
+
+void read_damping_ratio(TomlKeys& keys, double& alpha, double& beta) {
+  std::string ratios;
+  keys.read("damping-ratio", ratios);
+  if (!keys.has("damping-ratio")) return;
+  if (keys.has("alpha") || keys.has("beta"))
+    return keys.fail("damping-ratio", "`damping-ratio` gives `alpha` and `beta`: leave those out");
+  const Result<RayleighDamping> damping = parse_damping_ratios(ratios);
+  if (!damping) return keys.fail("damping-ratio", damping.error().message);
+  alpha = damping->alpha;
+  beta = damping->beta;
+}
 
 bool is_folder_name(const std::string& name) {
   return !name.empty() && name.front() != '.' &&

@@ -31,6 +31,9 @@ struct SceneOutputs {
 void read_surface_outputs(TomlKeys& keys, SceneOutputs& outputs);
 void read_outputs(TomlKeys& keys, SceneOutputs& outputs);
 
+// damping-ratio = "F1:Z1,F2:Z2" in place of alpha and beta (common/rayleigh.h).
+void read_damping_ratio(TomlKeys& keys, double& alpha, double& beta);
+
 // A name becomes that of a folder or a file.
 bool is_folder_name(const std::string& name);
 

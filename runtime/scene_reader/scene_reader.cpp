@@ -28,6 +28,23 @@ using Eigen::Vector3d;
 constexpr const char* kBodies = "bodies";
 constexpr const char* kCloths = "cloths";
 
+SignalShape read_shape(TomlKeys& keys) {
+  SignalShape shape;
+  const auto read = [&keys](const char* key, std::optional<double>& target) {
+    double value = 0.0;
+    keys.read(key, value);
+    if (keys.has(key)) target = value;
+  };
+  read("frequency", shape.frequency);
+  read("load-duration", shape.duration);
+  const toml::node* sweep = keys.find("sweep");
+  if (sweep == nullptr) return shape;
+  const auto text = sweep_text(*sweep);
+  if (!text) keys.fail("sweep", "'sweep' must be two frequencies in Hz, as in [1, 20]");
+  shape.sweep = text.value_or("");
+  return shape;
+}
+
 // load or signal, at and force, scale. Nothing where the load is none.
 Result<std::vector<SceneLoad>> read_load(TomlKeys& keys, const std::string& usual,
                                          std::vector<std::string>& files) {
@@ -35,6 +52,7 @@ Result<std::vector<SceneLoad>> read_load(TomlKeys& keys, const std::string& usua
   SceneLoad load;
   keys.read("load", name);
   keys.read_path("signal", csv);
+  SignalShape shape = read_shape(keys);
   keys.read_text_or_number("at", load.at);
   keys.read("scale", load.scale);
   const toml::node* force = keys.find("force");
@@ -60,6 +78,10 @@ Result<std::vector<SceneLoad>> read_load(TomlKeys& keys, const std::string& usua
     }
     load.signal = *signal;
   }
+  if (const Status shaped = shape_signal(shape, load.signal); !shaped) {
+    keys.fail(keys.has("load") ? "load" : "signal", shaped.error().message);
+    return std::vector<SceneLoad>{};
+  }
   if (load.signal.kind == SignalKind::kNone) {
     if (keys.has("at")) keys.fail("at", "a force needs a course in time: say `load` or `signal`");
     return std::vector<SceneLoad>{};
@@ -79,14 +101,23 @@ void read_course(TomlKeys& keys, const char* key, double& value, std::vector<Val
     keys.fail(key, std::string("'") + key + "' must be a number or a list of [t, value]");
 }
 
+template <class Names>
+std::string list_of(const Names& names) {
+  std::string list;
+  for (const std::string_view name : names) list += (list.empty() ? "" : ", ") + std::string(name);
+  return list;
+}
+
 void read_method(TomlKeys& keys, SceneBody& body) {
   IntegratorOptions& options = body.options;
   keys.read("integrator", body.integrator);
   const auto names = integrator_names();
   if (std::find(names.begin(), names.end(), body.integrator) == names.end())
-    keys.fail("integrator", "unknown integrator '" + body.integrator + "'");
+    keys.fail("integrator",
+              "unknown integrator '" + body.integrator + "'; there are " + list_of(names));
   read_course(keys, "alpha", options.alpha, body.alphas);
   read_course(keys, "beta", options.beta, body.betas);
+  read_damping_ratio(keys, options.alpha, options.beta);
   keys.read("newmark-beta", options.newmark_beta);
   keys.read("newmark-gamma", options.newmark_gamma);
   keys.read("tolerance", options.tolerance);
@@ -205,7 +236,7 @@ Result<SceneBody> read_body(const toml::table& table, std::size_t number, SceneF
     std::move(more->begin(), more->end(), std::back_inserter(body.loads));
   }
   if (Status s = read_bones(keys, file.path, what, file.files, body); !s) return s.error();
-  if (Status s = take(body.motion, read_motion(keys, file.path, what, file.files)); !s)
+  if (Status s = take(body.motion, read_motion(keys, file.path, what, file.files, true)); !s)
     return s.error();
   if (Status s = keys.finish(); !s) return s.error();
   return body;

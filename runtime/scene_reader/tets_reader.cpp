@@ -34,6 +34,7 @@ void read_tets_method(TomlKeys& keys, TetBodyOptions& options) {
     keys.fail("integrator", parsed.error().message);
   keys.read("alpha", options.alpha);
   keys.read("beta", options.beta);
+  read_damping_ratio(keys, options.alpha, options.beta);
   keys.read("drag", options.drag);
   keys.read("tolerance", options.tolerance);
   keys.read("linear-tolerance", options.linear_tolerance);

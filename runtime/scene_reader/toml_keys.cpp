@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <limits>
 
+#include "common/format_text.h"
+
 namespace tremolo {
 
 Error error_at(const std::string& path, const toml::source_region& where, const std::string& what) {
@@ -20,7 +22,8 @@ std::string beside(const std::string& path, const std::string& name) {
 // toml++ turns any float into an integer to see whether it is one, which a large one does not bear.
 std::optional<int> whole_number(const toml::node& node) {
   const auto* number = node.as_floating_point();
-  if (number == nullptr) return node.value<int>();
+  // toml++ would turn true into 1.
+  if (number == nullptr) return node.is_integer() ? node.value<int>() : std::nullopt;
   const double value = number->get();
   if (!(std::abs(value) <= std::numeric_limits<int>::max()) || value != std::trunc(value))
     return std::nullopt;
@@ -47,13 +50,20 @@ std::optional<std::vector<std::string>> list_of_texts(const toml::node& node) {
   return list;
 }
 
+std::optional<std::string> sweep_text(const toml::node& node) {
+  if (const auto given = node.value_exact<std::string>(); given && !given->empty()) return given;
+  const auto numbers = numbers_of(node);
+  if (!numbers || numbers->size() != 2) return std::nullopt;
+  return text("%.17g,%.17g", (*numbers)[0], (*numbers)[1]);
+}
+
 std::optional<std::vector<double>> numbers_of(const toml::node& node) {
   const toml::array* array = node.as_array();
   if (array == nullptr) return std::nullopt;
   std::vector<double> numbers;
   for (const toml::node& entry : *array) {
     const auto number = entry.value<double>();
-    if (!number || !std::isfinite(*number)) return std::nullopt;
+    if (!number || !std::isfinite(*number) || entry.is_boolean()) return std::nullopt;
     numbers.push_back(*number);
   }
   return numbers;

@@ -29,6 +29,9 @@ std::optional<std::string> text_or_number(const toml::node& node);
 // One of these or a list of them.
 std::optional<std::vector<std::string>> list_of_texts(const toml::node& node);
 
+// "F1,F2" of a text or of two numbers; nothing for what is neither.
+std::optional<std::string> sweep_text(const toml::node& node);
+
 // So many numbers, all finite; nothing for what is none.
 std::optional<std::vector<double>> numbers_of(const toml::node& node);
 

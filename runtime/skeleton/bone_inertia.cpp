@@ -18,8 +18,8 @@ using Eigen::MatrixXd;
 
 constexpr double kMostMissing = 1e-3;  // of the integrals; a compact file misses 1e-4
 
-// Shares of an element's mass by pairs of its nodes, of the nodal shape functions: l_a for order 1,
-// l_a (2 l_a - 1) and 4 l_a l_b for order 2, whose integrals of products are these parts of 420.
+// Weights of an element's mass by pairs of its nodes, of the nodal shape functions: l_a for order
+// 1, l_a (2 l_a - 1) and 4 l_a l_b for order 2, whose integrals of products are these parts of 420.
 double nodal_mass(int count, int i, int j) {
   if (count == 4) return i == j ? 0.1 : 0.05;
   const auto ends = [](int node) {
@@ -52,7 +52,7 @@ class Vertices {
     return row < first_inside_ ? surface.row(row) : interior.row(row - first_inside_);
   }
 
-  // Rows of the nodes of an element; empty if one is not there.
+  // Rows of the nodes of an element; empty if one does not exist.
   std::vector<Index> nodes(const Tetrahedron& corners) const {
     std::vector<Index> rows;
     const auto add = [&](VertexId id) {
@@ -72,7 +72,7 @@ class Vertices {
     return rows;
   }
 
-  // One row a vertex: 1, X, and phi_i for all i by x, then y, then z.
+  // One row per vertex: 1, X, and phi_i for all i by x, then y, then z.
   BasisRows fields() const {
     const Index r = solid_.whole.linear.cols();
     BasisRows fields(count(), 4 + 3 * r);
@@ -125,7 +125,7 @@ void add_times(double factor, const InertiaIntegrals& b, InertiaIntegrals& a) {
   a.B += factor * b.B;
 }
 
-// `whole` less the sum of the shares, which must be little.
+// `whole` less the sum of the shares, which must be small.
 Result<InertiaIntegrals> missing_inertia(const std::vector<InertiaIntegrals>& shares,
                                          const InertiaIntegrals& whole) {
   InertiaIntegrals rest = whole;

@@ -54,7 +54,8 @@ BoneWeights weights_near(std::span<const Vector3d> points, std::span<const BoneS
   return weights;
 }
 
-// Points are looked for outwards from their place in the order of x, until x alone is too far.
+// The search starts at the point's index in the order of x and goes outwards, until x alone is too
+// far.
 BoneWeights weights_of_nearest(std::span<const Vector3d> points, std::span<const Vector3d> known,
                                const BoneWeights& weights) {
   std::vector<std::size_t> order(known.size());
@@ -68,7 +69,7 @@ BoneWeights weights_of_nearest(std::span<const Vector3d> points, std::span<const
                                            [&](std::size_t k) { return known[k].x() < x.x(); });
     double least = std::numeric_limits<double>::infinity();
     std::size_t best = order.front();
-    // False once everything further on is farther away.
+    // False once all further points are farther away.
     const auto look = [&](std::size_t k) {
       const double by_x = known[k].x() - x.x();
       if (by_x * by_x > least) return false;

@@ -1,4 +1,4 @@
-// How much of each point each bone carries: given, or by the distance to bones that are segments.
+// Weights of bones at points: given, or by the distance to bones that are segments.
 #pragma once
 
 #include <span>
@@ -8,17 +8,17 @@
 
 namespace tremolo {
 
-// One row a point, one column a bone, dimensionless; no weight is negative and each row sums to
+// One row per point, one column per bone, dimensionless; no weight is negative and each row sums to
 // one.
 using BoneWeights = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// How far the sum of a row that somebody wrote down may be from 1; it is made so.
+// Largest difference of a given row's sum from 1; the row is normalized.
 inline constexpr double kWeightSlack = 1e-3;
 
-// Why these are no weights, with the row (from 1) that is none; empty if they are.
+// The problem of invalid weights, with the row (from 1); empty for valid ones.
 std::string weights_problem(const BoneWeights& weights);
 
-// A bone as it is at rest, in the mesh's coordinates, m. Both ends may be one point.
+// A bone at rest, in the mesh's coordinates, m. Both ends may be one point.
 struct BoneSegment {
   Eigen::Vector3d head = Eigen::Vector3d::Zero();
   Eigen::Vector3d tail = Eigen::Vector3d::Zero();
@@ -26,14 +26,15 @@ struct BoneSegment {
   double distance(const Eigen::Vector3d& x) const;  // m
 };
 
-// The nearest bone carries a point; one that is farther by less than `blend` (m, above 0) has a
-// share: with d the distance, w_b ~ S(1 - (d_b - d_nearest)/blend), S(x) = x^2 (3 - 2x), made to
-// sum to one. Continuous in X; where the next bone is farther than that, weights are 0 and 1.
+// The nearest bone moves a point. A bone that is farther by less than `blend` (m, above 0) has a
+// weight too: with d the distance, w_b ~ S(1 - (d_b - d_nearest)/blend), S(x) = x^2 (3 - 2x),
+// normalized to sum to one. Continuous in X; where the next bone is farther than that, weights are
+// 0 and 1.
 BoneWeights weights_near(std::span<const Eigen::Vector3d> points,
                          std::span<const BoneSegment> bones, double blend);
 
 // For each point the weights of the nearest one of the known points; the first of several. known:
-// one place a row of `weights`, at least one.
+// one point for each row of `weights`, at least one.
 BoneWeights weights_of_nearest(std::span<const Eigen::Vector3d> points,
                                std::span<const Eigen::Vector3d> known, const BoneWeights& weights);
 

@@ -2,12 +2,13 @@
 //
 //     x = sum_b w_b(X) T_b (X + U q),     T_b y = c_b + R_b y
 //
-// T_b is where bone b is now relative to where it is at rest, in the mesh's coordinates.
+// T_b is the pose of bone b relative to its pose at rest, in the mesh's coordinates.
 #pragma once
 
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -18,12 +19,13 @@
 
 namespace tremolo {
 
-// Made for one model (runtime/bones.h); bodies share it. drawn, surface, interior: the weights of
-// the vertices that are drawn, of the boundary's and of those inside. shares: the inertia of what
-// each bone carries, about the mesh's origin.
+// A skin for one model (runtime/bones.h); bodies share it.
 struct Skin {
+  // Weights of the drawn vertices, of the boundary's and of those inside.
   BoneWeights drawn, surface, interior;
+  // Inertia of each bone's weighted part of the body, about the mesh's origin.
   std::vector<std::shared_ptr<const FrameInertia>> shares;
+  std::vector<std::string> names = {};  // one a bone, or none
 
   std::size_t bones() const { return shares.size(); }
 };
@@ -46,7 +48,7 @@ BoneMap blended(const Weights& weights, std::span<const BoneMap> maps) {
   return sum;
 }
 
-// Moves places x y z x y z ..., one a row of the weights, in place. Nothing is allocated.
+// Moves positions x y z x y z ..., one per row of the weights, in place. Nothing is allocated.
 template <class Number>
 void skin_places(const BoneWeights& weights, std::span<const BoneMap> maps,
                  std::span<Number> places) {
@@ -59,8 +61,8 @@ void skin_places(const BoneWeights& weights, std::span<const BoneMap> maps,
   }
 }
 
-// Turns unit normals likewise and makes them of length one again: exact where one bone carries a
-// vertex, without the slope of the weights elsewhere. A zero normal stays zero.
+// Rotates unit normals in the same order and normalizes them: exact where one bone moves a vertex,
+// without the slope of the weights elsewhere. A zero normal stays zero.
 template <class Number>
 void skin_normals(const BoneWeights& weights, std::span<const BoneMap> maps,
                   std::span<Number> normals) {

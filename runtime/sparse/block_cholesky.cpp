@@ -52,7 +52,7 @@ Result<BlockCholesky> BlockCholesky::create(BlockPatternPointer pattern, std::si
   return factor;
 }
 
-// Where each panel begins, and the room for the largest product.
+// Sets the start of each panel, and the size of the largest product.
 std::size_t BlockCholesky::count_panels() {
   std::size_t entries = 0, largest = 0, longest = 0;
   for (std::size_t s = 0; s < shape_.supernodes(); ++s) {
@@ -63,7 +63,7 @@ std::size_t BlockCholesky::count_panels() {
     const double rows = static_cast<double>(height(s)), width = static_cast<double>(below);
     multiplications_ += (rows * rows * rows - width * width * width) / 6.0;
     longest = std::max(longest, below);
-    // What it gives at once goes to the rows of one other panel.
+    // One contribution goes to the rows of one other panel.
     std::size_t most = 0;
     for (std::size_t k = shape_.row_first[s]; k < shape_.row_first[s + 1];) {
       const std::size_t owner = shape_.owner[shape_.rows[k]], begin = k;
@@ -97,7 +97,7 @@ void BlockCholesky::place_entries() {
   each([&](std::uint32_t column, const Entry& entry) { entries_[next[column]++] = entry; });
 }
 
-// A's columns of supernode s, and where the rows of its panel are.
+// Copies A's columns of supernode s, and sets the indices of its panel's rows.
 void BlockCholesky::assemble(std::size_t s, const BlockMatrix& a) {
   const std::size_t begin = shape_.first[s], width = shape_.width(s), stride = stride_[s];
   double* panel = values_.data() + panel_[s];
@@ -118,8 +118,8 @@ void BlockCholesky::assemble(std::size_t s, const BlockMatrix& a) {
     }
 }
 
-// Takes from panel s what the columns of an earlier supernode give, whose rows from done_ on begin
-// in s; then that one waits for the owner of the next of its rows.
+// Subtracts from panel s the contribution of an earlier supernode, whose rows from done_ on begin
+// in s; that supernode then waits for the owner of its next row.
 void BlockCholesky::subtract_from(std::size_t s, std::size_t descendant) {
   const std::uint32_t* rows = shape_.rows.data() + shape_.row_first[descendant];
   const std::size_t all = shape_.rows_below(descendant), begin = done_[descendant];

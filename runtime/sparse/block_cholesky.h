@@ -1,8 +1,9 @@
 // A = L L^T of a sparse symmetric positive definite matrix of 3 x 3 blocks, and A^-1 b.
 //
-// The factor is made of dense panels, one for each supernode (runtime/sparse/elimination.h): of its
-// columns J, what the columns to the left give is subtracted, A_J - sum_K L_K L_K(J)^T, as products
-// of dense matrices; then the panel is factored (Ng and Peyton 1993, left-looking).
+// The factor consists of dense panels, one for each supernode (runtime/sparse/elimination.h). From
+// its columns J the contributions of the columns to the left are subtracted, A_J - sum_K L_K
+// L_K(J)^T, as products of dense matrices; then the panel is factored (Ng and Peyton 1993,
+// left-looking).
 #pragma once
 
 #include <cstddef>
@@ -20,8 +21,8 @@ namespace tremolo {
 
 class BlockCholesky {
  public:
-  // Finds the order and what of the factor is not zero, and takes all memory. Errors (kSystem): a
-  // factor of more than `most_bytes`.
+  // Finds the order and the nonzero entries of the factor, and allocates all memory. Error
+  // (kSystem): a factor of more than `most_bytes`.
   static Result<BlockCholesky> create(BlockPatternPointer pattern,
                                       std::size_t most_bytes = std::size_t{8} << 30);
 
@@ -29,19 +30,19 @@ class BlockCholesky {
   std::size_t bytes() const { return values_.size() * sizeof(double); }
   double multiplications() const { return multiplications_; }
 
-  // a: of the pattern. kSolver, naming the node, where a pivot is not positive or not finite; there
-  // is no factor then. Nothing is allocated but an error's message.
+  // a: of the pattern. Error kSolver, naming the node: a pivot is not positive or not finite; there
+  // is no factor then. Nothing is allocated except an error's message.
   Status factor(const BlockMatrix& a);
 
-  // x <- A^-1 x, of the last matrix that was factored; 3 size() long. Nothing is allocated.
+  // x <- A^-1 x for the last factored matrix; 3 size() long. Nothing is allocated.
   void solve(Eigen::VectorXd& x);
 
  private:
-  // An entry of A in the columns of the factor. turned: its transpose is stored.
+  // An entry of A in the columns of the factor.
   struct Entry {
     std::uint32_t row = 0;
     std::uint32_t place = 0;
-    bool turned = false;
+    bool turned = false;  // its transpose is stored
   };
 
   explicit BlockCholesky(BlockPatternPointer pattern);
@@ -56,12 +57,12 @@ class BlockCholesky {
   Elimination shape_;
   std::vector<std::size_t> entry_first_;  // by columns
   std::vector<Entry> entries_;
-  std::vector<std::size_t> panel_;             // where each begins in values_
+  std::vector<std::size_t> panel_;             // start of each panel in values_
   std::vector<std::size_t> stride_;            // between its columns
-  AlignedDoubles values_, update_;             // the panels; a product on its way
-  std::vector<std::uint32_t> local_;           // of the panel at hand: where a node's row is
+  AlignedDoubles values_, update_;             // update_: the present product
+  std::vector<std::uint32_t> local_;           // of the present panel: index of a node's row
   std::vector<std::uint32_t> waiting_, next_;  // supernodes that a panel still needs, as lists
-  std::vector<std::size_t> done_;              // how many of its rows a supernode has given
+  std::vector<std::size_t> done_;  // number of its rows that a supernode has contributed
   std::vector<double> x_, below_;
   double multiplications_ = 0.0;
 };

@@ -1,5 +1,5 @@
-// A symmetric matrix of 3 x 3 blocks, a row and a column of blocks for each node, whose pattern is
-// fixed while its values change: what a step of masses in space assembles again and again.
+// A symmetric matrix of 3 x 3 blocks, a row and a column of blocks for each node, with a fixed
+// pattern and changing values: the matrix of a step of point masses.
 //
 // Only blocks (i, j) with j <= i are stored, row by row; A_ji = A_ij^T.
 #pragma once
@@ -19,8 +19,8 @@ namespace tremolo {
 
 using NodePair = std::pair<std::uint32_t, std::uint32_t>;
 
-// Which blocks are stored. first: size() + 1 entries; row i has the blocks first[i] to first[i + 1]
-// - 1, their columns ascend, and the last one is the diagonal's.
+// The pattern of the stored blocks. first: size() + 1 entries; row i has the blocks first[i] to
+// first[i + 1] - 1, their columns ascend, and the last one is the diagonal's.
 class BlockPattern {
  public:
   // The diagonal, and the blocks of all pairs, in any order and with repeats. Errors (kContent): no
@@ -35,7 +35,7 @@ class BlockPattern {
   std::size_t diagonal(std::size_t node) const { return first_[node + 1] - 1; }
 
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-  // The place of the block of rows a and columns b, or b and a; kNone if none is stored.
+  // The index of the block of rows a and columns b, or b and a; kNone if none is stored.
   std::size_t find(std::size_t a, std::size_t b) const;
 
  private:
@@ -52,8 +52,8 @@ class BlockMatrix {
   const BlockPattern& pattern() const { return *pattern_; }
   const BlockPatternPointer& shared_pattern() const { return pattern_; }
 
-  // By place, as of BlockPattern::find(): A_ij of its row i > j, or a symmetric one of the
-  // diagonal.
+  // A block by its index from BlockPattern::find(): A_ij of its row i > j, or a symmetric one of
+  // the diagonal.
   Eigen::Matrix3d& block(std::size_t place) { return blocks_[place]; }
   const Eigen::Matrix3d& block(std::size_t place) const { return blocks_[place]; }
   Eigen::Matrix3d& diagonal(std::size_t node) { return blocks_[pattern_->diagonal(node)]; }
@@ -63,8 +63,8 @@ class BlockMatrix {
 
   void set_zero();
 
-  // Makes rows and columns of the nodes whose flag is not 0 those of the identity. held: a flag a
-  // node.
+  // Replaces rows and columns of the nodes whose flag is not 0 by those of the identity. held: one
+  // flag per node.
   void hold(std::span<const std::uint8_t> held);
 
   // y = A x. Both 3 size() long, not the same vector. Nothing is allocated.

@@ -47,7 +47,7 @@ void store_block(const Eigen::Matrix3d& block, double scale, size_t next, float*
   return sum[0] + sum[1] + sum[2];
 }
 
-// The loops below read and write this; names as in the class.
+// Input and output of the loops below; names as in the class.
 struct CgView {
   size_t n;
   const std::uint32_t* first;
@@ -57,7 +57,8 @@ struct CgView {
   float *r, *z, *p, *q, *d;
 };
 
-// q = A p; returns p.q. Each column of a pair has a sum of its own, as one would wait for itself.
+// q = A p; returns p.q. Each column of a pair has a sum of its own, because one sum would wait for
+// itself.
 TREMOLO_CLONES
 double multiply_direction(const CgView& g) {
   FourDoubles sum = {};
@@ -122,7 +123,7 @@ class CgRows : public CgStorage {
   }
 
   size_t n_ = 0;
-  // Rows of the whole matrix, in pairs of blocks; where each stored block goes, and where its
+  // Rows of the whole matrix, in pairs of blocks; position of each stored block and of its
   // transpose.
   std::vector<std::uint32_t> first_, column_, place_, turned_;
   // Blocks, three columns of four floats each, those of a pair side by side; the diagonal's
@@ -150,7 +151,7 @@ CgRows::CgRows(const BlockPattern& pattern) : n_(pattern.size()) {
               column_.begin() + 2 * std::ptrdiff_t{first_[i + 1]}, static_cast<std::uint32_t>(i));
   place_.resize(pattern.blocks());
   turned_.resize(pattern.blocks());
-  // Rows are filled in the order of their columns: first what is left of the diagonal.
+  // Rows are filled in the order of their columns: first the blocks left of the diagonal.
   std::vector<std::uint32_t> next(n_);
   for (size_t i = 0; i < n_; ++i) next[i] = 2 * first_[i];
   for (size_t i = 0; i < n_; ++i)

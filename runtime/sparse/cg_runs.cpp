@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kRunLanes = 16;
 // A symmetric block is six of its nine numbers.
 constexpr std::size_t kWhole = 9 * kRunLanes, kHalf = 6 * kRunLanes;  // floats of sixteen blocks
-// Below this share of lanes with a block in them rows are faster.
+// Below this fraction of lanes with a block, rows are faster.
 constexpr double kLeastFilled = 0.5;
 
 // Sixteen floats, at any address.
@@ -31,9 +31,9 @@ struct BlockRun {
   std::uint32_t row = 0, column = 0;
 };
 
-// Vectors: x of all nodes, then y, then z, `stride` floats apart; behind the nodes are zeros.
-// whole: nine numbers, column by column, of each run's lanes; diagonal, inverse: xx yx zx yy zy zz
-// of the lanes of sixteen nodes.
+// Vectors: x of all nodes, then y, then z, `stride` floats apart, followed by zeros. whole: nine
+// numbers, column by column, of each run's lanes; diagonal, inverse: xx yx zx yy zy zz of the lanes
+// of sixteen nodes.
 struct RunView {
   std::size_t stride;
   std::size_t count;  // of runs
@@ -92,8 +92,8 @@ struct RunView {
   for (std::size_t c = 0; c < 3; ++c) x[c] = run_at(list, c * stride + node);
 }
 
-// q = A p; returns p.q. Of a run both triangles are taken, one after the other, as their nodes may
-// be the same.
+// q = A p; returns p.q. The triangles of a run are applied one after the other, because their nodes
+// may be the same.
 template <bool kSymmetric>
 [[gnu::always_inline]] inline double multiply_by_runs(const RunView& g) {
   const std::size_t s = g.stride;
@@ -166,7 +166,7 @@ void turn_runs(const RunView& g, float beta) {
 class CgRuns : public CgStorage {
  public:
   explicit CgRuns(const BlockPattern& pattern);
-  // The share of lanes that have a block.
+  // The fraction of lanes that have a block.
   double filled() const { return filled_; }
   void take(const BlockMatrix& a, double scale) override;
   void start(const Eigen::VectorXd& b, double scale) override;
@@ -216,7 +216,7 @@ CgRuns::CgRuns(const BlockPattern& pattern) : n_(pattern.size()) {
     }
     found.back().second[row - found.back().first.row] = place;
   }
-  // Rows in their order keep what is read and written near.
+  // Rows in their order keep accesses to memory near each other.
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.first.row < b.first.row; });
   for (const auto& [run, places] : found) {
@@ -241,7 +241,7 @@ void store_half(const Eigen::Matrix3d& m, double scale, float* at) {
     for (int i = j; i < 3; ++i) at[kRunLanes * k++] = static_cast<float>(scale * m(i, j));
 }
 
-// To what floats resolve.
+// Rounds to the resolution of floats.
 bool is_symmetric(const Eigen::Matrix3d& m) {
   const double off =
       std::abs(m(1, 0) - m(0, 1)) + std::abs(m(2, 0) - m(0, 2)) + std::abs(m(2, 1) - m(1, 2));

@@ -19,8 +19,8 @@ struct CgSizes {
 class CgStorage {
  public:
   virtual ~CgStorage() = default;
-  // The matrix is scale times a from now on, and what preconditions it the inverses of its diagonal
-  // blocks, which must exist. Nothing is allocated here nor below.
+  // Sets the matrix to scale times a, and the preconditioner to the inverses of its diagonal
+  // blocks, which must exist. This and the following functions allocate nothing.
   virtual void take(const BlockMatrix& a, double scale) = 0;
   // r = scale b; d, p and q are zero. b: 3 n.
   virtual void start(const Eigen::VectorXd& b, double scale) = 0;
@@ -35,12 +35,11 @@ class CgStorage {
   virtual void copy_direction(Eigen::VectorXd& x) const = 0;
 };
 
-// The blocks of both triangles row by row, in vectors of four floats, which suits any pattern.
+// Blocks of both triangles row by row, in vectors of four floats; suitable for any pattern.
 std::unique_ptr<CgStorage> make_cg_rows(const BlockPattern& pattern);
 
 // Blocks of one triangle, sixteen at a time that follow each other along the matrix's diagonal, as
-// those of grids do; x, y and z of vectors apart. Nothing where too few blocks have such a
-// neighbour.
+// in grids; x, y and z of vectors separate. Null if too few blocks have such a neighbour.
 std::unique_ptr<CgStorage> make_cg_runs(const BlockPattern& pattern);
 
 }  // namespace tremolo

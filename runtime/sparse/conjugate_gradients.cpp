@@ -8,10 +8,10 @@
 namespace tremolo {
 namespace {
 
-// Floats resolve no more of a residual.
+// The smallest relative residual that floats resolve.
 constexpr double kLeastInside = 1e-4;
-// What conjugate gradients themselves say of a residual is true to floats' digits: it is not
-// measured in doubles where no more than this share was asked for.
+// The residual of the recurrence has the digits of floats: it is not computed in doubles if at
+// least this fraction was requested.
 constexpr double kTrusted = 1e-3;
 
 }  // namespace
@@ -22,8 +22,8 @@ ConjugateGradients::ConjugateGradients(const BlockPattern& pattern)
   rest_ = image_ = Eigen::VectorXd::Zero(3 * n_);
 }
 
-// The matrix in floats. False where a diagonal block is not positive definite: the leading minors
-// of one that is are.
+// Sets the matrix in floats. False if a diagonal block is not positive definite: the leading minors
+// of a positive definite one are positive.
 bool ConjugateGradients::take(const BlockMatrix& a) {
   double largest = 0.0;
   for (std::size_t i = 0; i < n_; ++i) {
@@ -40,8 +40,8 @@ bool ConjugateGradients::take(const BlockMatrix& a) {
   return true;
 }
 
-// d = A^-1 r nearly, until the residual is `tolerance` of what it was, from |r| = 1 on. Returns the
-// residual; report.positive is false where a direction p has p.A p <= 0.
+// d = A^-1 r approximately, from |r| = 1 until the residual is `tolerance`. Returns the residual;
+// report.positive is false if a direction p has p.A p <= 0.
 double ConjugateGradients::search(double tolerance, int most, CgReport& report) {
   double rz = storage_->advance(0.0F).product, size = 1.0;
   storage_->turn(0.0F);
@@ -58,7 +58,7 @@ double ConjugateGradients::search(double tolerance, int most, CgReport& report) 
   return size;
 }
 
-// Whether p.A p > 0 in doubles: rounding in floats may say otherwise of a stiff matrix.
+// True if p.A p > 0 in doubles: rounding in floats may give another sign for a stiff matrix.
 bool ConjugateGradients::is_positive(const BlockMatrix& a) {
   storage_->copy_direction(rest_);
   a.multiply(rest_, image_);

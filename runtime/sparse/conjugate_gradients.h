@@ -3,8 +3,8 @@
 //
 //     r = b - A x,   A d ~ r by conjugate gradients in floats,   x <- x + d,   and again.
 //
-// What takes the time is A, read from memory in every iteration: in floats it is half as long, and
-// in runs (cg_storage.h) it need not be read for both of its triangles.
+// Most of the time is spent reading A from memory in every iteration: in floats it is half as long,
+// and in runs (cg_storage.h) only one of its triangles is read.
 #pragma once
 
 #include <cstddef>
@@ -17,13 +17,13 @@
 
 namespace tremolo {
 
-// residual: |b - A x| at the end, in b's unit. converged: it is at most what was asked for.
-// positive: no direction with d.A d <= 0 was met, nor a diagonal block without an inverse; where
-// one was, x is what had been found before it.
+// Result of a solve.
 struct CgReport {
   int iterations = 0;
-  double residual = 0.0;
-  bool converged = false;
+  double residual = 0.0;   // |b - A x| at the end, in b's unit
+  bool converged = false;  // the residual is at most the requested one
+  // No direction with d.A d <= 0 was met, and every diagonal block has an inverse; otherwise x is
+  // the solution before that.
   bool positive = true;
 };
 
@@ -32,7 +32,8 @@ class ConjugateGradients {
   // Sized for matrices of this pattern; nothing is allocated later.
   explicit ConjugateGradients(const BlockPattern& pattern);
 
-  // From x as it comes in. residual: where to stop, absolute, in b's unit, Euclidean norm.
+  // Starts from the given x. residual: absolute, in b's unit, Euclidean norm, at which the solve
+  // stops.
   CgReport solve(const BlockMatrix& a, const Eigen::VectorXd& b, Eigen::VectorXd& x,
                  double residual, int max_iterations);
 

@@ -108,8 +108,8 @@ struct Run {
   std::size_t blocks() const { return width() * (width() + 1) / 2 + width() * rows.size(); }
 };
 
-// Whether a run and the one behind it, which is its parent, become one: dense blocks make up for
-// some zeros, by the shares that CHOLMOD takes for widths that are like these.
+// True if a run and its parent, the next run, should become one: dense blocks compensate for some
+// zeros. The fractions are those of CHOLMOD for similar widths.
 bool worth_joining(const Run& child, const Run& parent, std::size_t zeros) {
   constexpr std::array<std::pair<std::size_t, double>, 3> kShares = {
       {{4, 0.8}, {16, 0.15}, {48, 0.05}}};

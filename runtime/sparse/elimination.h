@@ -1,5 +1,5 @@
-// The order in which a sparse symmetric matrix is eliminated, and which columns of its factor have
-// the same rows: found from the pattern alone, once.
+// The order in which a sparse symmetric matrix is eliminated, and the columns of its factor that
+// have the same rows. Both follow from the pattern alone and are computed once.
 #pragma once
 
 #include <cstddef>
@@ -10,17 +10,14 @@
 
 namespace tremolo {
 
-// Nodes are numbered anew, in the order of their elimination; a supernode is a run of them whose
-// columns of the factor have the same rows below it (some of them zeros, where that made longer
-// runs). order: the old number of each. first: where supernode s begins, supernodes() + 1 entries.
-// rows: below s, ascending, from row_first[s] to row_first[s + 1] - 1. owner: the supernode of
-// each.
+// The elimination. Nodes are renumbered in its order. A supernode is a run of nodes whose columns
+// of the factor have the same rows below it (some of them zeros, where that makes longer runs).
 struct Elimination {
-  std::vector<std::uint32_t> order;
-  std::vector<std::uint32_t> first;
-  std::vector<std::size_t> row_first;
-  std::vector<std::uint32_t> rows;
-  std::vector<std::uint32_t> owner;
+  std::vector<std::uint32_t> order;    // the old number of each node
+  std::vector<std::uint32_t> first;    // start of each supernode; supernodes() + 1 entries
+  std::vector<std::size_t> row_first;  // start of each supernode's rows; supernodes() + 1 entries
+  std::vector<std::uint32_t> rows;     // below each supernode, ascending
+  std::vector<std::uint32_t> owner;    // the supernode of each node
 
   std::size_t supernodes() const { return first.size() - 1; }
   std::size_t width(std::size_t s) const { return first[s + 1] - first[s]; }

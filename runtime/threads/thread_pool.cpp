@@ -45,7 +45,7 @@ void ThreadPool::wait_while(const std::atomic<Number>& number, Number value) con
 }
 
 void ThreadPool::run_erased(std::size_t count, Call call, void* body) {
-  // Nothing to share: waking the others would cost more than the work.
+  // One index only: waking the others would cost more than the work.
   if (helpers_.empty() || count < 2) {
     for (std::size_t index = 0; index < count; ++index) call(body, index, 0);
     return;
@@ -66,7 +66,7 @@ void ThreadPool::work(unsigned thread) {
   for (;;) {
     const std::int64_t ticket = left_.fetch_sub(1, std::memory_order_acq_rel);
     if (ticket <= 0) return;
-    // The loop cannot end before this index is done: what describes it stands until then.
+    // The loop cannot end before this index is done, so that its description is valid until then.
     const std::int64_t count = count_;
     call_(body_, static_cast<std::size_t>(count - ticket), thread);
     if (done_.fetch_add(1, std::memory_order_acq_rel) + 1 == count) done_.notify_one();

@@ -1,4 +1,4 @@
-// The two momenta of what moves.
+// The two momenta of moving bodies.
 #pragma once
 
 #include <Eigen/Core>

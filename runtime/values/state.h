@@ -7,10 +7,10 @@
 
 namespace tremolo {
 
-// q: kg^1/2 m. p: kg^1/2 m/s. Both r long.
+// A state of r coordinates.
 struct State {
-  Eigen::VectorXd q;
-  Eigen::VectorXd p;
+  Eigen::VectorXd q;  // kg^1/2 m, r
+  Eigen::VectorXd p;  // kg^1/2 m/s, r
 };
 
 inline void carry(StateStream& stream, State& state) {

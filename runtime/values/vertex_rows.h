@@ -1,4 +1,4 @@
-// What a vertex does in the coordinates of a model.
+// Rows of U for a vertex, in the coordinates of a model.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,7 +13,7 @@ struct VertexRows {
   Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor> rows;
 };
 
-// modes: r, which what is read must have.
+// modes: the number r of columns that restored rows must have.
 inline void carry(StateStream& stream, VertexRows& place, Eigen::Index modes) {
   stream(place.rest);
   Eigen::Matrix<double, 3, Eigen::Dynamic> columns = place.rows;

@@ -1,17 +1,19 @@
 // tremolo-view: see and touch the bodies of a model or a scene; pictures of them without a display.
 #include <cstring>
 #include <filesystem>
-#include <iostream>
+#include <optional>
 #include <set>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
+#include "formats/file/command_words.h"
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/run_flags.h"
 #include "runtime/viewer/cloth/cloth_scenes.h"
 #include "runtime/viewer/live/viewed_scene.h"
 #include "runtime/viewer/offscreen/offscreen.h"
+#include "runtime/viewer/setup/view_outputs.h"
 #include "runtime/viewer/setup/viewer_options.h"
 #include "runtime/viewer/tets/tets_scenes.h"
 #include "runtime/viewer/window/window_command.h"
@@ -96,12 +98,7 @@ int view(int count, char** words) {
   }
   ViewerOptions options;
   ViewParser parser(options);
-  try {
-    parser.app.parse(count, words);
-  } catch (const CLI::ParseError& error) {
-    const int code = parser.app.exit(error, std::cout, std::cerr);
-    return code == 0 ? 0 : exit_code(ErrorKind::kUsage);
-  }
+  if (const std::optional<int> code = read_words(parser.app, count, words)) return *code;
   const ViewFlags flags{options.body,
                         [&parser](const char* flag) { return is_told(parser.app, flag); },
                         [count, words](RunOptions& body) {
@@ -118,6 +115,9 @@ int view(int count, char** words) {
     return report_error(usage_error("--colour degree is of bodies of kind \"tets\""));
   const Result<ViewedScene> viewed = read_viewed_scene(options.file, flags);
   if (!viewed) return report_error(viewed.error());
+  const std::vector<NamedFile> inputs = inputs_of_view(options, viewed->inputs);
+  if (Status s = check_view_outputs(options, inputs); !s) return report_error(s.error());
+  const GuardedInputs guard(inputs);
   return options.offscreen ? offscreen_command(options, *viewed) : window_command(options, *viewed);
 }
 

@@ -8,10 +8,11 @@
 # large basis is not a small basis), and for its default load as impulse, square and sine
 #   reduction    max |u - Uq| / max |u| in the M norm: the whole mesh against the reduced model, both
 #                by the same steps of the averaged vector field;
-#   projection   the least that any q could leave, likewise; tip: |u - Uq| where the load acts;
+#   projection   the same for the best q; tip: |u - Uq| where the load acts;
 #   integration  max |q - q'| / max |q'|: ep4 and newmark at their step against ep4 at a fifteenth.
-# OUT/MODEL.csv keeps what is done: a second start goes on. Then OUT/error.csv, OUT/table.md and
-# OUT/error-against-r.html (.png, where Chromium is installed) are made of all there is, by tremolo-lab.
+# OUT/MODEL.csv stores finished results, so a second start continues. Then tremolo-lab makes
+# OUT/error.csv, OUT/table.md and OUT/error-against-r.html (.png, if Chromium is installed) from all
+# results.
 #
 # Environment: ELEMENTS (1: order of the elements; with 2 the whole mesh's motion takes hours),
 # DERIVATIVES (3: up to which order), ORDERS (of the basis, r: 5 10 15 20 30 40 60), TARGET (0.02: a basis of --target-error beside them; empty:
@@ -53,7 +54,7 @@ simulate() { # FILE LOAD INTEGRATOR PARTS FOLDER: steps of STEP / PARTS
     rm -f "$5/run.csv"
 }
 
-field() { # FILE NAME: a number that inspect tells
+field() { # FILE NAME: a number that inspect prints
   "$bin/tremolo" inspect "$1" --json | sed -n "s/^ *\"$2\": *\([0-9]*\).*/\1/p" | head -n 1
 }
 
@@ -105,7 +106,7 @@ study() { # MODEL
       compare+=(--compare "$work/$name.tremolo")
     done
     [ ${#pending[@]} -gt 0 ] || continue
-    # Code 4: one of the reduced models broke off; the others are told.
+    # Code 4: one of the reduced models failed; the others are printed.
     "$bin/tremolo-precompute" reference "$root/assets/meshes/$model.msh" \
       --config "$root/assets/models/$model.toml" --order "$elements" --integrator avf --load "$load" --step "$step" \
       --duration "$duration" --threads "$threads" "${compare[@]}" --out "$work/$load" --json \

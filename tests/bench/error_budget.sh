@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# What mesh, basis and step each leave out of a sample model under its own load, with linear and with
+# The errors of mesh, basis and step of a sample model under its own load, with linear and with
 # quadratic elements: `--error-budget` as a table (docs/error.md).
 #
 #   tests/bench/error_budget.sh BIN OUT [MODEL...]
 #
-# BIN: the folder of tremolo and tremolo-precompute; models: all six samples unless named. OUT keeps
-# MODEL-ORDER.json and .log, so that a second start goes on; OUT/table.md is made of all there is.
+# BIN: the folder of tremolo and tremolo-precompute; models: all six samples unless named. OUT
+# stores MODEL-ORDER.json and .log, so that a second start continues; OUT/table.md has all results.
 #
 # Environment: THREADS (2), MEMORY (none: refined meshes with a factor of more than 3e8 entries are left
 # out; 18GB takes all six, one after the other, for half an hour).

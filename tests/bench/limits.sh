@@ -9,12 +9,12 @@
 # ones on that which --refine 1 makes of it (h/2). The limit is Richardson's of the quadratic pair, mode
 # by mode,
 #     f = f_{h/2} - (f_h - f_{h/2}) / (2^p - 1).
-# The order p is seen where memory allows h, h/2 and h/4: on a part of the same mesh that moves alone,
-# all else held; the median of its eight modes with quadratic elements gives the estimate, that with
-# linear ones and 4, the order on a smooth body, what the limit lies between.
-# OUT/MODEL-RUN.json keeps what is done: a second start goes on. OUT/limits.csv has every mode,
-# OUT/limits.md a row a model. Exit code 6: by the estimate, a sample mesh with quadratic elements is
-# more than 2 % off its limit, or below it (then OUT keeps runs of another material).
+# The order p is observed where memory allows h, h/2 and h/4: on a part of the same mesh that moves
+# alone, all else fixed. The median of its eight modes with quadratic elements gives the estimate.
+# The order of linear elements and 4, the order on a smooth body, give the limit's range.
+# OUT/MODEL-RUN.json stores finished results, so a second start continues. OUT/limits.csv has every
+# mode, OUT/limits.md a row per model. Exit code 6: by the estimate, a sample mesh with quadratic
+# elements is more than 2 % off its limit, or below it (then OUT has runs of another material).
 #
 # Environment: THREADS (1), MEMORY (9GB, of one run; the estimate is a tenth above what is taken. For that
 # the heart is held lower than in its scene, at z > 0.21 m). Ten minutes of processor time.

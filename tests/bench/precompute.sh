@@ -34,7 +34,7 @@ trap 'rm -rf "$folder"' EXIT
 
 awk -v cells="$cells" -f "$(dirname "$0")/beam.awk" > "$folder/beam.veg"
 
-# Open MPI wants to be told, as root.
+# As root, Open MPI needs explicit permission.
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 unset OPENBLAS_CORETYPE
 echo "load before: $(cut -d' ' -f1 /proc/loadavg)"

@@ -24,7 +24,7 @@ done
 here=$(dirname "$(realpath "$0")")
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-# Open MPI wants to be told, as root.
+# As root, Open MPI needs explicit permission.
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 unset OPENBLAS_CORETYPE
 echo "load before: $(cut -d' ' -f1 /proc/loadavg)"

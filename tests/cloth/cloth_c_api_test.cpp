@@ -125,7 +125,7 @@ TEST_F(CApiCloth, WhatIsWrongIsSaid) {
   EXPECT_EQ(tremolo_cloth_positions(world_, 5, x, 3), TREMOLO_USAGE);
   EXPECT_EQ(tremolo_cloth_ball(world_, 3, x, nullptr), TREMOLO_USAGE);
   EXPECT_NE(tremolo_cloth_hold(world_, cloth_, 1000, x), TREMOLO_OK);
-  // What the scene's check finds.
+  // Errors that the scene's check finds.
   const double at[] = {0.4, 0.3, 0.7};
   ASSERT_EQ(tremolo_cloth_scene_add_ball(scene_, -1.0, 1.0, at, at), TREMOLO_OK);
   tremolo_cloth_world* none = nullptr;

@@ -62,7 +62,7 @@ struct HungChain {
   VectorXd x;
 };
 
-// The chain at rest under its own weight: its ends are held, each mass is that of a spring.
+// The chain at rest under its own weight: its ends are fixed, each mass is that of a spring.
 HungChain hung_chain(std::size_t springs, double stiffness) {
   const double rest = kUnstretched / static_cast<double>(springs);
   HungChain chain{testing::sample_chain(springs, {kSpan / static_cast<double>(springs), 0.0, 0.0},
@@ -149,7 +149,7 @@ TEST(ClothChains, AreTheCoshOnlyWhereNothingStretches) {
     }
     before = off;
   }
-  // What stretches by a few hundredths is nearer to its own catenary than to the cosh, by far.
+  // A chain that stretches by a few hundredths is much nearer to its own catenary than to the cosh.
   const ElasticCatenary soft(60.0);
   const HungChain chain = hung_chain(48, 60.0);
   const Vector3d middle = chain.x.segment<3>(3 * 24);
@@ -157,7 +157,7 @@ TEST(ClothChains, AreTheCoshOnlyWhereNothingStretches) {
             50.0 * std::abs(middle.z() - soft.at(0.5 * kUnstretched).y()));
 }
 
-// A strip held at the middle of its upper edge, at rest at an angle.
+// A strip fixed at the middle of its upper edge, at rest at an angle.
 struct Strip {
   ClothModel model;
   VectorXd start;

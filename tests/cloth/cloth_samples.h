@@ -1,4 +1,4 @@
-// Cloths and chains that tests share.
+// Cloths and chains for the tests.
 #pragma once
 
 #include <cmath>

@@ -31,7 +31,7 @@ NodalState after(const ClothModel& model, const NodalState& begun, const char* m
   return state;
 }
 
-// By what share of it the angular momentum has changed after a second.
+// The fraction by which the angular momentum has changed after a second.
 double changed_spin(const ClothModel& model, const NodalState& begun, const char* method,
                     double step) {
   const Vector3d first = spin_of(model, begun);
@@ -64,7 +64,7 @@ TEST(ClothSpin, TwoMassesLoseTheShareThatIsKnown) {
       const double known = step * kOmega * kOmega;
       std::printf("%s, two masses, %.0f steps a second: %.4g %% a second, known %.4g %%\n", method,
                   1.0 / step, 100.0 * lost, 100.0 * known);
-      // What is of second order; implicit Euler also slows it, which makes it lose less.
+      // A second-order effect; implicit Euler also slows the spin, which makes it lose less.
       EXPECT_NEAR(lost, known, 2.0 * known * known) << method << step;
     }
 }
@@ -95,7 +95,7 @@ TEST(ClothSpin, ASheetsSpinChangesWithTheStepAndByTheMidpointsRulesNotAtAll) {
     EXPECT_LE(changed_spin(model, begun, method, 1.0 / 60), 1e-10) << method;
 }
 
-// With a ball that hits it the share is larger, but goes with the step too.
+// With a ball that hits it the fraction is larger, but also proportional to the step.
 TEST(ClothSpin, OfASheetAndABallItsChangeGoesWithTheStep) {
   ClothScene scene = testing::sheet_and_ball({0.03, 0.02, 0.25});
   scene.options.tolerance = 1e-10;

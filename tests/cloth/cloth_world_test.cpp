@@ -145,7 +145,7 @@ TEST(ClothWorld, AHandOfTheSceneGoesItsWayFromWhereItTookTheParticle) {
     if (k < 40) {
       EXPECT_EQ(world->positions(0), other->positions(0)) << k;
     } else if (k < 120) {
-      // Rounding of places of 1 m.
+      // Rounding of positions of 1 m.
       EXPECT_LE((place(*world) - taken - (k - 39) * 5e-4 * speed).norm(), 1e-14) << k;
       EXPECT_EQ(world->model(0).held()[17], 1);
     } else {
@@ -157,7 +157,7 @@ TEST(ClothWorld, AHandOfTheSceneGoesItsWayFromWhereItTookTheParticle) {
   EXPECT_EQ(other->energy().pins, 0.0);
 }
 
-// Methods that carry something from step to step go on with it.
+// Methods that save state between steps continue with it.
 TEST(ClothWorld, AHandThatRestsIsAPin) {
   for (const char* method : {"symplectic-euler", "implicit-euler", "newmark", "bdf2", "energy"}) {
     ClothScene held = sheet_in_hand(method, 5e-4);
@@ -199,7 +199,7 @@ TEST(ClothWorld, OfHandsOnOneParticleTheNextTakesItWhereTheLastLetsGo) {
   EXPECT_EQ(world->model(0).held()[17], 0);
 }
 
-// However many parts a step is cut into, it ends with the speed of the hand's way.
+// For any number of parts a step ends with the speed of the hand's path.
 TEST(ClothWorld, AHandGoesEvenlyThroughAStepThatIsCut) {
   ClothScene scene = sheet_in_hand("implicit-euler", 0.02);
   scene.hands.clear();
@@ -213,7 +213,7 @@ TEST(ClothWorld, AHandGoesEvenlyThroughAStepThatIsCut) {
     ASSERT_TRUE(world->step()) << k;
     EXPECT_EQ(world->cut_steps(), k);
     EXPECT_EQ(Vector3d(world->positions(0).head<3>()), begun + k * way);
-    // Rounding of places of 1 m over a 64th of the step at least.
+    // Rounding of positions of 1 m over a 64th of the step at least.
     EXPECT_LE((world->velocities(0).head<3>() - way / 0.02).norm(), 1e-11);
   }
 }
@@ -347,7 +347,7 @@ TEST(ClothWorlds, ABallThatHitsAFreeSheetInLongStepsKeepsMomentum) {
     EXPECT_GT((world->balls()[0].velocity - scene.balls[0].velocity).norm(), 0.1) << method;
     // Newton's residual, 1e-10 of a load of 1e-3 x 60 N/m x 0.08 m x sqrt(springs), 40 steps.
     EXPECT_LE((world->linear_momentum() - before).norm(), 1e-9) << method;
-    // The midpoint's rules keep it where nothing touches: what is projected changes it.
+    // The midpoint's rules keep it without contact: the projection changes it.
     if (method == std::string_view("energy") || method == std::string_view("midpoint")) {
       EXPECT_LE((world->angular_momentum() - turning).norm(), 3e-3 * turning.norm()) << method;
     }

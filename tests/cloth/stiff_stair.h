@@ -4,7 +4,7 @@
 //
 // A stair of eight particles: treads along x are structural springs, risers along y bend springs,
 // which stretch with the square of how far the treads move along x, so that they couple these by a
-// quartic potential. The first and the last particle are held. kg, N/m, m.
+// quartic potential. The first and the last particle are fixed. kg, N/m, m.
 #pragma once
 
 #include <array>

@@ -16,8 +16,8 @@ namespace fs = std::filesystem;
 
 const fs::path kRoot = TREMOLO_SOURCE_DIR;
 
-// A file of ours, its path from the top of the tree, and what it includes: "room/header.h" and
-// <header> alike.
+// A source file of the project, its path from the top of the tree, and its includes, both
+// "room/header.h" and <header>.
 struct Source {
   fs::path path;
   std::vector<std::string> ours;
@@ -70,7 +70,7 @@ TEST(Rooms, IncludesGoOneWay) {
       {"tests", {"common", "formats", "runtime", "tests"}}};
   for (const Source& source : sources())
     for (const std::string& include : source.ours) {
-      // C headers find the first one beside them, where all are installed.
+      // C headers find the first one next to them, where all are installed.
       const bool of_c =
           source.path == "runtime/tremolo_cloth.h" || source.path == "runtime/tremolo_tets.h";
       if (of_c && include == "tremolo.h") continue;
@@ -82,7 +82,7 @@ TEST(Rooms, IncludesGoOneWay) {
     }
 }
 
-// What stands on the engine's public face, in targets of its own.
+// Targets that are built on the engine's public interface.
 bool is_beside_the_engine(const fs::path& path) {
   return is_below(path, "runtime/program") || is_below(path, "runtime/scene_reader") ||
          is_below(path, "runtime/viewer");
@@ -114,7 +114,7 @@ TEST(Rooms, TheProgramKnowsNothingOfTheViewer) {
   }
 }
 
-// Who builds the engine needs Eigen and xxhash and nothing else.
+// A build of the engine needs Eigen and xxhash and nothing else.
 TEST(Rooms, TheEngineKnowsNoLibraryOfThePrograms) {
   for (const Source& source : sources()) {
     const bool of_engine = is_below(source.path, "common") || is_below(source.path, "runtime");
@@ -131,7 +131,7 @@ TEST(Rooms, TheEngineKnowsNoLibraryOfThePrograms) {
 // folder -> folders that its files include.
 using Arrows = std::map<std::string, std::set<std::string>>;
 
-// A way along the arrows from `at` back to `goal`; empty: there is none.
+// A path along the arrows from `at` back to `goal`; empty: there is none.
 std::vector<std::string> way_back(const Arrows& arrows, const std::string& at,
                                   const std::string& goal, std::set<std::string>& seen) {
   const auto found = arrows.find(at);

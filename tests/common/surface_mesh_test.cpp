@@ -72,7 +72,7 @@ TEST(BoundarySurface, OfOneTetrahedronIsItsFourFacesSeenFromOutside) {
     const Eigen::Vector3d normal = (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a);
     EXPECT_GT(normal.dot(a - centre), 0) << t[0] << t[1] << t[2];
   }
-  // A dozen products of small integers: exact but for the division by six.
+  // A dozen products of small integers: exact except for the division by six.
   EXPECT_NEAR(enclosed_volume(mesh, surface), 1.0 / 6.0, 1e-14);
 }
 

@@ -12,7 +12,7 @@ mkdir -p "$stage/readme"
 fail() { printf 'consumer: %s\n' "$*" >&2; exit 1; }
 
 cmake --install "$build" --prefix "$stage/installed" >"$stage/install.log"
-mv "$stage/installed" "$stage/moved"  # the package is told nowhere where it is
+mv "$stage/installed" "$stage/moved"  # the package does not know its location
 moved=$stage/moved
 
 # The program of README.md compiles without a warning and runs; without a model it says so.
@@ -65,7 +65,7 @@ shared_library() {
   diff "$stage/declared" "$stage/exported" || fail "tremolo.h and libtremolo.so differ"
 }
 
-# A tree in which one program was not built: the same script, told of a program that is not there.
+# A tree in which one program was not built: the same script, given a program that does not exist.
 left_out() {
   local program=$1 script=$stage/partial.cmake
   sed "s|/bin/$program\"|/bin/$program-not-built\"|g" "$build/cmake_install.cmake" >"$script"

@@ -36,7 +36,7 @@ Shape klein_bottle() {
       1e-6);
 }
 
-// A figure 8 turned about an axis beside it: crosses itself along a circle.
+// A figure 8 rotated about an axis next to it: crosses itself along a circle.
 Shape figure_eight() {
   return grid(60, 40, true, true, [](double u, double v) {
     const double r = 1 + 0.4 * std::sin(2 * kPi * v);

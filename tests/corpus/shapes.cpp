@@ -273,7 +273,7 @@ Shape bracket() {
   constexpr int kBend = 6;  // and between the squares
   constexpr double kHole = 0.25;
   constexpr double kThickness = 0.15;
-  // Where on its square's border ray k leaves, counter-clockwise from a corner.
+  // Position at which ray k leaves its square's border, counter-clockwise from a corner.
   const auto border = [](int k) {
     const int side = k / kSide % 4;
     const double s = double(k % kSide) / kSide - 0.5;

@@ -92,7 +92,7 @@ Shape with_noise(Shape shape, double amount, std::uint32_t seed) {
   return shape;
 }
 
-// What a scanner gives: rough, patches missing where it could not see, crumbs in the air.
+// A scanner's surface: rough, with missing patches where it could not see, crumbs in the air.
 Shape scan() {
   Dice dice(7);
   Shape ball = sphere(4);

@@ -1,4 +1,4 @@
-// Thin solids, sheets, needles; sizes and places; files that hold no surface.
+// Thin solids, sheets, needles; sizes and positions; files without a surface.
 #include <cmath>
 #include <limits>
 #include <numbers>

@@ -34,7 +34,7 @@ class ClothProgram : public ::testing::Test {
     EXPECT_NE(result.code, 0) << scene;
     EXPECT_NE(result.err.find(words), std::string::npos) << result.err << "\ninstead of " << words;
   }
-  // Each scene is refused with the words beside it.
+  // Each scene is refused with the words next to it.
   void expect_refused(std::initializer_list<std::pair<std::string, std::string>> scenes) {
     for (const auto& [scene, words] : scenes) expect_refused(scene, words);
   }
@@ -87,7 +87,7 @@ TEST_F(ClothProgram, TheEnergyThatIsToldAddsUp) {
         report["energy_final"].get<double>() - report["energy_initial"].get<double>();
     // Sums of 30 steps in doubles.
     EXPECT_NEAR(change, told, 1e-11 * report["energy_max"].get<double>()) << method;
-    // What the method adds of its own is what its solve leaves: 1e-10 of the load.
+    // The energy added by the method itself is due to the error of its solve: 1e-10 of the load.
     if (std::string(method) == "energy") {
       EXPECT_LE(report["energy_balance_error"].get<double>(), 1e-8);
     }
@@ -122,7 +122,7 @@ TEST_F(ClothProgram, WritesWhatOtherProgramsOpen) {
                    "--series e.obj --json");
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_EQ(json::parse(result.out)["frames"], 16);
-  // A head of 32 bytes, then 36 places of 16 frames.
+  // A head of 32 bytes, then 36 positions of 16 frames.
   EXPECT_EQ(fs::file_size(folder_ + "/a.pc2"), 32U + 16U * 36U * 12U);
   EXPECT_EQ(fs::file_size(folder_ + "/b.mdd"), 8U + 16U * 4U + 16U * 36U * 12U);
   EXPECT_TRUE(fs::exists(folder_ + "/c.pvd"));
@@ -149,7 +149,7 @@ TEST_F(ClothProgram, WritesPagesAndGlbToAThousandthOfItsSize) {
   EXPECT_EQ(live.code, 2) << live.err;
 }
 
-// The second scene's places are those of the first, and so far to the right as it is broad and a
+// The second scene's positions are those of the first, and so far to the right as it is broad and a
 // quarter.
 TEST_F(ClothProgram, ASecondSceneIsWrittenBesideTheFirst) {
   std::ofstream(folder_ + "/scene.toml") << small_sheet("name = \"sheet\"\n");
@@ -181,10 +181,6 @@ TEST_F(ClothProgram, ASecondSceneIsWrittenBesideTheFirst) {
 }
 
 TEST_F(ClothProgram, OtherCommandsSayWhatGoesInstead) {
-  std::ofstream(folder_ + "/bodies.toml") << "[[bodies]]\nfile = \"a.tremolo\"\n";
-  const ProgramResult inspect = run_program(folder_, kTremolo + "inspect bodies.toml");
-  EXPECT_NE(inspect.code, 0);
-  EXPECT_NE(inspect.err.find("tremolo run"), std::string::npos) << inspect.err;
   expect_refused(small_sheet(), "--load is of bodies", "--load square");
   expect_refused(small_sheet(), "none of cloth's", "--integrator ep4");
   expect_refused(small_sheet(), "half a step", "--step 0.01 --duration 0.004");

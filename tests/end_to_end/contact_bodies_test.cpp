@@ -1,4 +1,4 @@
-// Bodies against bodies: momenta, energy, and what comes to rest.
+// Contact between bodies: momenta, energy, and bodies that come to rest.
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -104,7 +104,7 @@ TEST(BodiesInContact, KeepBothMomentaAndTheEnergy) {
   }
 }
 
-// Equal masses that meet straight on: the one that stood goes on and the other stands.
+// Equal masses that meet head-on: the one at rest moves on and the other stops.
 TEST(BodiesInContact, ExchangeTheirMomentum) {
   const Kind kind{.step = 2e-4};
   const Model::Pointer model = box("1e10");
@@ -144,7 +144,7 @@ Body free_bar(const Model::Pointer& model, double length, double middle) {
   Result<Body> body = Body::create(model, "ep4", {.step = 5e-5}, FrameKind::kFree);
   EXPECT_TRUE(body) << body.error().message;
   ContactOptions contact;
-  contact.margin = 5e-4;                   // little beside what the impact squeezes it by,
+  contact.margin = 5e-4;                   // little relative to the impact's compression,
   contact.stiffness = 16.0 * 60.0 * 60.0;  // as its contact is, of 50 us instead of 3 ms
   contact.shape = BoxShape{{0.02, 0.02, 0.5 * length}};
   contact.friction = 0.0;
@@ -154,8 +154,8 @@ Body free_bar(const Model::Pointer& model, double length, double middle) {
   return std::move(*body);
 }
 
-// How long two bars touch, s, of which the lower one comes with `speed`, m/s, until they have been
-// apart for 10 ms.
+// Contact time of two bars, s. The lower one arrives with `speed`, m/s, and the measurement ends
+// when they have been apart for 10 ms.
 double time_of_impact(Body& lower, Body& upper, double speed) {
   EXPECT_TRUE(lower.set_motion({0, 0, speed}, Vector3d::Zero()));
   const std::array<Body*, 2> bodies = {&lower, &upper};
@@ -174,8 +174,8 @@ double time_of_impact(Body& lower, Body& upper, double speed) {
   return end - begin;
 }
 
-// St. Venant's impact of two equal bars: they touch for 2 L/c, the one that came stands, the other
-// goes on with its speed, and neither vibrates.
+// St. Venant's impact of two equal bars: they are in contact for 2 L/c, the arriving one stops, the
+// other continues with its speed, and neither vibrates.
 TEST(BodiesInContact, EqualBarsExchangeTheirMotionInTwoRunsOfTheWave) {
   const double length = 0.4, speed = 0.1, c = std::sqrt(1e6 / 1000.0);
   const Model::Pointer model = bar(length, 24);
@@ -188,8 +188,8 @@ TEST(BodiesInContact, EqualBarsExchangeTheirMotionInTwoRunsOfTheWave) {
   EXPECT_LT(lower.energy().total(), 0.06 * whole);
 }
 
-// The same of a bar that hits one of twice its length: it stands after 2 L/c, the long one goes on
-// with half of the speed, and half of the energy vibrates in it.
+// The same for a bar that hits one of twice its length: it stops after 2 L/c, the long one
+// continues with half of the speed, and half of the energy vibrates in it.
 TEST(BodiesInContact, AShortBarStandsAndALongOneKeepsHalfOfTheEnergyAsVibration) {
   const double length = 0.4, speed = 0.1;
   Body lower = free_bar(bar(length, 24), length, 0.0);

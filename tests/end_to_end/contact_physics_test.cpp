@@ -1,5 +1,5 @@
 // Contact against closed forms, with default settings, at a step, its half and its quarter, and
-// with few and many points: what touches must not depend on either.
+// with few and many points: contact must not depend on either.
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -62,7 +62,7 @@ void run(Body& body, std::span<const PlacedCollider> colliders, double seconds) 
   for (long i = 0; i < steps; ++i) ASSERT_TRUE(body.step(colliders).converged) << i;
 }
 
-// A block that has come to rest on a belt is accelerated by mu g from the moment in which the belt
+// A block that has come to rest on a belt is accelerated by mu g from the time at which the belt
 // begins to glide: after 150 ms it has 0.44 m/s. The elastic path of friction, and of a soft
 // block's shear, costs the same impulse at each step, 0.3 % of it at most.
 TEST(ContactPhysics, ABeltThatBeginsToGlideDragsABlockThatRests) {
@@ -108,7 +108,7 @@ TEST(ContactPhysics, ABlockSlidesDownASlopeAboveTheAngleOfFriction) {
 }
 
 // Awake: a body that is stepped by itself does not sleep. Less than a micrometre, a two-hundredth
-// of what friction's springs gave way by.
+// of the deflection of friction's springs.
 TEST(ContactPhysics, ABlockRestsOnASlopeBelowTheAngleOfFriction) {
   for (const char* young : {"5e4", "5e7"})
     for (const double h : {3e-3, 7.5e-4}) {
@@ -128,12 +128,13 @@ TEST(ContactPhysics, AThrownBlockStopsAfterItsSquaredSpeedOverTwiceFriction) {
       ASSERT_TRUE(body.set_motion({2.0, 0.0, 0.0}, Vector3d::Zero()));
       run(body, floor_plane(), 0.9);
       EXPECT_NEAR(body.rigid_state().centre.x(), expected, 0.005 * expected) << points << " " << h;
-      // All of its energy is friction's but for what restitution had of the way down.
+      // All of its energy goes to friction, except for the part that restitution took on the way
+      // down.
       EXPECT_NEAR(body.contact_rubbed(), 2.0, 0.01) << points << " " << h;
     }
 }
 
-// What begins on the floor has no energy that nobody put in: its contact begins where it is. It
+// A body that begins on the floor gets no energy from it: its contact begins at its position. It
 // sinks until contact carries it, and comes to rest.
 TEST(ContactPhysics, ABlockThatIsLaidOnTheFloorStaysThere) {
   for (const char* young : {"5e4", "5e7"})

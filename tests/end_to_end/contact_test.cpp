@@ -1,5 +1,5 @@
 // Bodies among colliders, and hands on them, against what mechanics says: rebounds, stopping
-// distances, slopes, momenta, and an account of energy that closes with everything at once.
+// distances, slopes, momenta, and an energy balance that closes with everything at once.
 #include <cmath>
 #include <filesystem>
 
@@ -205,7 +205,7 @@ TEST(Contact, ABarLeavesAWallAfterTwoRunsOfItsWave) {
   const Result<Model::Pointer> model = Model::load(folder + "/bar.tremolo");
   ASSERT_TRUE(model) << model.error().message;
   Result<Body> body = Body::create(*model, "ep4", {.step = 5e-5}, FrameKind::kFree);
-  // A contact that gives way by far less than the bar: its time is 50 us instead of 3 ms.
+  // A contact that is far stiffer than the bar: its time is 50 us instead of 3 ms.
   ASSERT_TRUE(body && body->set_contact({.stiffness = 16.0 * 60.0 * 60.0}));
   ASSERT_TRUE(body->set_pose({{0, 0, 0.01}, Eigen::Quaterniond::Identity()}));
   ASSERT_TRUE(body->set_motion({0, 0, -speed}, Vector3d::Zero()));
@@ -220,13 +220,13 @@ TEST(Contact, ABarLeavesAWallAfterTwoRunsOfItsWave) {
   }
   EXPECT_NEAR(end - begin, 2.0 * length / c, 0.05 * 2.0 * length / c);
   EXPECT_NEAR(body->rigid_state().velocity.z(), speed, 0.03 * speed);
-  // All of the motion is in the squeezed bar when the wave comes back from its free end.
+  // All of the motion is in the squeezed bar when the wave returns from its free end.
   const double mass = 1000.0 * 0.04 * 0.04 * length;
   EXPECT_NEAR(energy, 0.5 * mass * speed * speed, 0.05 * 0.5 * mass * speed * speed);
 }
 
-// A hand stiffer than a pin is one: it is off by at most 4/900 of the way by which it bends the
-// body, times three where a direction gives way more than the mean of all.
+// A hand stiffer than a pin is treated as a pin. It is off by at most 4/900 of the displacement by
+// which it bends the body, times three in a direction of more than average compliance.
 TEST(Hand, TakesAnyStiffness) {
   const Model::Pointer model = cube("1e5", "z<0.001");
   for (const double stiffness : {1e2, 1e5, 1e9, 1e13}) {

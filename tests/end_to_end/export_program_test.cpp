@@ -1,5 +1,5 @@
-// What `tremolo export` writes of a run, read by tests/exchange/read_exports.py, which knows the
-// formats by their specifications, and compared with the surfaces of `tremolo run`.
+// The output of `tremolo export` for a run, read by tests/exchange/read_exports.py, which follows
+// the formats' specifications, and compared with the surfaces of `tremolo run`.
 #include <filesystem>
 #include <fstream>
 
@@ -65,7 +65,7 @@ class ExportProgram : public ::testing::Test {
     EXPECT_NE(result.err.find(word), std::string::npos) << result.err;
     EXPECT_FALSE(there("no.glb") || there("no.html")) << flags;
   }
-  // Each list of flags ends with the exit code and the word beside it.
+  // Each list of flags ends with the exit code and the word next to it.
   static void expect_refused(
       std::initializer_list<std::tuple<std::string, int, std::string>> rows) {
     for (const auto& [flags, code, word] : rows) expect_refused(flags, code, word);
@@ -202,7 +202,7 @@ TEST_F(ExportProgram, WrongUseIsSaidAndNothingIsWritten) {
   // A method that explodes: the exit code is the run's.
   expect_refused("bar.tremolo --integrator explicit-euler --step 0.01 --duration 5 --glb no.glb", 5,
                  "energy");
-  // What is read is not written over.
+  // An input file is not overwritten.
   std::filesystem::copy_file(folder_ + "/bar.tremolo", folder_ + "/bar.usda.tremolo");
   std::filesystem::create_hard_link(folder_ + "/bar.usda.tremolo", folder_ + "/linked.glb");
   expect_refused("bar.usda.tremolo" + kTimes + "--glb linked.glb", 2, "take the place");

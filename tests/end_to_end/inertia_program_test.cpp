@@ -106,7 +106,7 @@ TEST_F(InertiaProgram, BonesShareTheInertiaOfAFileThatKeptItsElements) {
   EXPECT_NE(heavy.error().message.find("point masses"), std::string::npos);
 }
 
-// Modes and derivatives of second and third order alike.
+// Modes and derivatives of both second and third order.
 TEST_F(InertiaProgram, ABasisOfAFreeBodyMovesNeitherItsCentreNorTurnsIt) {
   for (const std::string order : {"1", "2"})
     for (const std::string derivatives : {"2", "3"}) {

@@ -183,7 +183,7 @@ TEST_F(Materials, AMillionTimesAsStiffOnASoftGripAreARigidPart) {
     EXPECT_EQ(result.code, 0) << result.err;
     return result.code == 0 ? Json::parse(result.out)["frequencies_hz"][0].get<double>() : 0.0;
   };
-  // What the blade's own strain still gives is about a part in a hundred thousand.
+  // The remaining effect of the blade's own strain is about a part in a hundred thousand.
   const double f = lowest("1e9");
   EXPECT_NEAR(lowest("1e8"), f, 1e-4 * f);
 }

@@ -1,4 +1,4 @@
-// tremolo-mesh: a recipe gives its mesh anew.
+// tremolo-mesh: a recipe reproduces its mesh.
 #include <array>
 #include <filesystem>
 #include <fstream>

@@ -1,5 +1,5 @@
-// What a user names on a command line may be a pipe, a device or another of its files; and what the
-// programs say may have nowhere to go.
+// A file named on a command line may be a pipe, a device or another of the user's files; and the
+// programs' output may have nowhere to go.
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ class NamedFiles : public ::testing::Test {
       fs::copy(source_ + "/" + name, folder_);
   }
 
-  // A program that waits for what never comes is ended. The precompute heeds no other signal before
+  // A program that waits for ever is ended. The precompute heeds no other signal before
   // its work begins.
   ProgramResult run(const std::string& command) {
     return run_program(folder_, "timeout -s KILL 30 " + command);
@@ -51,7 +51,7 @@ class NamedFiles : public ::testing::Test {
     EXPECT_NE(result.err.find("would take the place of"), std::string::npos) << result.err;
     EXPECT_EQ(slurp(folder_ + "/" + file), before) << command;
   }
-  // Each command leaves the file beside it as it is.
+  // Each command leaves the file next to it unchanged.
   void expect_kept(std::initializer_list<std::pair<std::string, std::string>> commands) {
     for (const auto& [command, file] : commands) expect_kept(command, file);
   }

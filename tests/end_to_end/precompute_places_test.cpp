@@ -1,4 +1,4 @@
-// tremolo-precompute and where things are: vertices by their places, axes, units, pictures of what
+// tremolo-precompute and positions: vertices by their positions, axes, units, pictures of what
 // is held.
 #include <algorithm>
 #include <cmath>
@@ -82,7 +82,7 @@ TEST_F(PrecomputePlaces, UpYTurnsTheModelAndItsSelectors) {
   expect_failure(run(kBlock + " --up x"), 2, "--up");
 }
 
-// What is drawn lies where the solid is.
+// The drawn surface is at the position of the solid.
 TEST_F(PrecomputePlaces, UpYTurnsWhatIsDrawnToo) {
   std::ofstream obj(folder_ + "/box.obj");
   for (const double x : {0.0, 0.4})
@@ -104,7 +104,7 @@ TEST_F(PrecomputePlaces, UpYTurnsWhatIsDrawnToo) {
   }
 }
 
-// It stands on its square end along y and comes to a ridge above.
+// It stands on its square end along y and has a ridge above.
 TEST_F(PrecomputePlaces, WhoHoldsTheSideOfWhatStandsOnYIsTold) {
   TetMesh standing = box_mesh({4, 4, 4}, {1, 1, 1});
   for (Eigen::Vector3d& x : standing.vertices)
@@ -115,7 +115,7 @@ TEST_F(PrecomputePlaces, WhoHoldsTheSideOfWhatStandsOnYIsTold) {
   EXPECT_EQ(side.code, 0) << side.err;
   EXPECT_NE(side.err.find(hint), std::string::npos) << side.err;
   EXPECT_NE(run_on(standing, "--select 'z<30%'").err.find(hint), std::string::npos);
-  // Where the side does not hold the body, too: here it is an edge, about which it can turn.
+  // Also if the side does not hold the body: here it is an edge, about which it can rotate.
   const ProgramResult edge = run_on(standing, "--fix 'z<1%'" + modes);
   EXPECT_EQ(edge.code, 3) << edge.err;
   EXPECT_NE(edge.err.find("z<1% takes the body's side, if y points up"), std::string::npos)

@@ -169,7 +169,7 @@ TEST_F(PrecomputeProgram, SeveralRanksFindTheSameModel) {
   EXPECT_LE(two["polynomial_error"], 1e-12);
 }
 
-// What is not made there cannot be fought over by several runs at once.
+// If the file is not made there, several runs cannot compete for it.
 TEST_F(PrecomputeProgram, OneRankNeedsNoTemporaryFolder) {
   const ProgramResult result =
       run_program(folder_, "TMPDIR=/no/such/folder " + kPrecompute + "block.veg " + kGood);
@@ -203,7 +203,7 @@ TEST_F(PrecomputeProgram, DenseProductsUseTheProcessorsVectors) {
   ASSERT_NE(at, std::string::npos) << result.err;
   const std::string core = result.err.substr(at + 6, result.err.find('\n', at) - at - 6);
   for (const char* slow : {"Prescott", "Nehalem", "Sandybridge"}) EXPECT_NE(core, slow);
-  // What a user asks for stays.
+  // Requested settings are kept.
   const ProgramResult asked =
       run_program(folder_, "env OPENBLAS_CORETYPE=Prescott OPENBLAS_VERBOSE=2 " TREMOLO_BIN_DIR
                            "/tremolo-precompute block.veg " +
@@ -228,7 +228,7 @@ TEST_F(PrecomputeProgram, ManyModesOfASmallMeshTakeSecondsAndAreHeardOf) {
   EXPECT_EQ(report["cut_singular_values"].size(), 135 - 20);
 }
 
-// Their frequencies lie so close together that a small basis of vectors does not tell them apart;
+// Their frequencies lie so close together that a small basis of vectors does not distinguish them;
 // one vector at a time takes minutes of a hundred larger parts.
 TEST_F(PrecomputeProgram, FreePartsOfMuchTheSameShapeAreSolvedForInBlocks) {
   constexpr int kParts = 60;

@@ -16,7 +16,7 @@ namespace {
 
 using PrecomputeRefusals = PrecomputeFolder;
 
-// A mesh that is not there would be exit code 1: nobody has looked for it, nor meshed it.
+// A mesh that is not there would be exit code 1: it was neither opened nor meshed.
 TEST_F(PrecomputeRefusals, WhatNoMeshCouldMakeRightIsRefusedBeforeOneIsLookedFor) {
   const std::string none = "none.obj -o out.tremolo ";
   expect_failure(run(none + "--fix 'x<<1'"), 2, "selector `x<<1`");
@@ -33,6 +33,19 @@ TEST_F(PrecomputeRefusals, WhatNoMeshCouldMakeRightIsRefusedBeforeOneIsLookedFor
   expect_failure(run(none + "--fix none --unit ell"), 2, "ell");
   expect_failure(run("reference none.obj --static --fix none --probe plane:1"), 2, "plane:1");
   expect_failure(run(none + "--fix none --linear-modes 4 --modes 14"), 1, "none.obj");
+}
+
+// Each drops every direction of the block method: by a mass that hides all others, by overflow and
+// by underflow.
+TEST_F(PrecomputeRefusals, ModesThatDoublePrecisionDoesNotHoldAreGivenUpWithWords) {
+  const std::string modes = " -o out.tremolo --refine 2 --linear-modes 2 --modes 5 --fix 'x<1%'";
+  for (const char* extreme : {" --young 1e5 --density 4 --point-mass near:100%,0,0=1e10",
+                              " --young 1e-300 --density 1e3", " --young 1e300 --density 1e3",
+                              " --young 1e5 --density 1e300", " --young 1e5 --density 1e-300"})
+    expect_failure(run("block.veg" + modes + extreme), 4, "check --young, --density, --point-mass");
+  expect_failure(run("block.veg -o out.tremolo --refine 2 --linear-modes 2 --modes 5 --fix none "
+                     "--young 1e-300 --density 1e3"),
+                 4, "check --young");
 }
 
 TEST_F(PrecomputeRefusals, TheMeshIsNotOverwritten) {
@@ -67,12 +80,12 @@ TEST_F(PrecomputeRefusals, APartThatHangsByAVertexOrAnEdgeIsNamed) {
                    "turns on piece 1 about vertex 26 at 0.2, 0.2, 0.2 (a ball joint: 3 motions)");
     expect_failure(run_on(edge, arguments), 3, "(a hinge: 1 motion)");
   }
-  // The same joints, with enough held behind them.
+  // The same joints, with enough fixed vertices behind them.
   const ProgramResult held = run_on(edge, "-o held.tremolo --fix 'x<0.001' --fix 'x>0.399'");
   EXPECT_EQ(held.code, 0) << held.err;
 }
 
-// More pieces than are looked at: what the modes show is told.
+// More pieces than are checked: the finding of the modes is reported.
 TEST_F(PrecomputeRefusals, ALongChainOfHingesIsRefusedToo) {
   const TetMesh cube = box_mesh({1, 1, 1}, {0.2, 0.2, 0.2});
   // Rounding decides whether a factor of the singular stiffness exists: it differs by direction.

@@ -1,5 +1,5 @@
-// Quadratic elements as a user meets them: what is told, several ranks and every solver, free
-// bodies and materials, files of quadratic meshes, the reference, and what is refused.
+// Quadratic elements as a user meets them: output, several ranks and every solver, free bodies and
+// materials, files of quadratic meshes, the reference, and refusals.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -79,7 +79,7 @@ TEST_F(Quadratic, ASlenderCantileverOfOneCellBendsAsItShould) {
       " --order 2 --young 1e7 --poisson 0 --density 1000 --fix 'x<0.001' --linear --linear-modes 6";
   const Eigen::VectorXd coarse = made("bar.veg" + options).lambda.cwiseSqrt();
   const Eigen::VectorXd fine = made("fine.veg" + options).lambda.cwiseSqrt();
-  // Bending about both axes by turns: modes 1, 3, 5 in one plane and 2, 4, 6 in the other.
+  // Bending about both axes alternately: modes 1, 3, 5 in one plane and 2, 4, 6 in the other.
   const double roots[] = {1.8751040687, 4.6940911330, 7.8547574382};
   for (int plane = 0; plane < 2; ++plane) {
     const double h = plane == 0 ? 0.02 : 0.021, speed = std::sqrt(1e7 / 1000.0);
@@ -135,7 +135,7 @@ TEST_F(Quadratic, TheDrawnBoundaryMayUseTheEdgePointsAndTheEnergyDoesNotCare) {
   EXPECT_EQ(fine.quartic, plain.quartic);
   // A closed surface of the sphere's kind: vertices - edges + faces = 2.
   EXPECT_EQ(std::ssize(fine.surface.vertex_ids) - std::ssize(fine.triangles) / 2, 2);
-  // The rows of an edge point are those of its place: between its ends in a motion that is slow
+  // The rows of an edge point are those of its position: between its ends in a motion that is slow
   // along the edge, and not the control value.
   ASSERT_TRUE(Model::from_data(fine));
 }
@@ -154,7 +154,8 @@ TEST_F(Quadratic, TheReferenceFindsItsOwnMatricesInTheBasis) {
   const std::string load = "--load-at 'x>0.99' --load-force 0,0.6,-1 ";
   const std::string solid = std::string("block.veg --order 2 ") + kSolid + load;
   EXPECT_EQ(made(solid + "--linear-modes 6 --modes 20").lambda.size(), 20);
-  // The reference assembles M and K its own way and refuses a basis that does not fit them to 1e-6.
+  // The reference assembles M and K independently and refuses a basis that does not fit them to
+  // 1e-6.
   const ProgramResult statics =
       run("reference " + solid + "--static --compare made.tremolo --json");
   ASSERT_EQ(statics.code, 0) << statics.err;
@@ -174,8 +175,8 @@ TEST_F(Quadratic, TheReferenceFindsItsOwnMatricesInTheBasis) {
   EXPECT_NE(linear.err.find("order 2"), std::string::npos) << linear.err;
 }
 
-// The mesh's share against the deflection near the tip on the mesh and on the refined one; under a
-// small load both shapes are alike, and the error of one is that of the other.
+// The mesh's error against the deflection near the tip on the mesh and on the refined one. Under a
+// small load both shapes are equal, and the error of one is that of the other.
 TEST_F(Quadratic, TheErrorBudgetIsThatOfTheTipOnARefinedMesh) {
   TetMesh fine = block_;
   ASSERT_TRUE(add_edge_points(fine));
@@ -229,7 +230,7 @@ TEST_F(Quadratic, WhatDoesNotGoTogetherIsRefused) {
   EXPECT_NE(third.err.find("--order"), std::string::npos) << third.err;
 }
 
-// One tetrahedron whose first edge has its point at that place.
+// One tetrahedron whose first edge has its point at that position.
 std::string quadratic_msh(const std::string& first_middle) {
   return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 "
          "1\n5 " +
@@ -271,7 +272,7 @@ TEST_F(Quadratic, WhatDoesNotFitMemoryIsToldWithWhatWould) {
       << refused.err;
 }
 
-// Against a file that holds the refined mesh, whose held side the same selector finds.
+// Against a file with the refined mesh, whose fixed side the same selector finds.
 TEST_F(Quadratic, RefiningIsAFileOfTheRefinedMesh) {
   TetMesh fine = block_;
   ASSERT_TRUE(add_edge_points(fine));

@@ -28,7 +28,7 @@ class Ranks : public ::testing::Test {
     std::ofstream(folder_ + "/one_rank.sh")
         << "RANK=$OMPI_COMM_WORLD_RANK\nexec env " << environment << " " << kProgram << " "
         << replaced(arguments) << "\n";
-    // As root, and with more ranks than cores, Open MPI wants to be told.
+    // As root, or with more ranks than cores, Open MPI needs explicit permission.
     return run_program(folder_,
                        "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 60 "
                        "mpiexec --oversubscribe -n " +

@@ -1,4 +1,4 @@
-// tremolo-precompute on several ranks: the same model, whoever computed which part of it.
+// tremolo-precompute on several ranks: the same model, for every division of the work.
 #include <filesystem>
 
 #include <gtest/gtest.h>

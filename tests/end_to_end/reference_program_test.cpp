@@ -35,7 +35,7 @@ class ReferenceProgram : public ::testing::Test {
     EXPECT_EQ(result.code, code) << arguments << "\n" << result.err;
     EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
   }
-  // Each list of arguments ends with the exit code and the words beside it.
+  // Each list of arguments ends with the exit code and the words next to it.
   void expect_failure(std::initializer_list<std::tuple<std::string, int, std::string>> rows) {
     for (const auto& [arguments, code, words] : rows) expect_failure(arguments, code, words);
   }

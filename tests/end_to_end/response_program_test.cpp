@@ -1,5 +1,5 @@
-// What a file keeps of the body's answer to forces at places (tremolo-precompute --response-at):
-// under a held force the shape that is shown is that of the whole mesh, whatever the basis holds.
+// A file's stored response to forces at points (tremolo-precompute --response-at): under a constant
+// force the displayed shape is that of the whole mesh, for any basis.
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -96,7 +96,7 @@ TEST_F(Response, UnderAHeldForceTheShownShapeIsThatOfTheWholeMeshHoweverSmallThe
       EXPECT_LE((*body.displacement(tip) - truth[0]).norm(), 1e-6 * truth[0].norm())
           << order << " " << modes;
       EXPECT_LE((*body.displacement(side) - truth[1]).norm(), 1e-6 * truth[1].norm());
-      // Without it the poked spot gives way by less.
+      // Without it the loaded spot deflects less.
       const Vector3d alone = model->vertex(tip)->rows * body.state().q;
       EXPECT_GT((alone - truth[0]).norm(), 0.02 * truth[0].norm()) << order << " " << modes;
     }
@@ -253,7 +253,7 @@ TEST_F(Response, RecordingsAndLightFilesKeepIt) {
   world_positions(animation, animation.bodies[0], 0, written);
   for (std::size_t i = 0; i < shown.size(); ++i) EXPECT_NEAR(shown[i], written[i], 1e-13);
 
-  // The second place is inside: a light file has no vertices there.
+  // The second point is inside: a light file has no vertices there.
   const BasisData light = *without_interior(data);
   ASSERT_EQ(light.response.at.size(), 1u);
   const auto bytes = encode_basis(light, BasisEncoding::kFull);

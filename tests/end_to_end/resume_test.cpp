@@ -1,5 +1,5 @@
-// tremolo-precompute --checkpoint and --resume: a run that was ended at any moment goes on to the
-// same basis file, byte for byte; what cannot be kept or used does no harm.
+// tremolo-precompute --checkpoint and --resume: a run that was ended at any time continues to the
+// same basis file, byte for byte. Files that cannot be written or used do no harm.
 #include <chrono>
 #include <filesystem>
 #include <functional>
@@ -37,8 +37,8 @@ class Resume : public ::testing::Test {
     return run_program(folder_, before + kPrecompute + arguments);
   }
 
-  // The Nth call of its sort in the checkpoint's folder, or where `at` says, fails; came() tells
-  // whether there was one.
+  // The Nth call of its kind in the checkpoint's folder, or at the position `at`, fails; came()
+  // returns whether it happened.
   ProgramResult run_with(const std::string& fault, int number, const std::string& arguments,
                          const std::string& launcher = "", const std::string& at = "") {
     fs::remove(folder_ + "/came");
@@ -133,7 +133,8 @@ TEST_F(Resume, ARunKilledInAnyWriteFlushOrRenameOfACheckpointGivesTheSameBytes) 
   }
 }
 
-// From every stage in the long form, else each way from one, another one than the way before it.
+// From every stage in the long form, else each variant from one, a different one from the variant
+// before it.
 TEST_F(Resume, EveryWayOfSolvingGoesOnFromItsStages) {
   int way = 0;
   for (const auto& [options, stages] : std::vector<std::pair<std::string, int>>{
@@ -187,7 +188,7 @@ TEST_F(Resume, AnExtendedNumberOfModesIsFoundAgain) {
       << asked.err;
 }
 
-// What memory is free may be another; what the user asks for is not passed over.
+// The free memory may differ between runs; the user's setting is always respected.
 TEST_F(Resume, TheSolverIsThatOfTheStages) {
   const std::string arguments = kFew + kHeld;
   end_after(1, arguments + "--solver iterative");
@@ -221,7 +222,7 @@ TEST_F(Resume, AResumedRunComputesNoStageThatIsThere) {
   }
 }
 
-// What shapes only the end of the run may change, and so may the threads of a small mesh.
+// Options that affect only the end of the run may change, and so may the threads of a small mesh.
 TEST_F(Resume, WhatShapesNoStageMayBeAnotherAtTheResume) {
   for (const std::string other : {"--load-at 'x>0.399' --load-force 0,0,-1", "--encoding compact",
                                   "--no-certify", "--threads 3", "--limits"}) {
@@ -325,7 +326,7 @@ TEST_F(Resume, ACheckpointThatCannotBeWrittenIsAWarningAndNoMore) {
     EXPECT_EQ(result.err.find("warning"), std::string::npos) << result.err;
     expect_same(result, bytes, fault);
   }
-  // Where a file is in the folder's place it stays what it is.
+  // A file in the folder's place is left unchanged.
   std::ofstream(checkpoint()) << "a file";
   const ProgramResult result = run(kFew + kHeld + "--resume");
   EXPECT_NE(result.err.find("warning: a.tremolo.checkpoint: cannot make the folder"),
@@ -415,7 +416,7 @@ TEST_F(Resume, TheFolderMayBeALinkToWhereThereIsRoom) {
   EXPECT_TRUE(fs::is_symlink(checkpoint()));
 }
 
-// MUMPS's sums depend on which message comes first: two runs differ in their last digits anyway.
+// MUMPS's sums depend on which message arrives first: two runs differ in their last digits anyway.
 TEST_F(Resume, SeveralRanksGoOnTogetherAndAnotherNumberIsRefused) {
   const std::string mpi =
       "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpiexec -n 2 --oversubscribe ";

@@ -34,7 +34,8 @@ class RunProgram : public ::testing::Test {
   }
 
   void SetUp() override {
-    // Who starts the tests in the background of a shell ignores it, and so would the programs.
+    // A shell that starts the tests in the background ignores the signal; the programs would
+    // inherit that.
     std::signal(SIGINT, SIG_DFL);
     folder_ = fresh_folder();
   }
@@ -277,7 +278,7 @@ TEST_F(RunProgram, ASceneGivesTheDefaultsAndFlagsWin) {
   EXPECT_TRUE(std::filesystem::exists(folder_ + "/both/second/run.csv"));
 }
 
-// A scene that says one thing in one way and a flag that says it in the other: the flag's is taken.
+// A scene and a flag that state one thing in two different forms: the flag is used.
 TEST_F(RunProgram, OfTwoWaysToSayOneThingTheFlagsWins) {
   std::ofstream(folder_ + "/course.csv") << "0,1\n0.3,1\n";
   const auto report = [&](const std::string& key, const std::string& flags) {
@@ -312,7 +313,7 @@ TEST_F(RunProgram, AWrongSceneNamesItsLine) {
   expect_failure(run("run nowhere.toml"), 1, "nowhere.toml");
 }
 
-// The numbers of a CSV, a row a line, and where each column stands.
+// The numbers of a CSV, a row a line, and the position of each column.
 struct Csv {
   std::map<std::string, std::size_t> columns;
   std::vector<std::vector<double>> rows;
@@ -366,7 +367,7 @@ TEST_F(RunProgram, TheFirstAndTheLastMomentAreLookedAtToo) {
   const ProgramResult few = run("run " + model() + " --load constant --duration 0.015 --json");
   ASSERT_EQ(few.code, 0) << few.err;
   EXPECT_NEAR(json::parse(few.out)["largest_displacement_at"], 0.015, 1e-12);
-  // What is let go and damped is nowhere as far as at its start.
+  // A released and damped body is never as far as at its start.
   const ProgramResult let_go =
       run("run " + model() + " --load none --start 80=0,0,-0.03 --alpha 20 --duration 0.3 --json");
   ASSERT_EQ(let_go.code, 0) << let_go.err;

@@ -95,7 +95,7 @@ TEST_F(TetsProgram, TheReportHasWhatAMethodLosesOfTheSpin) {
   const double after = body["angular_momentum_final"][1].get<double>();
   // A cube of 1 kg and 0.1 m: m a^2 / 6 times 8 rad/s.
   EXPECT_NEAR(before, 1.0 * 0.01 / 6.0 * 8.0, 1e-9);
-  // Implicit Euler turns by x1 = x0 + h v1: of a rigid body L falls by 1 / (1 + (h w)^2) a step.
+  // Implicit Euler rotates by x1 = x0 + h v1: of a rigid body L falls by 1 / (1 + (h w)^2) a step.
   EXPECT_LT(after, 0.8 * before);
   EXPECT_GE(euler["momentum_error"].get<double>(), body["angular_momentum_lost"].get<double>());
   EXPECT_GT(body["angular_momentum_lost"].get<double>(), 0.1);
@@ -103,7 +103,7 @@ TEST_F(TetsProgram, TheReportHasWhatAMethodLosesOfTheSpin) {
 }
 
 TEST_F(TetsProgram, AnEnergyThatNobodyPutInEndsTheRun) {
-  // One correction a step, taken as it is, of a cube that turns by three radians in a step.
+  // One correction a step, unchecked, of a cube that rotates by three radians in a step.
   const ProgramResult result =
       run("step = 0.01\nduration = 1.0\n[[bodies]]\nname = \"one\"\nkind = \"tets\"\nmodel = "
           "\"cube.tets\"\nintegrator = \"implicit-euler\"\ntangent = \"frozen\"\nunsolved = "
@@ -127,7 +127,7 @@ TEST_F(TetsProgram, ABodyThatBeginsInContactIsToldByName) {
               0.002);
 }
 
-// The places of a .ply that tremolo wrote: x, y, z in floats behind the head.
+// The positions of a .ply that tremolo wrote: x, y, z in floats behind the head.
 std::vector<float> ply_places(const std::string& path, std::size_t vertices) {
   const std::string text = slurp(path);
   const std::size_t head = text.find("end_header\n");

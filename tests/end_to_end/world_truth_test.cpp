@@ -156,7 +156,7 @@ class WorldTruth : public ::testing::Test {
 // Shake, spin-up (centrifugal, Euler's and Coriolis's forces), both kinds of damping, and gravity.
 class DrivenTruth : public WorldTruth {
  protected:
-  // A mesh held at one end, of `unknowns` coordinates that are all in the basis.
+  // A mesh fixed at one end, of `unknowns` coordinates that are all in the basis.
   void converges(const std::string& unknowns) {
     run(material() + "--fix 'x<0.001' --linear-modes " + unknowns + " --modes " + unknowns +
         " -o bar.tremolo");
@@ -183,7 +183,7 @@ TEST_F(DrivenTruth, ABodyOfQuadraticElementsWithoutReductionErrorConvergesToTheW
   converges("54");
 }
 
-// The whole mesh turns freely under an initial spin; then a force along the world's axes also
+// The whole mesh rotates freely under an initial spin; then a force along the world's axes also
 // pushes a vertex.
 TEST_F(WorldTruth, AFreeBodyWithoutReductionErrorConvergesToTheWholeMesh) {
   mesh({2, 1, 1}, {0.3, 0.12, 0.1});
@@ -218,7 +218,7 @@ TEST_F(WorldTruth, AFreeDampedBodyConvergesToTheWholeMesh) {
   EXPECT_GT(fine.peak, 4e-3);
   EXPECT_LE(fine.displacement, 0.02 * fine.peak);
   EXPECT_GE(coarse.displacement / fine.displacement, 3.3);
-  EXPECT_LE(fine.turn, 1e-4);  // of five radians
+  EXPECT_LE(fine.turn, 1e-4);     // of five radians
   EXPECT_LE(fine.angular, 1e-7);  // N m s, of 0.48: what the solves of the whole mesh leave
 }
 

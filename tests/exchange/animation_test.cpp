@@ -113,7 +113,7 @@ TEST(Recording, AFreeBodyIsWhereTheBodySaysItIsAndSharesItsShape) {
   world_positions(*animation, animation->bodies[1], 2, ours);
   ASSERT_TRUE(two.surface_positions(std::span<double>(exact)));
   for (std::size_t i = 0; i < exact.size(); ++i) EXPECT_NEAR(ours[i], exact[i], 1e-15);
-  // What is displaced is what lies between the rest shape at the pose and the place.
+  // The displacement is the difference between the rest shape at the pose and the position.
   world_positions(*animation, animation->bodies[0], 2, ours);
   world_displacements(*animation, animation->bodies[0], 2, moved);
   const Pose& pose = animation->bodies[0].poses[2];

@@ -1,9 +1,9 @@
-// three.js reads a .glb: where it puts the vertices of a body at the moments of a run's surfaces.
+// three.js reads a .glb: where it puts the vertices of a body at the times of a run's surfaces.
 //
 //     node three_positions.mjs NODE_MODULES FILE.glb BODY RUN TOLERANCE
 //
-// RUN: a folder of `tremolo run --surfaces N`. Exit code 1 if a vertex is farther off than TOLERANCE
-// of the size that run_surfaces.mjs tells.
+// RUN: a folder of `tremolo run --surfaces N`. Exit code 1 if a vertex is farther off than
+// TOLERANCE of the size that run_surfaces.mjs returns.
 import fs from 'node:fs';
 import path from 'node:path';
 import { pathToFileURL } from 'node:url';
@@ -21,9 +21,9 @@ const gltf = await new GLTFLoader().parseAsync(data, '');
 const first = gltf.asset.extras.first_frame_s;
 const mixer = new THREE.AnimationMixer(gltf.scene);
 const action = mixer.clipAction(gltf.animations[0]);
-action.setLoop(THREE.LoopOnce);  // else the last moment is the first one
+action.setLoop(THREE.LoopOnce);  // else the last time is the first one
 action.clampWhenFinished = true;
-// A body of several materials is a group of meshes that share their vertices.
+// A body of several materials is a group of meshes with common vertices.
 const body = gltf.scene.getObjectByName(name);
 const mesh = body.isMesh ? body : body.children.find((child) => child.isMesh);
 
@@ -35,7 +35,7 @@ for (const { time, places, size } of readRun(run)) {
   gltf.scene.updateMatrixWorld(true);
   if (mesh.geometry.attributes.position.count !== places.length) throw new Error('other vertices');
   places.forEach((w, v) => {
-    // The root has turned z up into y up.
+    // The root has rotated z up into y up.
     mesh.getVertexPosition(v, x).applyMatrix4(mesh.matrixWorld);
     worst = Math.max(worst, Math.hypot(x.x - w[0], -x.z - w[1], x.y - w[2]) / size);
   });

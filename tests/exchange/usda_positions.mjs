@@ -1,5 +1,5 @@
-// three.js's parser of USD's text reads a .usda: where the vertices of a body are at the moments of a
-// run's surfaces.
+// three.js's parser of USD's text reads a .usda: the positions of a body's vertices at the times of
+// a run's surfaces.
 //
 //     node usda_positions.mjs NODE_MODULES FILE.usda PRIM RUN TOLERANCE
 //

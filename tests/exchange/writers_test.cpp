@@ -113,6 +113,46 @@ TEST(PointCache, Pc2IsLittleAndMddBigEndian) {
   }
 }
 
+// Vertices that are copies for their normals or texture coordinates are not the author's: a cache
+// with them would not fit his mesh.
+TEST(PointCache, HasTheVerticesOfTheAuthorsFileInTheirOrder) {
+  const TemporaryFolder folder;
+  const Animation plain = wavy_animation(3, 2, 4);
+  Animation split = plain;
+  AnimatedShape& shape = split.shapes[0];
+  RenderSurface& surface = shape.surface;
+  for (VertexId v = 0; v < 9; ++v) surface.sources.push_back(v);
+  for (const VertexId source : {4, 0, 4}) {
+    const auto copy = static_cast<VertexId>(surface.vertices.size());
+    surface.vertices.push_back(Eigen::Vector3d(surface.vertices[source]));
+    surface.uvs.emplace_back(0.5F, 0.25F);
+    surface.sources.push_back(source);
+    surface.triangles.back()[1] = copy;
+  }
+  BasisRows modes(3 * 12, shape.modes.cols());
+  for (Eigen::Index v = 0; v < 12; ++v)
+    modes.middleRows(3 * v, 3) = shape.modes.middleRows(3 * surface.sources[v], 3);
+  shape.modes = modes;
+  for (const char* name : {"a.pc2", "a.mdd"}) {
+    ASSERT_TRUE(write_point_caches(folder.file(name), plain));
+    const std::string expected = slurp(folder.file(name));
+    ASSERT_TRUE(write_point_caches(folder.file(name), split));
+    EXPECT_EQ(slurp(folder.file(name)), expected) << name;
+    // The rest shape beside it: nine vertices, twelve texture coordinates.
+    const std::string obj = slurp(folder.file("a.obj"));
+    const auto lines = [&obj](const std::string& head) {
+      std::size_t count = obj.starts_with(head) ? 1 : 0;
+      for (std::size_t at = obj.find("\n" + head); at != std::string::npos;
+           at = obj.find("\n" + head, at + 1))
+        ++count;
+      return count;
+    };
+    EXPECT_EQ(lines("v "), 9U);
+    EXPECT_EQ(lines("vt "), 12U);
+    EXPECT_NE(obj.find("5/12"), std::string::npos) << "vertex 5 with the copy's coordinates";
+  }
+}
+
 TEST(PointCache, SeveralBodiesAreAFileEachWithItsRestShape) {
   const TemporaryFolder folder;
   Animation animation = wavy_animation(3, 2, 2);

@@ -100,7 +100,7 @@ class Faults : public ::testing::Test {
     }
   }
 
-  // Every fault at every place where it can come; in the short form at the first three and at each
+  // Every fault at every place where it can occur; in the short form at the first three and at each
   // third behind them.
   void survives_everything(const std::string& command, std::vector<std::string> names) {
     command_ = command;

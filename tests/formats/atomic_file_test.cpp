@@ -34,7 +34,7 @@ class AtomicFileTest : public ::testing::Test {
   }
   long files() const { return std::distance(fs::directory_iterator(folder_), {}); }
 
-  // In a child process: begins to write, then `signal` comes. Returns the signal it died of.
+  // In a child process: begins to write, then gets `signal`. Returns the signal it died of.
   int interrupted_by(int signal) const {
     const pid_t child = ::fork();
     if (child == 0) {
@@ -73,11 +73,54 @@ TEST_F(AtomicFileTest, AnUncommittedFileLeavesNothing) {
 }
 
 TEST_F(AtomicFileTest, ASignalInMidWriteRemovesThePartialFileAndStillKills) {
-  for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGXCPU}) {
+  for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGXCPU, SIGUSR1, SIGUSR2, SIGALRM,
+                     SIGVTALRM, SIGPROF, SIGIO, SIGPWR, SIGABRT, SIGSYS, SIGRTMIN, SIGRTMAX}) {
     EXPECT_EQ(interrupted_by(signal), signal);
     EXPECT_EQ(contents(), "old");
     EXPECT_EQ(files(), 1);
   }
+}
+
+// Between two writes it takes no descriptor.
+TEST_F(AtomicFileTest, AParkedFileGoesOnWhereItWas) {
+  const auto descriptors = [] {
+    return std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
+  };
+  const auto before = descriptors();
+  auto file = AtomicFile::create(target());
+  ASSERT_TRUE(file->write("one "));
+  for (const char* word : {"two ", "three"}) {
+    file->park();
+    EXPECT_EQ(descriptors(), before);
+    ASSERT_TRUE(file->write(word));
+  }
+  file->park();
+  ASSERT_TRUE(file->commit());
+  EXPECT_EQ(contents(), "one two three");
+  {
+    auto left = AtomicFile::create(target());
+    left->park();
+  }
+  EXPECT_EQ(files(), 1);
+}
+
+TEST_F(AtomicFileTest, ASignalRemovesAsManyPartialFilesAsThereAre) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    remove_partial_files_on_signals();
+    std::vector<AtomicFile> open;
+    for (int i = 0; i < 200; ++i) {
+      auto file = AtomicFile::create(target() + std::to_string(i));
+      if (!file) ::_exit(1);
+      file->park();
+      open.push_back(std::move(*file));
+    }
+    ::raise(SIGTERM);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(files(), 1);
 }
 
 TEST_F(AtomicFileTest, EvenSigkillLeavesTheTargetAsItWasAndTheNextWriterTidiesUp) {
@@ -103,7 +146,7 @@ TEST_F(AtomicFileTest, WhatAnotherProcessIsWritingAndWhatIsNotOursIsLeftAlone) {
   }
   char byte = 0;
   ASSERT_EQ(::read(ready[0], &byte, 1), 1);
-  // Names that only look alike, of other targets or of no process.
+  // Names that are only similar, of other targets or of no process.
   for (const char* name : {"/other.partial-12345", "/file.partial-12x", "/file.partial"})
     std::ofstream(folder_ + name) << "not a temporary file of ours";
   ASSERT_TRUE(write_file(target(), "ours"));
@@ -135,7 +178,7 @@ TEST_F(AtomicFileTest, ASymbolicLinkKeepsPointingToTheNewContents) {
 }
 
 TEST_F(AtomicFileTest, AFullDiskIsAnErrorAndTheTargetIsAsItWas) {
-  // The limit on file size stands in for a full disk: write() then fails in mid-file.
+  // The limit on file size simulates a full disk: write() then fails in mid-file.
   const pid_t child = ::fork();
   if (child == 0) {
     remove_partial_files_on_signals();

@@ -161,7 +161,7 @@ TEST(CheckpointFile, CountsThatTheFileDoesNotHoldAreRefused) {
   }
 }
 
-// 0 x 2^40 takes no memory, but whoever loops over its columns would not come back.
+// 0 x 2^40 takes no memory, but a loop over its columns would not end.
 TEST(CheckpointFile, NothingHasOneColumn) {
   std::string bytes = slurp(sample_path());
   const std::size_t entry = layout::kHeaderSize + 3 * layout::kEntrySize;  // of "empty"

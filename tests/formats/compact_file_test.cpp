@@ -143,7 +143,7 @@ TEST(CompactFile, RoundingTwiceIsRoundingOnce) {
   const auto twice = decode(compact_bytes(*once));
   ASSERT_TRUE(twice);
   EXPECT_EQ(twice->cubic, once->cubic);
-  // The scale is found again but for its last bit.
+  // The scale is recovered except for its last bit.
   EXPECT_TRUE(twice->surface.rows.isApprox(once->surface.rows, 1e-15));
 }
 
@@ -170,7 +170,7 @@ TEST(CompactFile, TheReaderSaysWhichEncodingItIs) {
     }
 }
 
-// Version 1.0 knows the element types 1 to 4 and wants all coefficients.
+// Version 1.0 knows the element types 1 to 4 and requires all coefficients.
 TEST(CompactFile, AReaderOfVersionOneZeroRefusesWhatItCannotUnderstand) {
   for (const Bytes& bytes : new_files()) {
     const auto reader = BasisReader::from_memory(bytes);
@@ -198,7 +198,7 @@ TEST(CompactFile, TermsOfOneOrderWithoutTheOtherAreRefused) {
     BasisData data = tiny_basis();
     (cubic ? data.cubic : data.quartic).clear();
     EXPECT_FALSE(encode_basis(data));
-    // What the writer does not make: the terms get another name, the empty provenance gets theirs.
+    // A file the writer does not make: the terms and the empty provenance exchange their names.
     data = tiny_basis();
     data.provenance.clear();
     Bytes bytes = *encode_basis(data);

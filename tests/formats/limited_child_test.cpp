@@ -1,4 +1,4 @@
-// What happens in the child stays in the child.
+// Failures in the child process stay in the child process.
 #include "formats/file/limited_child.h"
 
 #include <array>
@@ -180,7 +180,7 @@ TEST(LimitedChild, ItDiesWithItsParent) {
   if (parent == 0) {
     (void)answer_of_child(
         [&]() -> ChildBytes {
-          // Says who it is through the answer's pipe's owner: descriptor 3 is all it has.
+          // Identifies itself through the answer's pipe's owner: descriptor 3 is all it has.
           for (;;) ::pause();
         },
         {.seconds = 60, .answer = 10});

@@ -1,4 +1,4 @@
-// What is wrong in a mesh file is said with its place, what was expected and what was found.
+// Errors in a mesh file: the message has the position, the expected text and the found one.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -92,7 +92,7 @@ TEST(Msh2Errors, NameTheOffsetInABinaryFile) {
   const std::size_t node = good.find("$Nodes\n5\n") + 9;
   std::string bad = good;
   bad.replace(node + 4, 8, bytes_of(std::nan("")));
-  // The vertex is complete when it is judged: the place is that of its last coordinate.
+  // The vertex is complete when it is checked: the position is that of its last coordinate.
   expect_error("a.msh", bad, {("byte " + std::to_string(node + 20)).c_str(), "vertex 2", "nan"});
   const std::size_t element = good.find("$Elements\n3\n") + 12;
   bad = good;
@@ -211,8 +211,9 @@ TEST(VtuErrors, NameTheArrayExpectedAndFound) {
   expect_error("a.vtu", replaced(good, "</Points>", "</Pints>"), {"byte", "well-formed XML"});
   expect_error("a.vtu", replaced(good, "type=\"UnstructuredGrid\"", "type=\"ImageData\""),
                {"UnstructuredGrid", "`ImageData`"});
-  expect_error("a.vtu", replaced(good, "byte_order", "compressor=\"zlib\" byte_order"),
-               {"not compressed", "zlib"});
+  expect_error("a.vtu",
+               replaced(good, "byte_order", "compressor=\"vtkLZMADataCompressor\" byte_order"),
+               {"zlib or LZ4", "vtkLZMADataCompressor"});
   expect_error("a.vtu", replaced(good, "LittleEndian", "MiddleEndian"), {"`MiddleEndian`"});
   expect_error("a.vtu", replaced(good, "0.125", "nan"), {"points", "vertex 3", "nan"});
   expect_error("a.vtu", replaced(good, "0.125", "o.125"), {"array `points`", "`o.125`"});
@@ -227,7 +228,7 @@ TEST(VtuErrors, NameTheArrayExpectedAndFound) {
   expect_error("a.vtu",
                replaced(good, "<DataArray format=\"ascii\" type=\"UInt8\"",
                         "<DataArray format=\"appended\" type=\"UInt8\""),
-               {"types", "`appended`", "inline"});
+               {"types", "offset", "a number of bytes"});
 }
 
 TEST(VegErrors, NameLineExpectedAndFound) {
@@ -274,8 +275,8 @@ TEST(TetgenErrors, NameFileLineExpectedAndFound) {
   expect_tetgen_error(replaced(node, "5 3 1 1", "6 3 1 1"), ele, {"a.node, line 9", "point id"});
   expect_tetgen_error(replaced(node, "0.125", "nan"), ele, {"a.node, line 6", "vertex 4", "nan"});
   expect_tetgen_error(replaced(node, "0.125", "-"), ele, {"a.node, line 6", "`-`"});
-  expect_tetgen_error(node, replaced(ele, "2  4  1", "2  10  1"),
-                      {"a.ele, line 1", "linear", "10"});
+  expect_tetgen_error(node, replaced(ele, "2  4  1", "2  20  1"),
+                      {"a.ele, line 1", "4 or 10 nodes", "20"});
   expect_tetgen_error(node, replaced(ele, "2  4  1", "3  4  1"), {"a.ele, line 1", "3 tetrahedra"});
   expect_tetgen_error(node, replaced(ele, "1 1 2 3 4", "1 1 2 3 6"),
                       {"a.ele, line 2", "element 1", "vertex 6", "1 to 5"});

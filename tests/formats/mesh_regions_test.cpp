@@ -80,7 +80,7 @@ TEST(Regions, OfALegacyVtkFileAreItsCellData) {
         "6\n"
         "SCALARS s float\n1 2 3\nLOOKUP_TABLE mine 2\n0 0 0 1 1 1 1 1\nSCALARS material int\n9 3 "
         "-4\n",
-        // A better name wins, wherever it stands.
+        // A better name wins, wherever it is.
         "CELL_DATA 3\nSCALARS CellEntityIds int 1\nLOOKUP_TABLE default\n1 1 1\n"
         "SCALARS Region int 1\nLOOKUP_TABLE default\n9 3 -4\nMETADATA\nINFORMATION 0\n\n"}) {
     const MeshFile file = read("a.vtk", text + data);
@@ -266,7 +266,7 @@ TEST(Regions, OfAVegbFileHaveTheVerticesOfTheirOwnElements) {
   const TetMesh mesh = testing::small_mesh();
   const std::string bytes = testing::vegb_bytes(mesh);
   for (std::int32_t element : {0, 1}) {
-    // The set's one element stands before the number of regions and the two regions.
+    // The set's one element is before the number of regions and the two regions.
     std::string turned = bytes;
     std::memcpy(&turned[bytes.size() - 24], &element, 4);
     Tetrahedron expected = mesh.tetrahedra[element];

@@ -1,5 +1,5 @@
 // OFF as programs write it, and as it is broken.
-#include "formats/surface/off_text.h"
+#include "formats/polygons/off_text.h"
 
 #include <gtest/gtest.h>
 

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "formats/file/atomic_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo {
@@ -58,6 +59,55 @@ TEST_F(OutputGuard, FilesThatAnInputNamesAreInputsToo) {
   std::ofstream(at("part.node")) << "0 3 0 0\n";
   std::ofstream(at("part.ele")) << "0 4 0\n";
   EXPECT_FALSE(keep_apart({at("part.ele")}, {{at("part.node"), "the mesh", true}}));
+}
+
+TEST_F(OutputGuard, NoOutputIsAFolderOfAnother) {
+  EXPECT_FALSE(keep_apart({at("new"), at("new/run.csv")}, {}));
+  EXPECT_FALSE(keep_apart({at("new/a/b/run.csv"), at("new/a")}, {}));
+  EXPECT_TRUE(keep_apart({at("new/a"), at("new/ab")}, {}));
+  fs::create_directory_symlink("sub", at("door"));
+  EXPECT_FALSE(keep_apart({at("sub/x"), at("door/x/y")}, {}));
+}
+
+TEST_F(OutputGuard, ManyOutputsAreComparedWithEachOther) {
+  std::vector<std::string> outputs;
+  for (int i = 0; i < 20000; ++i)
+    outputs.push_back(at("out/body-" + std::to_string(i) + "/run.csv"));
+  EXPECT_TRUE(keep_apart(outputs, {{at("a"), "the mesh"}}));
+  outputs.push_back(at("out/body-77/../body-78/run.csv"));
+  EXPECT_FALSE(keep_apart(outputs, {}));
+}
+
+// Also under names that nobody has listed.
+TEST_F(OutputGuard, AGuardedInputIsReplacedAndRemovedByNobody) {
+  fs::create_symlink("a", at("link"));
+  fs::create_hard_link(at("a"), at("hard"));
+  {
+    const GuardedInputs guard({{at("a"), "the mesh"}});
+    for (const char* name : {"a", "sub/../a", "link", "hard"}) {
+      const Result<AtomicFile> file = AtomicFile::create(at(name));
+      ASSERT_FALSE(file) << name;
+      EXPECT_EQ(file.error().kind, ErrorKind::kUsage);
+      EXPECT_FALSE(remove_result(at(name))) << name;
+    }
+    EXPECT_TRUE(AtomicFile::create(at("b")));
+    EXPECT_TRUE(remove_result(at("none")));
+  }
+  EXPECT_TRUE(AtomicFile::create(at("a")));
+}
+
+TEST_F(OutputGuard, WhatCannotBeWrittenIsFoundWithoutATrace) {
+  EXPECT_TRUE(check_writable({at("new"), "", at("a")}));
+  for (const char* name : {"sub", "none/new", "a/new"}) {
+    const Status status = check_writable({at(name)});
+    ASSERT_FALSE(status) << name;
+    EXPECT_EQ(status.error().kind, ErrorKind::kSystem);
+  }
+  EXPECT_TRUE(check_writable({at("none/deep/new")}, true));
+  EXPECT_FALSE(check_writable({at("a/deep/new")}, true));
+  EXPECT_FALSE(check_writable({at("none/" + std::string(300, 'x') + "/new")}, true));
+  EXPECT_FALSE(fs::exists(at("none")));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 3);
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ TEST(QuadraticMesh, CurvedEdgesAreCountedAndStraightened) {
   EXPECT_EQ(file->mesh.vertices[4], Eigen::Vector3d(0.5, 0, 0));
 }
 
-// Two corners change places, and the points of the edges go with their ends.
+// Two corners change places, and the points of the edges move with their ends.
 TEST(QuadraticMesh, InvertedElementsAreTurnedByTheirCorners) {
   const Result<MeshFile> file = read_text("a.msh", msh_text("2 1 3 4 5 7 6 9 10 8"));
   ASSERT_TRUE(file) << file.error().message;

@@ -1,5 +1,5 @@
-// What holds for every mesh, tried on meshes by chance: what is written is read back, and the
-// checks find what was done to it.
+// Properties of every mesh, tested on random meshes: a written mesh is read back, and the checks
+// find the changes made to it.
 #include <map>
 
 #include <gtest/gtest.h>

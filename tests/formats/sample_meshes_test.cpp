@@ -58,7 +58,7 @@ TEST_P(SampleMesh, IsOnePieceAndNeedsNoRepair) {
 
 TEST_P(SampleMesh, HasNoSlivers) {
   const MeshQuality quality = mesh_quality(mesh_);
-  // What the project promises for its samples; below 8 degrees elements lock and steps shrink.
+  // The project's promise for its samples; below 8 degrees elements lock and steps shrink.
   EXPECT_GE(quality.min_dihedral_deg, 10.0);
   EXPECT_GT(quality.min_volume, 0.0);
 }

@@ -35,7 +35,7 @@ class CApiContact : public ::testing::Test {
     tremolo_model_release(model_);
   }
 
-  // The body's state and the account of its energy are those of `other`.
+  // The body's state and its energy balance are those of `other`.
   void expect_same_account(const Body& other) {
     std::vector<double> q(4);
     ASSERT_EQ(tremolo_body_state(body_, q.data(), nullptr, 4), TREMOLO_OK);

@@ -1,4 +1,4 @@
-// Bodies that touch and hold each other, from C: the same bits as from C++.
+// Bodies in contact and in joints, from C: the same bits as from C++.
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -55,7 +55,7 @@ class CApiContacts : public ::testing::Test {
     return options;
   }
 
-  // Body i falls as a ball from its place, and `other` does so in C++.
+  // Body i falls as a ball from its position, and `other` does so in C++.
   void place(std::size_t i, const tremolo_contact_options& options, Body& other) {
     const double gravity[] = {0.0, 0.0, -9.81};
     const double upright[] = {1.0, 0.0, 0.0, 0.0};

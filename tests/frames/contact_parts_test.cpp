@@ -61,7 +61,7 @@ ContactTime alone(const ContactLaw& law, double d0, double d1) {
   return time;
 }
 
-// A slip in the plane of the held normal.
+// A slip in the plane of the fixed normal.
 ContactHeld held_at(Numbers& numbers, double slip) {
   ContactHeld held{.normal = Vector3d(0.1, 0.2, 1.0) + numbers.vector(0.1), .limit = 0.01};
   const Vector3d unit = held.normal.normalized(), any = numbers.vector(slip);
@@ -99,8 +99,8 @@ TEST(ContactParts, ThePairGivesWhatItStored) {
   EXPECT_GT(pushed, 2000);
 }
 
-// Both with the limit of friction held and with one that follows the force. A case in a hundred may
-// have a kink within the difference.
+// Both with the limit of friction fixed and with one that follows the force. A case in a hundred
+// may have a kink within the difference.
 TEST(ContactParts, TheSlopesAreDerivatives) {
   Numbers numbers;
   int beyond = 0;
@@ -136,8 +136,8 @@ TEST(ContactParts, TheSlopesAreDerivatives) {
   EXPECT_LE(beyond, 10);
 }
 
-// A ball that rolls: as much comes in before it as goes out behind. What comes in pushes no more
-// than what goes out but for the fiftieth that is by the point's own rate.
+// A ball that rolls: as much enters contact in front as leaves it behind. The entering part pushes
+// no more than the leaving part, except for the fiftieth that depends on the point's own rate.
 TEST(ContactParts, RestitutionIsOfThePair) {
   ContactLaw law = pair_law();
   law.friction = 0.0;
@@ -152,7 +152,7 @@ TEST(ContactParts, RestitutionIsOfThePair) {
                          time, 0.0, held);
   };
   const ContactForce in = push(down, up), out = push(up, down);
-  const double taken = (1.0 - 0.16) / (1.0 + 0.16);  // of a pair that comes in or goes out whole
+  const double taken = (1.0 - 0.16) / (1.0 + 0.16);  // of a pair that moves as a whole
   EXPECT_NEAR((in.force - out.force).norm() / in.pressure, 2.0 * 0.02 * taken, 1e-12);
   EXPECT_GT(in.lost + out.lost, 0.0);
 }
@@ -233,7 +233,8 @@ TEST(ContactParts, FrictionIsTheMeanAlongAStraightPath) {
   }
 }
 
-// A damped point that is moved to a place in many small steps or in one ends with the same memory.
+// A damped point that is moved to a position in many small steps or in one ends with the same
+// memory.
 TEST(ContactParts, TheMemoryOfFrictionIsThatOfThePath) {
   const FrictionLaw law{600.0, 0.0};
   const double limit = 0.03, elastic = limit / law.stiffness;
@@ -299,7 +300,7 @@ TEST(ContactParts, ABentDistanceHasItsDerivatives) {
       EXPECT_NEAR((at(t, 0) - at(-t, 0)) / (2 * t), gradient.dot(dy), 1e-8);
       EXPECT_NEAR((at(0, t) - at(0, -t)) / (2 * t), change.dot(dq), 1e-8);
       EXPECT_LT((bent_gradient(bent, y) - gradient).norm(), 1e-15);
-      // The place's rows tell the same change.
+      // The point's rows give the same change.
       Eigen::MatrixX3d rows;
       bent_rows(bent, y, scratch, rows);
       EXPECT_NEAR(-gradient.dot(rows.transpose() * dq), change.dot(dq), 1e-12);

@@ -1,4 +1,5 @@
-// Damping that changes while a body runs: the accounts stay closed, and it is the other damping.
+// Damping that changes while a body runs: the energy balance stays closed, and the new damping
+// acts.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -42,7 +43,7 @@ Body body_of(const Setting& s, double alpha, double beta) {
   return body;
 }
 
-// Every method of the energy-preserving family balances to rounding at every moment, whatever the
+// Every method of the energy-preserving family balances to rounding at every time, whatever the
 // damping, also from none to some and back.
 TEST(DampingChange, AccountsStayClosed) {
   for (const char* method : {"avf", "ep2", "ep4"})
@@ -92,7 +93,7 @@ TEST(DampingChange, IsTheDampingOfABodyThatHasItFromTheStart) {
   }
 }
 
-// In the middle of a motion: what other methods carry goes on, so that the orbit is that of small
+// In the middle of a motion: the state of other methods is kept, so that the orbit is that of small
 // steps to the method's order. rk4 with a tenth of the step is the truth.
 TEST(DampingChange, IsOfTheMethodsOrder) {
   const auto end = [](const std::string& method, double step) {
@@ -186,7 +187,7 @@ TEST(DampingChange, AccountsStayClosedInContactAndSleepersWake) {
   EXPECT_FALSE(world->asleep(0));
 }
 
-// In a scene each value holds from its moment on, as if it were set then.
+// In a scene each value holds from its time on, as if it were set then.
 TEST(DampingChange, ComesFromTheScene) {
   Scene scene;
   scene.step = 1e-3;

@@ -21,7 +21,7 @@ using testing::kDrivenMethods;
 using testing::make_framed;
 using testing::steps_of;
 
-// Shaken and turned about an axis that does not go through it, all smoothly.
+// Shaken and rotated about an axis that does not pass through it, all smoothly.
 MotionPath whirl() {
   Motion motion;
   motion.parts.push_back(
@@ -42,7 +42,8 @@ StepReport step_along(const MotionPath& path, Body& body) {
 }
 
 // Newton's laws of the cloud's points in a frame that follows the path, by the classical method of
-// Runge and Kutta: shares no code with what is tested. The frame's rates are differences of poses.
+// Runge and Kutta: has no code in common with the tested method. The frame's rates are differences
+// of poses.
 class HeldCloud {
  public:
   HeldCloud(testing::PointCloud cloud, testing::StrainModel strain, MotionPath path)

@@ -218,8 +218,8 @@ TEST(FreeBody, KeepsMomentaAndEnergyOverALongFlight) {
   EXPECT_LE(drifted, 1e-9);
 }
 
-// Newton's laws of the cloud's points, for all virtual motions (c, a turn in the body's axes, q),
-// by the classical method of Runge and Kutta: shares no code with what is tested.
+// Newton's laws of the cloud's points, for all virtual motions (c, a rotation in the body's axes,
+// q), by the classical method of Runge and Kutta: has no code in common with the tested method.
 struct CloudState {
   Vector3d centre, velocity, spin;
   Eigen::Quaterniond turn;
@@ -367,8 +367,8 @@ TEST(FreeBody, RefusesWhatItCannotBe) {
   EXPECT_FALSE(body.add_load({Signal{.kind = SignalKind::kSquare}, VectorXd::Zero(3)}));
 }
 
-// What damps by strain rates takes nothing from the whole rotation: the angular momentum stays, and
-// the energy falls to the least that goes with it, steady spin about the axis of largest inertia.
+// Damping by strain rates takes nothing from the whole rotation: the angular momentum stays, and
+// the energy falls to its least value, steady spin about the axis of largest inertia.
 TEST(FreeBody, ADampedSpinEndsAboutTheAxisOfLargestInertia) {
   const Model::Pointer model = testing::frame_model(6, true, 30.0, 400.0, 0.2);
   const InertiaIntegrals& inertia = *model->inertia();

@@ -28,7 +28,7 @@ Vector3d random_vector(std::mt19937& engine, double size) {
   return {spread(engine), spread(engine), spread(engine)};
 }
 
-// What both bodies get is what the joint had, less what its damper took; and no torque is left.
+// Both bodies get the energy that the joint had, less its damper's loss; and no torque remains.
 TEST(Joints, GiveWhatTheyStored) {
   std::mt19937 engine(5);
   for (const double length : {0.0, 0.2})
@@ -85,7 +85,8 @@ double balance_of(const Body& body) {
   return body.energy().total() - body.work() + body.dissipated();
 }
 
-// Soft bodies that tumble, joined in every way: both momenta stay, and all energy is accounted for.
+// Soft bodies that tumble, with every kind of joint: both momenta stay, and the energy balance
+// closes.
 TEST(Joints, KeepBothMomentaAndTheEnergy) {
   const JointOptions kinds[] = {{},
                                 {.stiffness = 200.0, .damping = 3.0},
@@ -205,7 +206,7 @@ struct Pendulum {
   }
 };
 
-// A stiff body that hangs from a held one by a joint swings as a rigid one about that point.
+// A stiff body that hangs from a fixed one by a joint swings as a rigid one about that point.
 TEST(Joints, SwingAsARigidPendulum) {
   const Model::Pointer model = testing::frame_model(4, true, 3e4, 1e5, 0.0, 3);
   const Model::Pointer held_model = testing::frame_model(4, false, 3e3, 1e4, 0.0, 5);
@@ -268,7 +269,7 @@ Result<Model::Pointer> joined_model(const SceneBody& body) {
   return testing::frame_model(5, free, 60.0, 300.0, 0.2, free ? 3 : 4);
 }
 
-// A chain that hangs from a shaken body above a floor; its last link is let go.
+// A chain that hangs from a shaken body above a floor; its last link is released.
 Scene chain() {
   Scene scene;
   scene.step = 1e-3;
@@ -336,7 +337,7 @@ TEST(Joints, OfASceneHoldAreSavedAndLetGo) {
   for (std::size_t i = 0; i < world.size(); ++i)
     EXPECT_LT(std::abs(world.account(i).remainder()), 1e-8 * most) << i;
   EXPECT_NE(world.account(1).joint, 0.0);
-  // What was let go has fallen.
+  // The released link has fallen.
   EXPECT_LT(world.body(3).pose().position.z(), world.body(2).pose().position.z());
 }
 

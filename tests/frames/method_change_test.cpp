@@ -1,5 +1,5 @@
-// Method and step that change while a body runs: it goes on from where it is, and the accounts stay
-// closed.
+// Method and step that change while a body runs: it continues from its state, and the energy
+// balance stays closed.
 #include <algorithm>
 #include <cmath>
 #include <string>

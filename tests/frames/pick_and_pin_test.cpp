@@ -140,7 +140,7 @@ TEST(SurfaceTree, MeetsNothingWhereThereIsNothing) {
   EXPECT_FALSE(tree.nearest({0, 0, 5}, {0, 0, 1}, VectorXd::Zero(2)));
 }
 
-// A body that turns and bends: the place that is found is where the ray is, and a hand holds it.
+// A body that rotates and bends: the point found is on the ray, and a hand holds it.
 TEST(Picking, FindsThePlaceOfABodyThatMovesAndAHandTakesIt) {
   const auto model = testing::frame_model(5, true, 60.0, 300.0, 0.3);
   Body body = testing::make_framed(model, FrameKind::kFree, {});
@@ -182,7 +182,7 @@ TEST(Picking, FindsThePlaceOfABodyThatMovesAndAHandTakesIt) {
   EXPECT_FALSE(body.pin(SurfacePlace{SurfaceKind::kBoundary, 0, {-0.5, 0.75, 0.75}}));
 }
 
-// At a corner a place is the vertex: the same bits.
+// At a corner a point is the vertex: the same bits.
 TEST(Picking, APlaceAtACornerIsTheVertex) {
   const auto model = testing::frame_model(5, true, 60.0, 300.0, 0.3);
   Body by_vertex = testing::make_framed(model, FrameKind::kFree, {});
@@ -212,7 +212,7 @@ struct Pinned {
 };
 
 // A body under gravity that is pinned at one vertex, shaken by a load: how far the vertex strays
-// from where it was, and by how much the account misses.
+// from where it was, and the error of the energy balance.
 TEST(Pins, APinnedVertexStaysAndTheAccountCloses) {
   for (const FrameKind frame : {FrameKind::kFixed, FrameKind::kDriven, FrameKind::kFree})
     for (const char* method : {"ep4", "ep2", "avf"})
@@ -284,7 +284,7 @@ TEST(Pins, WhatDoesNotMoveIsRefused) {
   EXPECT_TRUE(body.pin(VertexId{5}));
 }
 
-// In a scene, with a body beside it that a ray meets first.
+// In a scene, with a body next to it that a ray meets first.
 TEST(Pins, HandsOfAScenePinAndRaysMeetTheNearestBody) {
   Scene scene;
   scene.gravity.values = {{0.0, 0.0, -9.81}};

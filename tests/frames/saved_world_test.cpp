@@ -38,7 +38,7 @@ SceneBody body_of(const std::string& name, FrameKind kind, const std::string& me
   return body;
 }
 
-// Bodies that fall on each other, one that shakes, one that is held and loaded; a hand, and a
+// Bodies that fall on each other, one that shakes, one that is fixed and loaded; a hand, and a
 // collider that moves. Every method of the energy-preserving family is there, damped and not.
 Scene crowded() {
   Scene scene;
@@ -92,7 +92,7 @@ void run(SceneWorld& world, int steps) {
   for (int k = 0; k < steps; ++k) (void)world.step();
 }
 
-// All that is carried, and what is looked at, bit for bit.
+// All saved state, and all queries, bit for bit.
 void expect_same(SceneWorld& a, SceneWorld& b) {
   EXPECT_EQ(state_bytes(a), state_bytes(b));
   EXPECT_EQ(a.steps(), b.steps());
@@ -296,6 +296,32 @@ TEST(SavedWorld, ForgedStatesDoNotCrash) {
   EXPECT_GT(refused, kTrials / 8);
 }
 
+// Sums that are not finite would pass every comparison of a balance.
+TEST(SavedWorld, SumsThatAreNoNumbersAreRefused) {
+  SceneWorld world = saved_world_of(crowded());
+  run(world, 350);
+  const Result<SavedState> saved = read_saved(world.save(), "test");
+  ASSERT_TRUE(saved);
+  const Body& stone = world.body(0);
+  int forged_sums = 0;
+  for (const double sum : {stone.gravity_work(), stone.work(), stone.contact_work(),
+                           world.account(0).at_start, world.body(3).support_work()}) {
+    std::string bytes(sizeof(sum), '\0');
+    std::memcpy(bytes.data(), &sum, sizeof(sum));
+    const std::size_t at = saved->state.find(bytes);
+    if (sum == 0.0 || at == std::string::npos) continue;
+    ++forged_sums;
+    for (const double wrong : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+      SavedState forged = *saved;
+      std::memcpy(forged.state.data() + at, &wrong, sizeof(wrong));
+      const std::string before = state_bytes(world);
+      EXPECT_FALSE(world.restore(encode_saved(forged))) << sum;
+      EXPECT_EQ(state_bytes(world), before);
+    }
+  }
+  EXPECT_GE(forged_sums, 4);
+}
+
 TEST(SavedWorld, FilesAppearWholeAndComeBack) {
   const testing::TemporaryFolder folder;
   const std::string path = folder.file("world.saved");
@@ -374,7 +400,7 @@ TEST(SavedBody, EveryMethodGoesOnWithTheSameBits) {
     }
 }
 
-// A solve that fails is taken in parts, whose integrators carry something too.
+// A step whose solve fails is subdivided, and the integrators of its parts have saved state too.
 TEST(SavedBody, StepsInPartsComeAlong) {
   for (const char* method : {"ep4", "newmark", "midpoint"}) {
     const auto make = [method] {

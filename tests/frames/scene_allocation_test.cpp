@@ -82,7 +82,7 @@ TEST(SceneAllocation, StepsOfAllKindsOfFramesAllocateNothing) {
   EXPECT_EQ(after - before, 0);
 }
 
-// Bodies that fall onto colliders, still and moving ones, and hands that take hold and let go.
+// Bodies that fall onto colliders at rest and in motion, and hands that grab and release.
 TEST(SceneAllocation, StepsAmongCollidersAndHandsAllocateNothing) {
   Scene scene;
   scene.step = 1e-3;
@@ -98,7 +98,7 @@ TEST(SceneAllocation, StepsAmongCollidersAndHandsAllocateNothing) {
     hand.body = body.name;
     hand.at = "7";
     hand.stiffness = 200.0;
-    // A body's first touch of all makes its solver.
+    // A body's first contact of all makes its solver.
     hand.until = 0.002;
     scene.hands.push_back(hand);
     hand.from = 0.1;

@@ -1,4 +1,4 @@
-// Bodies on bones in scenes: their chains, accounts, what is refused.
+// Bodies on bones in scenes: their chains, energy balance, refusals.
 #include <cmath>
 #include <string>
 #include <utility>
@@ -151,7 +151,7 @@ TEST_F(SceneBones, SettledBodyStaysWhereGravityHoldsItOnItsBentBones) {
 }
 
 TEST_F(SceneBones, MomentumOfStandingSharesIsTheMassTimesTheirVelocities) {
-  // All bones glide alike: linear momentum is the mass times the velocity, and what vibrates.
+  // All bones move equally: the linear momentum is the mass times the velocity, and the vibration.
   Scene scene = arm_scene();
   for (SceneBone& bone : scene.bodies[0].bones) bone.motion = {};
   SceneWorld bones = world_of(scene);

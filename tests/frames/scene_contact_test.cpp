@@ -1,4 +1,4 @@
-// Scenes with colliders and hands: accounts that close, events, what is refused.
+// Scenes with colliders and hands: energy balances that close, events, refusals.
 #include <cmath>
 #include <limits>
 #include <string>
@@ -62,7 +62,7 @@ SceneHand hand_on(const std::string& body, const std::string& at) {
   return hand;
 }
 
-// With a sphere that moves into a held body, which a hand pulls.
+// With a sphere that moves into a fixed body, which a hand pulls.
 Scene everything() {
   Scene scene = dropped();
   SceneBody held = cloud_body("held", FrameKind::kDriven);
@@ -261,7 +261,7 @@ TEST(SceneContact, HandHoldsFromItsTimeUntilItsTime) {
   EXPECT_LE(std::abs(world.account(0).remainder()), 1e-10 * work);
 }
 
-// In its first step the hand goes from the vertex to its own place.
+// In its first step the hand goes from the vertex to its own position.
 TEST(SceneContact, HandAtAPlacePullsAsItsSpringAndDamperDo) {
   Scene scene = dropped();
   scene.gravity.values.clear();
@@ -370,7 +370,7 @@ TEST(SceneContact, PointsThatGoThroughAColliderWithinAStepAreCounted) {
   EXPECT_LT(fast->body(0).pose().position.z(), -1.0);
 }
 
-// Neither the one that is pulled out of all numbers nor what it touches has moved.
+// Neither the body that is pulled beyond all numbers nor the body in contact with it has moved.
 TEST(SceneContact, AnIslandThatIsNotSolvedStaysWhereItWas) {
   Scene scene = dropped();
   scene.bodies[0].spin.setZero();

@@ -80,7 +80,7 @@ TEST(SceneThreads, ChangeNoBit) {
       ASSERT_EQ(state_bytes(one), state_bytes(other)) << k;
     }
   }
-  // There was something to share: bodies hit each other, and the floor.
+  // There was work to divide: bodies hit each other, and the floor.
   EXPECT_GT(of_bodies, 4U);
   EXPECT_GT(of_colliders, 20U);
 }

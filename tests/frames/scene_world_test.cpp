@@ -1,4 +1,4 @@
-// Scenes: bodies that are stepped together, their accounts, what is refused.
+// Scenes: bodies that are stepped together, their energy balances, refusals.
 #include "runtime/scene/scene_world.h"
 
 #include <cmath>
@@ -199,7 +199,7 @@ TEST(SceneWorld, MomentaOfADrivenBodyAreThoseOfItsPoints) {
     linear += momentum;
     angular += place(0.0).cross(momentum);
   }
-  // The frame's velocities are told as differences over two steps.
+  // The frame's velocities are given as differences over two steps.
   const Momenta told = world.momenta(shaken);
   EXPECT_LE((told.linear - linear).norm(), 1e-3 * linear.norm());
   EXPECT_LE((told.angular - angular).norm(), 1e-3 * angular.norm());

@@ -182,9 +182,9 @@ Vector3d second_difference(const Function& x, double bit) {
          (12.0 * bit * bit);
 }
 
-// What the bones' motion does to the coordinates at (q, v) and at time t, from the points: by the
-// shares that ride on the bones, and by the skin's own field x = sum_b w_b T_b (X + U q). between:
-// the formula of docs/theory.md for the difference of the two.
+// The effect of the bones' motion on the coordinates at (q, v) and at time t, from the points: by
+// the masses that ride on the bones, and by the skin's own field x = sum_b w_b T_b (X + U q).
+// between: the formula of docs/theory.md for the difference of the two.
 struct BoneForces {
   VectorXd shares, field, between;
 };
@@ -261,7 +261,7 @@ TEST(Skeleton, ForceIsThatOfTheSkinnedPositionsInTheirSecondDifference) {
   }
 }
 
-// Where each point belongs to one bone, nothing is left out.
+// If each point belongs to one bone, nothing is left out.
 TEST(Skeleton, ForceOnPointsOfOneBoneEachIsThatOfTheSkinsOwnField) {
   const VectorXd q = testing::random_vector(4, 0.05, 8), v = testing::random_vector(4, 0.5, 9);
   const std::vector<MotionPath> paths = {path_of(0), path_of(1), path_of(2)};
@@ -284,7 +284,7 @@ TEST(Skeleton, ForceOnPointsOfOneBoneEachIsThatOfTheSkinsOwnField) {
   EXPECT_LE((force - expected.field).norm(), 1e-5 * force.norm());
 }
 
-// Newton's laws of the shares by the classical method of Runge and Kutta.
+// Newton's laws of the mass parts by the classical method of Runge and Kutta.
 State run_shares(const testing::HeldCase& held, const BoneWeights& weights,
                  const std::vector<MotionPath>& paths, int steps) {
   return testing::runge_kutta(
@@ -373,7 +373,7 @@ TEST(Skeleton, VerticesAreWhereTheBlendOfTheirBonesIs) {
     if (w.maxCoeff() < 1.0) ++blends;
     const bool held = rows.rows.isZero(0.0);
     EXPECT_EQ(held, rows.rest.x() == 0.0);
-    // A vertex that is held is at the blend of its rest place.
+    // A fixed vertex is at the blend of its rest position.
     Vector3d expected = Vector3d::Zero();
     for (std::size_t b = 0; b < 3; ++b)
       expected += w(0, static_cast<Eigen::Index>(b)) *
@@ -395,7 +395,7 @@ TEST(Skeleton, ForceOnAVertexDoesItsWorkOnTheSkinnedPlace) {
   Body body = make_rigged(bar.model, skin, {.step = 3e-3, .tolerance = 1e-12});
   for (std::size_t b = 0; b < 3; ++b)
     ASSERT_TRUE(body.set_bone(b, {{0.1, 0.2, 0.3}, turn_by({0.0, 0.5 * double(b), 1.0})}));
-  // Near the second joint, where two bones carry it.
+  // Near the second joint, where two bones move it.
   VertexId place = 0;
   for (const VertexId id : bar.model->surface().vertex_ids)
     if (std::abs((*bar.model->vertex(id)).rest.x() - 0.4) < 1e-9) place = id;

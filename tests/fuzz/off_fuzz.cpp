@@ -1,7 +1,7 @@
-// Geomview's OFF, before assimp cuts its polygons.
+// Geomview's OFF as text.
 #include <charconv>
 
-#include "formats/surface/off_text.h"
+#include "formats/polygons/off_text.h"
 #include "tests/fuzz/harness.h"
 
 void tremolo::fuzz::read_input(std::string_view bytes) {

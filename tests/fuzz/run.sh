@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # Runs the libFuzzer targets of build/fuzz, two at a time, and prints what each did.
 #     tests/fuzz/run.sh [SECONDS | -runs=N] [TARGET]...
-# 20 seconds each unless told otherwise; TREMOLO_FUZZ_SEED=N does the same again;
-# TREMOLO_FUZZ_LENGTH=N lets inputs grow to N bytes, 4 096 unless told. Exit code 1 if there is a
-# finding; its input stays in build/fuzz/findings and is printed, since a file can be out of reach.
-# What a run learns stays in build/fuzz/learned and starts the next one.
+# 20 seconds each by default; TREMOLO_FUZZ_SEED=N repeats a run; TREMOLO_FUZZ_LENGTH=N lets inputs
+# grow to N bytes, 4 096 by default. Exit code 1 if there is a finding; its input is stored in
+# build/fuzz/findings and printed, since a file can be out of reach. The inputs that a run learns
+# are stored in build/fuzz/learned and start the next one.
 set -eu
 cd "$(dirname "$0")/../.."
 readonly tree=build/fuzz here=tests/fuzz

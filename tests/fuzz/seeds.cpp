@@ -11,6 +11,7 @@
 #include "formats/surface/surface_answer.h"
 #include "formats/vega/reduced_files.h"
 #include "tests/support/meshes/mesh_variants.h"
+#include "tests/support/meshes/writer_forms.h"
 #include "tests/support/small_collider.h"
 #include "tests/support/tiny_basis.h"
 
@@ -41,6 +42,32 @@ void save_meshes(const fs::path& root) {
       save(root / extension.substr(1), name, bytes);
   }
   save(root / "vtu", "crlf", testing::with_crlf(testing::vtu_text()));
+  // Other programs' forms, as far as inputs of a fuzzer are long.
+  for (const testing::WriterForm& form : testing::all_writer_forms()) {
+    const auto& [file, bytes] = form.files.front();
+    const std::string extension = fs::path(file).extension().string();
+    const std::string target = extension == ".nas" ? "bdf" : extension.substr(1);
+    if (target != "node" && bytes.size() <= 4096)
+      save(root / target, std::to_string(number++), bytes);
+  }
+  const std::string inp =
+      "*HEADING\nx\n*PART, NAME=p\n*NODE, NSET=all\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n"
+      "*ELEMENT, TYPE=C3D4, ELSET=a\n1,1,2,3,4\n*ELEMENT, TYPE=C3D6\n2,1,2,3,\n4,5,2\n*NSET, "
+      "NSET=s, "
+      "GENERATE\n1,3,2\n*NSET, NSET=t\ns, 4\n*SOLID SECTION, ELSET=a, MATERIAL=m\n*END "
+      "PART\n*ASSEMBLY\n"
+      "*INSTANCE, NAME=i, PART=p\n1,0,0\n0,0,0,0,0,1,90\n*END INSTANCE\n*NSET, NSET=u, "
+      "INSTANCE=i\n2\n"
+      "*END ASSEMBLY\n*MATERIAL, NAME=m\n*DENSITY\n1000,\n*ELASTIC\n1e6, 0.3\n*STEP\n";
+  const std::string bdf =
+      "CEND\nSET 5 = 1 THRU 3,\n4\nBEGIN BULK\nGRID,1,,0.,0.,0.\nGRID    2               1.      "
+      "0.      "
+      "0.\nGRID*   3                                              0.0             1.+0\n*          "
+      "        "
+      "0.E+0\nGRID,4,,0.,0.,1.\nGRID,5,,1.,1.,1.\nCTETRA,1,3,1,2,3,4\nCPENTA,2,4,1,2,3,4,5,2\n"
+      "CTRIA3,3,5,1,2,3\nPSOLID,3,9\nMAT1,9,1.+6,,.3,1000.\nENDDATA\n";
+  save(root / "inp", "small", inp);
+  save(root / "bdf", "small", bdf);
 }
 
 void save_bases(const fs::path& root) {

@@ -1,4 +1,4 @@
-// The CSV that `tremolo run --start FILE.csv@T` goes on from.
+// The CSV from which `tremolo run --start FILE.csv@T` continues.
 #include "runtime/program/start/state_row.h"
 #include "tests/fuzz/harness.h"
 

@@ -1,4 +1,4 @@
-// What the child process in which assimp runs sends: a file may have taken the child over.
+// The output of the child process in which assimp runs: a file may have taken the child over.
 #include <cmath>
 
 #include "formats/surface/surface_answer.h"

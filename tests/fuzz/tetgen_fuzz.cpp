@@ -1,4 +1,4 @@
-// TetGen's .node and .ele: what stands before the first $ is the one, what stands behind it the
+// TetGen's .node and .ele: the part before the first $ is the one, the part behind it the
 // other.
 #include "formats/mesh/mesh_formats.h"
 #include "tests/fuzz/harness.h"

@@ -28,7 +28,7 @@ OrderedJson to_json(const std::string& page, const std::vector<Criterion>& crite
   return json;
 }
 
-// What was measured; what --only leaves out is empty.
+// All measurements; those that --only leaves out are empty.
 struct Measured {
   std::optional<Speed> speed;
   std::optional<Precision> precision;
@@ -88,7 +88,7 @@ int run(Options options) {
   or_fail(settle(options));
   reproduce::keep_models_apart(options.out, options.models_dir, options.models);
   const Measured measured =
-      measure(options, reproduce::load_sample_models(options.models_dir, options.models));
+      measure(options, reproduce::load_sample_models(options.models_dir, options.models, true));
   const std::vector<Criterion> criteria = criteria_of(measured);
   const std::string page = write_report(options, measured, criteria);
   std::vector<std::string> sentences;

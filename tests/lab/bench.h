@@ -5,8 +5,8 @@
 
 namespace tremolo::bench {
 
-// Writes index.html, report.json and CSVs into options.out, goes on from options.out/work where it
-// was stopped. Returns 0, or 6 if a deciding criterion is missed; throws a Failure.
+// Writes index.html, report.json and CSVs into options.out, and continues from options.out/work.
+// Returns 0, or 6 if a deciding criterion is missed; throws a Failure.
 int run(Options options);
 
 }  // namespace tremolo::bench

@@ -1,10 +1,12 @@
 // tremolo-lab: what the methods cost and how far they are from the truth. `tremolo bench` and
 // `tremolo reproduce` start it.
-#include <iostream>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
+#include "formats/file/command_words.h"
+#include "formats/file/output_guard.h"
 #include "runtime/program/output/tell.h"
 #include "tests/lab/bench.h"
 #include "tests/lab/report/report.h"
@@ -15,7 +17,12 @@ namespace tremolo {
 namespace {
 
 void add_bench_flags(CLI::App& bench, bench::Options& o, bool& quick) {
-  bench.add_option("--models", o.models, "a,b,...; default: all six")->delimiter(',');
+  bench
+      .add_option(
+          "--models", o.models,
+          "a,b,...: of the six, NAME.tremolo in the folder, or paths of basis files; default: all "
+          "six")
+      ->delimiter(',');
   bench.add_option("--models-dir", o.models_dir, "where NAME.tremolo are")->capture_default_str();
   bench.add_option("--integrators", o.integrators, "a,b,...; default: all")->delimiter(',');
   bench.add_option("--loads", o.loads, "square, impulse, sine")->delimiter(',');
@@ -30,11 +37,12 @@ void add_bench_flags(CLI::App& bench, bench::Options& o, bool& quick) {
   bench.add_option("--only", o.only,
                    "precision, stability, speed, or hand or frames (parts of speed)");
   bench.add_option("--out", o.out, "directory for the page and the CSVs")->capture_default_str();
-  bench.add_option("--threads", o.threads, "for all but the timing; 0: one a core");
+  bench.add_option("--threads", o.threads, "for all but the timing; 0: one a core")
+      ->check(CLI::Range(0, 1024));
   bench.add_flag("--json", o.json, "print one JSON object on stdout");
 }
 
-// What --quick leaves out, unless a flag asks for it.
+// Parts that --quick leaves out, unless a flag requests them.
 void shorten(const CLI::App& bench, bench::Options& o) {
   const auto given = [&](const char* flag) { return bench.count(flag) > 0; };
   if (!given("--models")) o.models = {"beam", "horse"};
@@ -84,13 +92,10 @@ int run_laboratory(int count, char** words) {
       *app.add_subcommand("page", "a report.json as a page, which needs no other file");
   page.add_option("report", report, "the report")->required();
   page.add_option("-o,--output", shown, "the page, .html")->required();
-  try {
-    app.parse(count, words);
-  } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error, std::cout, std::cerr);
-    return code == 0 ? 0 : exit_code(ErrorKind::kUsage);
-  }
+  if (const std::optional<int> code = read_words(app, count, words)) return *code;
   if (page) {
+    or_fail(keep_apart({shown}, {{report, "the report"}}));
+    or_fail(check_writable({shown}));
     or_fail(page_of_file(report, shown));
     return 0;
   }

@@ -34,7 +34,7 @@ void note(const std::string& text) {
 }
 
 Session open_session(const ReproduceOptions& options) {
-  keep_models_apart(options.out, options.models_directory, options.models);
+  keep_models_apart(options.out, options.models_directory, options.models, options.published);
   std::vector<SampleModel> models = load_sample_models(options.models_directory, options.models);
   thesis::Thesis thesis = thesis::read_thesis(options.published);
   const std::string directory = (fs::path(options.out) / "store").string();
@@ -83,7 +83,7 @@ void add_damping(Report& report, const Session& session, std::vector<Criterion>&
   report.table(to_table(all), "Error of each method for each damping.", "damping.csv", 1);
 }
 
-// What the task states and `tremolo bench` measures, so that the list is whole.
+// Stated criteria that `tremolo bench` measures, so that the list is complete.
 std::vector<Criterion> measured_by_bench() {
   const auto line = [](const char* what, const char* bound) {
     return Criterion{what, bound, "see `tremolo bench`", false, false, true};
@@ -113,7 +113,7 @@ void add_experiments(Report& report, const ReproduceOptions& options, const Sess
       or_fail(Store::open((fs::path(session.directory) / session.program).string()));
   std::vector<Criterion> known =
       known::add_known_answers({report, store, options.published, session.long_form});
-  // What the task states comes first: of the known answers that is the chain's.
+  // Of the known answers the chain's is first, because it is a stated criterion.
   const auto further = std::ranges::stable_partition(
       known, [](const Criterion& criterion) { return criterion.what.starts_with("FPUT"); });
   append(outcome.criteria, {known.begin(), further.begin()});

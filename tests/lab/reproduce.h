@@ -1,5 +1,5 @@
 // `tremolo reproduce`: the thesis's tables, figures and experiments on the six sample models, its
-// numbers beside ours, as one HTML page and CSVs.
+// numbers next to ours, as one HTML page and CSVs.
 #pragma once
 
 #include <string>

@@ -23,7 +23,7 @@ TEST(WindingNumber, IsOneInsideAndZeroOutside) {
   for (int i = 0; i < 2000; ++i) {
     const Eigen::Vector3d x = random_point(random, 1.5);
     if (std::abs(x.norm() - 1.0) < 0.01) continue;
-    // What the dipoles leave out, measured: 0.004 on average, 0.04 at worst; one half decides.
+    // Error of the dipoles, measured: 0.004 on average, 0.04 at worst; one half decides.
     EXPECT_NEAR(winding.at(x), x.norm() < 1.0 ? 1.0 : 0.0, 0.05) << x.transpose();
   }
 }
@@ -78,7 +78,7 @@ TEST(WallSamples, FindTheThicknessOfAPlate) {
 }
 
 TEST(WallSamples, LookThroughTrianglesWithinTheSolid) {
-  // Two boxes that overlap: behind a face of the one the solid goes on.
+  // Two boxes that overlap: behind a face of the one the solid continues.
   const SurfaceMesh pair =
       together(box_surface({1.0, 1.0, 1.0}), box_surface({1.0, 1.0, 1.0}, {0.5, 0.0, 0.0}));
   const TriangleTree tree(pair);

@@ -84,7 +84,7 @@ TEST(SparseBlocks, TheFactorSolvesAsTheDenseOneForEverySizeAndAgain) {
   }
 }
 
-// Conjugate gradients from nothing until |b - A x| is at most `wanted`. left: what it is then.
+// Conjugate gradients from nothing until |b - A x| is at most `wanted`. left: its value then.
 struct Solved {
   CgReport report;
   double left = 0.0;

@@ -1,5 +1,5 @@
 // The integrators of masses in space against closed forms on linear springs: what a step does to an
-// oscillation, the order, where the energy goes, held nodes that move, steps that fail.
+// oscillation, the order, energies, fixed nodes that move, steps that fail.
 #include "runtime/nodal/nodal_integrator.h"
 
 #include <cmath>
@@ -231,7 +231,7 @@ TEST(NodalIntegrators, AWeightThatChangesBetweenStepsIsNotTakenForTheMethodsOwnE
   EXPECT_GT(std::abs(integrator->step(state).numerical), 1e-3);
 }
 
-// A force that is not a number beyond a place, so that long steps fail.
+// A force that is not a number beyond a position, so that long steps fail.
 struct Edge : LinearNodes {
   using LinearNodes::LinearNodes;
   double edge = 1.0;
@@ -277,7 +277,8 @@ TEST(NodalIntegrators, ANodeThatIsLetGoFallsUnderEveryMethod) {
 }
 
 // A floor at x = 0 that pushes one mass back as a spring does, -k x, in a step that would end below
-// it. It is linear in the step's end, so that one Newton step finds it. Keeps what it is told.
+// it. It is linear in the step's end, so that one Newton step finds it. It stores the impulse of
+// the last part of a step.
 struct Floor : NodalContact {
   double k = 400.0;      // N/m
   double impulse = 0.0;  // N s, of the last part of a step
@@ -306,7 +307,7 @@ struct AboveFloor : LinearNodes {
 };
 
 // Nothing but the floor acts, so what the mass gained in momentum is the impulse, and the energy
-// that the floor gave is force times way: (impulse / h) (x1 - x0).
+// that the floor gave is force times displacement: (impulse / h) (x1 - x0).
 TEST(NodalIntegrators, ReactionsAreToldByTheMomentumThatTheyGave) {
   const double h = 0.05, m = 2.0;
   for (const std::string_view name : nodal_integrator_names()) {

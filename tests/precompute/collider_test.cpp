@@ -105,7 +105,7 @@ TEST(ColliderSurface, PartsThatFaceInwardsAreTurnedAndCavitiesKept) {
   EXPECT_TRUE(SurfaceDistance(pair).is_inside({2, 0, 0}));
 }
 
-// What lies inside of the other part does not count: the distance is that to the outer one.
+// Surfaces inside of the other part do not count: the distance is that to the outer one.
 TEST(ColliderSurface, PartsInsideOfOthersAreNoBoundary) {
   const ClosedSurface nested =
       closed_surface(testing::together(centred_box(), testing::sphere_surface(0.4)));
@@ -160,7 +160,7 @@ TEST(ColliderSurface, WhatHasNoInsideIsRefused) {
   EXPECT_NE(sheet.error().message.find("encloses no volume"), std::string::npos);
 }
 
-// An edge of three triangles: two boxes that share a wall, which is there once.
+// An edge of three triangles: two boxes with a common wall, which exists once.
 TEST(ColliderSurface, AWallInsideIsNoBoundary) {
   SurfaceMesh boxes = testing::box_surface({2, 1, 1});
   const auto first = static_cast<VertexId>(boxes.vertices.size());
@@ -204,7 +204,7 @@ TEST(ColliderGrid, ErrorOfABoxFallsWithTheCells) {
   EXPECT_GT(std::log2(coarse.error.root_mean_square / fine.error.root_mean_square), 1.2);
 }
 
-// Facets that are small beside the cells look smooth: almost third order, until they are seen.
+// Facets that are small relative to the cells look smooth: almost third order, until they are seen.
 TEST(ColliderGrid, ErrorOfASmoothSurfaceFallsFaster) {
   const SurfaceMesh ball = testing::sphere_surface(1.0, 100, 200);
   const MadeDistances coarse = distances_of(ball, 8), fine = distances_of(ball, 16);

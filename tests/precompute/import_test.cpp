@@ -36,7 +36,7 @@ Eigen::MatrixXd lumped_matrix(const TetMesh& mesh) {
   return matrix;
 }
 
-// rho V/10 on the diagonal, rho V/20 beside it.
+// rho V/10 on the diagonal, rho V/20 off it.
 Eigen::MatrixXd consistent_matrix(const TetMesh& mesh) {
   const Eigen::Index n = mesh.vertices.size();
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(3 * n, 3 * n);
@@ -144,7 +144,7 @@ TEST_F(Import, AFullStiffnessBecomesDiagonalAndTheForcesStayTheSame) {
   const ImportResult result = import();
   const BasisData& data = result.data;
   ASSERT_EQ(data.lambda.size(), kSize);
-  // The eigenvalues of a turned diag(omega^2): rounding of the largest, 9e4.
+  // The eigenvalues of a rotated diag(omega^2): rounding of the largest, 9e4.
   EXPECT_LE((data.lambda - model_.omega.cwiseAbs2()).cwiseAbs().maxCoeff(), 1e-9);
   expect_same_forces(data, basis_);
   EXPECT_LE(result.findings.force_error, 1e-13);
@@ -202,7 +202,7 @@ TEST_F(Import, RowsOfFixedVerticesMayBeLeftOut) {
   EXPECT_EQ(result.data.fixed_vertices, whole.data.fixed_vertices);
 }
 
-// As VegaFEM's solvers leave it where a vertex is held.
+// As VegaFEM's solvers leave it at a fixed vertex.
 TEST_F(Import, WhatRoundingLeavesInTheRowsOfHeldVerticesIsZero) {
   const ImportResult whole = import();
   const std::vector<VertexId> held = vertices_on_plane(mesh_, 0, 0.0);
@@ -327,7 +327,7 @@ TEST(ReducedTensors, AChangeOfCoordinatesChangesTheEnergyAlone) {
   const StrainModel model = random_strain_model(spread_omega(4, 2.0, 9.0), 0.5, 6);
   BasisData data;
   expand_coefficients(model, data);
-  // Any invertible change, not only a turn.
+  // Any invertible change, not only a rotation.
   const Eigen::MatrixXd change = random_vector(16, 1.0, 4).reshaped(4, 4);
   const ReducedTensors changed =
       change_coordinates({model.omega.cwiseAbs2().asDiagonal(), data.cubic, data.quartic}, change);

@@ -19,8 +19,8 @@ using testing::MassPoint;
 
 constexpr Eigen::Index kColumns = 4;
 
-// An uneven box off the origin, of two materials, held at x = 0.1, with three point masses, of
-// which one is on a held vertex.
+// An uneven box off the origin, of two materials, fixed at x = 0.1, with three point masses, of
+// which one is on a fixed vertex.
 struct TwoMaterialBox {
   MaterialTable table;
   TetMesh mesh;
@@ -52,7 +52,7 @@ struct TwoMaterialBox {
   double density(std::size_t element) const { return table.of(element).density; }
 };
 
-// Displacements, zero at what is held; 3n x kColumns.
+// Displacements, zero at fixed vertices; 3n x kColumns.
 BasisRows held_fields(const TwoMaterialBox& box) {
   std::mt19937 engine(5);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -62,7 +62,7 @@ BasisRows held_fields(const TwoMaterialBox& box) {
   return fields;
 }
 
-// What basis_inertia() and add_rest_moments() should give, summed over points.
+// Expected results of basis_inertia() and add_rest_moments(), summed over points.
 struct PointSums {
   InertiaIntegrals sums;
 
@@ -72,7 +72,7 @@ struct PointSums {
     sums.linear.setZero(12, kColumns);
     sums.B.setZero(9, pair_count(kColumns));
   }
-  // fields: 3 x kColumns, at the place.
+  // fields: 3 x kColumns, at the point.
   void add(double mass, const Eigen::Vector3d& place, const Eigen::MatrixXd& fields) {
     sums.mass += mass;
     sums.first_moment += mass * place;
@@ -136,7 +136,7 @@ TEST(InertiaIntegralsOfAMesh, AreSumsOverItsMassForBothOrders) {
     const TwoMaterialBox box(order);
     const BasisRows fields = held_fields(box);
     PointSums sums = integrate(box, fields);
-    // What the mesh's mass must be, so that the points themselves are right.
+    // Compares the mesh's mass, so that the points themselves are right.
     double mass = 0;
     for (std::size_t e = 0; e < box.mesh.tetrahedra.size(); ++e)
       mass += box.density(e) * std::abs(signed_volume(box.mesh, box.mesh.tetrahedra[e]));

@@ -1,5 +1,5 @@
-// What must not depend on how a mesh is written down: the numbers of its vertices, where it stands,
-// the unit of length. The whole precompute runs on meshes by chance.
+// Results must not depend on the description of a mesh: the numbers of its vertices, its position,
+// the unit of length. The whole precompute runs on random meshes.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 
 using testing::Random;
 
-// A bar by chance: no symmetry, no two frequencies near each other.
+// A random bar: no symmetry, no two frequencies near each other.
 TetMesh random_bar(Random& random) {
   TetMesh mesh = testing::box_mesh({5, 2, 3}, {0.5, 0.11, 0.17});
   std::uniform_real_distribution<double> shift(-0.006, 0.006);
@@ -24,7 +24,7 @@ TetMesh random_bar(Random& random) {
   return mesh;
 }
 
-// Vertices of one end: by id, so that they are the same ones however the mesh stands.
+// Vertices of one end: by id, so that they are the same ones for any orientation of the mesh.
 std::vector<VertexId> one_end(const TetMesh& mesh) {
   std::vector<VertexId> ids;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
@@ -70,14 +70,14 @@ void expect_same_spectrum(const BasisData& a, const BasisData& b, double scale =
 }
 
 // Columns of U have no sign of their own: of C and Q those entries are compared in which every
-// coordinate stands an even number of times.
+// coordinate occurs an even number of times.
 void expect_same_quartic(const BasisData& a, const BasisData& b, double scale = 1) {
   ASSERT_EQ(a.quartic.size(), b.quartic.size());
   const std::size_t r = a.lambda.size();
   for (std::size_t j = 0; j < r; ++j)
     for (std::size_t i = 0; i <= j; ++i) {
       const double expected = scale * a.quartic[quad_index(i, i, j, j)];
-      // Columns turn by the residual over the gap between neighbours: 1e-9 is not reached.
+      // Columns rotate by the residual over the gap between neighbours: 1e-9 is not reached.
       EXPECT_NEAR(b.quartic[quad_index(i, i, j, j)], expected, 1e-6 * std::abs(expected))
           << i << " " << j;
     }
@@ -123,7 +123,7 @@ TEST(Invariance, FrequenciesDoNotDependOnWhereTheBodyStands) {
   }
 }
 
-// The basis looks at the size of the axes' bounding box, which quarter turns leave alone.
+// The basis uses the size of the axes' bounding box, which quarter turns do not change.
 TEST(Invariance, QuarterTurnsAndShiftsDoNotMatterAtAll) {
   Random random(4);
   const Model model = random_model(random);

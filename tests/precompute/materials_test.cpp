@@ -246,7 +246,7 @@ TEST(Materials, AnOrthotropicMaterialWithIsotropicConstantsIsIsotropic) {
   const Eigen::MatrixXd k = plain.dense(plain.matrices.stiffness);
   EXPECT_LE((same.dense(same.matrices.stiffness) - k).norm(), 1e-12 * k.norm());
 
-  // The loops over eight elements have a way of their own for one isotropic material.
+  // The loops over eight elements have a separate path for one isotropic material.
   Eigen::MatrixXd fields(u.size(), 3);
   for (int i = 0; i < 3; ++i) fields.col(i) = random_field(mesh, 0.1, 20 + i);
   const BasisRows rows = fields;
@@ -336,7 +336,7 @@ TEST(Bar, OfTwoMaterialsIsTwoSpringsInSeries) {
     table.of_tet.push_back(x < 0.2 ? 0 : 1);
   }
   const Body body(mesh, table, vertices_on_plane(mesh, 0, 0.0));
-  // A traction on the far end: every triangle there gives a third of its share to each corner.
+  // A traction on the far end: every triangle there gives a third of its force to each corner.
   Eigen::VectorXd load = Eigen::VectorXd::Zero(body.local.dofs());
   const double force = 12.0, area = 0.01;
   for (const Tetrahedron& tet : mesh.tetrahedra) {
@@ -358,7 +358,7 @@ TEST(Bar, OfTwoMaterialsIsTwoSpringsInSeries) {
   EXPECT_NEAR(total_mass(body.solid), area * (0.2 * 1000 + 0.4 * 2000), 1e-12);
 }
 
-// f = sqrt(E1 / rho) / 4L of a bar that is held at one end, whatever the other constants are.
+// f = sqrt(E1 / rho) / 4L of a bar that is fixed at one end, for any other constants.
 TEST(Bar, AnOrthotropicBarsAxialFrequencyGoesWithTheRootOfE1) {
   const double length = 1.0;
   const TetMesh mesh = box_mesh({16, 1, 1}, {length, 0.05, 0.05});

@@ -207,7 +207,7 @@ TEST(LoosePieces, AreDescribed) {
   testing::join(two, one, {1, 0, 0});
   expect_words(refusal(two, {0, 1, 2}),
                {"part 2 of 2", "6 rigid motions are left (3 translations and 3 rotations"});
-  // The first of two pieces is held by a line of vertices, the second by another.
+  // The first of two pieces is fixed by a line of vertices, the second by another.
   const TetMesh held = cubes({{0, 0, 0}, {1, 1, 0}});
   expect_words(refusal(held, {0, 1, 4}), {"piece 2 of 2", "a hinge"});
 }

@@ -1,4 +1,4 @@
-// Modes of equal frequency: the same vectors whoever found them.
+// Modes of equal frequency: the same vectors from every solver.
 #include "precompute/modes/mode_clusters.h"
 
 #include <random>
@@ -53,7 +53,7 @@ struct ClusteredSystem {
   }
 };
 
-// A cantilever of square section, turned by 0.3 about its length: bending in pairs.
+// A cantilever of square section, rotated by 0.3 about its length: bending in pairs.
 TetMesh square_beam(int cells = 8) {
   TetMesh mesh = symmetric_box({cells, 2, 2}, {0.05 * cells, 0.1, 0.1});
   const Eigen::AngleAxisd turn(0.3, Eigen::Vector3d::UnitX());
@@ -189,7 +189,7 @@ TEST(ModeClusters, DoNotDependOnPlaceSizeOrNumbersOfVertices) {
   for (std::size_t v = 0; v < order.size(); ++v)
     back.middleRows<3>(3 * static_cast<Eigen::Index>(v)) =
         b.middleRows<3>(3 * Eigen::Index{order[v]});
-  // Moving the mesh rounds its coordinates anew: pairs part by 1e-14.
+  // Moving the mesh rounds its coordinates again: pairs separate by 1e-14.
   EXPECT_LE(distance(a, std::sqrt(512.0) * back), 1e-8);
 }
 
@@ -268,7 +268,7 @@ TEST(ModeClusters, TheModelOfASymmetricBodyIsTheSameBySlepc) {
               1e-10 * force(a, q).norm())
         << k << " " << r;
     // A model of half a pair has no symmetry left: the first two Lambdas differ by 3e-8, and their
-    // coordinates turn by rounding over that. Signs are a convention of the file.
+    // coordinates rotate by rounding over that. Signs are a convention of the file.
     const double tolerance = k == 7 || r == 5 ? 1e-4 : 1e-10;
     EXPECT_LE((x - y).norm(), tolerance * x.norm()) << k << " " << r;
   }

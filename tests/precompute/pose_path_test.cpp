@@ -1,4 +1,4 @@
-// The motion of a support between the moments at which it is given.
+// The motion of a support between the times at which it is given.
 #include "precompute/reference/world/pose_path.h"
 
 #include <cmath>
@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 const Vector3d kAxis = Vector3d(2, -1, 3).normalized();
 
-// A turn about a fixed axis, so that the spin is known.
+// A rotation about a fixed axis, so that the spin is known.
 double angle_at(double time) {
   return 3.0 * std::sin(2.0 * time);
 }
@@ -34,7 +34,7 @@ PosePath sampled_path(int rows) {
   return {times, values};
 }
 
-// Largest errors of place, turn, speed and spin.
+// Largest errors of position, rotation, speed and spin.
 Eigen::Vector4d path_errors(int rows) {
   const PosePath path = sampled_path(rows);
   Eigen::Vector4d worst = Eigen::Vector4d::Zero();

@@ -38,7 +38,7 @@ Field random_field(const TetMesh& mesh, double size) {
   return u;
 }
 
-// A box whose inner vertices are shifted, so that no two elements are alike.
+// A box whose inner vertices are shifted, so that no two elements are equal.
 TetMesh uneven_mesh(const std::array<int, 3>& cells = {2, 2, 2}) {
   const Eigen::Vector3d size(0.3, 0.2, 0.25);
   TetMesh mesh = box_mesh(cells, size);
@@ -180,7 +180,7 @@ TEST(QuadraticElement, HoldsTheLinearOneInItself) {
   EXPECT_LE((raise.transpose() * m2 * raise - m1).norm(), 1e-13 * m1.norm());
 }
 
-// Gradients of the nodal polynomials l_a (2 l_a - 1) and 4 l_a l_b at a place, from those of l.
+// Gradients of the nodal polynomials l_a (2 l_a - 1) and 4 l_a l_b at a point, from those of l.
 std::vector<Eigen::Vector3d> nodal_gradients(const Eigen::Matrix<double, 3, 4>& of_lambda,
                                              const std::array<double, 4>& lambda) {
   std::vector<Eigen::Vector3d> gradients;
@@ -471,7 +471,7 @@ TEST(EdgePoints, AreSharedAndLieBehindTheVertices) {
 }
 
 TEST(EdgePoints, OfAHeldSurfaceAreItsOwnAndNoChords) {
-  // One cell between two held walls: its space diagonal has both ends held and lies inside.
+  // One cell between two fixed walls: its space diagonal has both ends fixed and lies inside.
   const TetMesh mesh = quadratic(box_mesh({1, 1, 1}, {1, 1, 1}));
   std::vector<VertexId> held;
   for (VertexId v = 0; v < 8; ++v) held.push_back(v);

@@ -1,4 +1,4 @@
-// A reduced model beside the unreduced body: a basis that fills the space reproduces it.
+// A reduced model compared with the unreduced body: a basis that fills the space reproduces it.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -52,7 +52,7 @@ struct ReducedBlock {
   }
 };
 
-// What the force would be if the body were linear.
+// The force if the body were linear.
 Vector force_at_rest(const FullOrder& body, const Vector& u) {
   return multiply(body, body.stiffness, u);
 }

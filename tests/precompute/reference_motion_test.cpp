@@ -14,7 +14,7 @@ namespace {
 using testing::bar_problem;
 using testing::ReferenceBody;
 
-// The bar bent by a third of its length and let go.
+// The bar bent by a third of its length and released.
 class ReferenceMotion : public ::testing::Test {
  protected:
   void SetUp() override {

@@ -74,7 +74,7 @@ TEST(ReferenceStatics, AFreeBodyDeformsWithoutRigidMotion) {
   Vector left = force_at(bar.body, solution.u) - load;
   remove_rigid_force(bar.body, left);
   EXPECT_LE(left.norm(), 1e-7 * load.norm());
-  // Gravity pulls everything alike: it is rigid altogether.
+  // Gravity accelerates all parts equally: the motion is rigid.
   Vector weight = gravity_load(bar.body, {0, 0, -9.81});
   const double heavy = weight.norm();
   remove_rigid_force(bar.body, weight);
@@ -138,7 +138,7 @@ TEST(ReferenceStatics, WhatCannotBeReachedIsASolverFailureThatSaysHowFarItCame) 
 
 TEST(ReferenceStatics, AMechanismIsRefused) {
   Problem problem = bar_problem();
-  problem.fixed = {0};  // turns about the corner
+  problem.fixed = {0};  // rotates about the corner
   ReferenceBody bar(problem);
   try {
     static_solution(bar.system, bar.tip_load(0.1));

@@ -93,7 +93,7 @@ TEST(ReferenceSystem, HeldComponentsAreNoUnknowns) {
   EXPECT_EQ(bar.body.size(), without.body.size() - 2);
   EXPECT_EQ(bar.body.unknowns.of_dof[3 * 7 + 2], -1);
   EXPECT_GE(bar.body.unknowns.of_dof[3 * 7 + 1], 0);
-  // What is left is the same matrix with two rows and columns taken out.
+  // The rest is the same matrix with two rows and columns removed.
   const Vector x = bar.random(1.0, 1);
   const Vector wide = restrict_to(without.body.unknowns, expand(bar.body.unknowns, x));
   const auto image = [](const ReferenceBody& of, const Vector& v) {
@@ -117,7 +117,7 @@ TEST(ReferenceSystem, HoldingAxesCountsAgainstRigidFreedom) {
   EXPECT_EQ(rigid_freedom(mesh, part, 1, {}, held).front(), 0);
 }
 
-// A model by chance with positive quartic growth.
+// A random model with positive quartic growth.
 struct ChanceModel {
   Vector lambda{{1.0, 4.0, 9.0, 30.0}};
   std::vector<double> cubic, quartic;

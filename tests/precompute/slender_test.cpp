@@ -1,5 +1,5 @@
-// Slender beams on fine meshes: the forces of their slow bending are small beside what the last
-// digit of a displacement makes, but the frequencies are sound, and the precompute gives them.
+// Slender beams on fine meshes: the forces of their slow bending are small relative to what the
+// last digit of a displacement makes, but the frequencies are right, and the precompute gives them.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -47,7 +47,7 @@ TEST(Slender, FineMeshesOfSlenderBeamsAreNotRefusedForRounding) {
   const Slender stout = flat_cantilever(50), slender = flat_cantilever(400);
   EXPECT_LT(stout.residual, 1e-6);
   EXPECT_GT(slender.residual, 1e-6);  // else this test is about nothing
-  // Both meshes lock alike; shear is worth 1e-4 of the stouter one, and rounding less.
+  // Both meshes lock equally; shear is worth 1e-4 of the stouter one, and rounding less.
   EXPECT_NEAR(slender.scaled_frequency / stout.scaled_frequency, 1.0, 5e-4);
 }
 

@@ -1,4 +1,4 @@
-// Who solves, and the solver that needs no factor.
+// The choice of the solver, and the solver that needs no factor.
 #include <gtest/gtest.h>
 
 #include "common/mesh/mesh_check.h"

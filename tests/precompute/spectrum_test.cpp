@@ -23,7 +23,7 @@ using testing::vertices_on_plane;
 
 constexpr double kLength = 1.0;
 constexpr double kThickness = 0.02;  // along y: the bending that is compared
-constexpr double kWidth = 0.03;      // along z: bends 1.5 times as fast, told apart by direction
+constexpr double kWidth = 0.03;      // along z: bends 1.5 times as fast, distinguished by direction
 const Material kSteelLike{2e11, 0.0, 7800.0};
 
 // Angular frequencies of the first three modes that move mostly along y.
@@ -75,7 +75,7 @@ void check_spectrum(const char* name, bool both_ends, const Eigen::Vector3d& bet
     std::printf("  mode %d: %d/%d/%d cells %.4f %.4f %.4f; %.2f; %.4f; %.4f\n", n + 1, cells[0],
                 cells[1], cells[2], coarse, middle, fine, order, limit, timoshenko);
     EXPECT_NEAR(order, 2.0, 0.25);
-    // What the second-order extrapolation leaves of the error of the finest mesh.
+    // The remaining error of the second-order extrapolation, relative to that of the finest mesh.
     EXPECT_NEAR(limit, timoshenko, 0.1 * std::abs(fine - limit));
     EXPECT_NEAR(limit, 1.0, 0.01);  // Euler-Bernoulli itself, within shear at L/h = 50
   }

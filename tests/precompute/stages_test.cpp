@@ -189,8 +189,8 @@ TEST(RigidFreedom, CountsTheMotionsThatFixedVerticesLeave) {
     return rigid_freedom(mesh, part, 1, fixed).front();
   };
   EXPECT_EQ(freedom({}), 6);
-  EXPECT_EQ(freedom({0}), 3);        // turns about a point
-  EXPECT_EQ(freedom({0, 1}), 1);     // turns about an edge
+  EXPECT_EQ(freedom({0}), 3);        // rotation about a point
+  EXPECT_EQ(freedom({0, 1}), 1);     // rotation about an edge
   EXPECT_EQ(freedom({0, 1, 2}), 0);  // a triangle holds it
 }
 
@@ -381,7 +381,8 @@ TEST(Basis, OfManyColumnsIsTheSameSpanAndIsHeardOfOnTheWay) {
   // Each column is held to what a Gram matrix of unit columns resolves, 1e-6.
   const Columns off = input - all * (heavy.transpose() * input);
   EXPECT_LE((off.colwise().norm().array() / input.colwise().norm().array()).maxCoeff(), 1e-5);
-  // The singular values are those of the weighted columns, by another way: an eigenvalue problem.
+  // The singular values are those of the weighted columns, by another method: an eigenvalue
+  // problem.
   Eigen::VectorXd weight(input.cols());
   const Eigen::VectorXd& w2 = modes.squared_frequencies;
   const Eigen::Index k = w2.size();
@@ -401,8 +402,8 @@ TEST(Basis, OfManyColumnsIsTheSameSpanAndIsHeardOfOnTheWay) {
                 1e-9 * principal.singular_values[0]);
 }
 
-// What keep_always() takes in is in every basis, whatever the cut; the rest is the same span as
-// without it.
+// The columns of keep_always() are in every basis, for any cut; the rest is the same span as
+// without them.
 TEST(Basis, WhatIsKeptIsInTheSpanOfEveryCutAndTheWholeSpanStays) {
   const DerivedBlock derived(1, 4);
   const Block& block = derived.block;
@@ -461,7 +462,7 @@ TEST(Coefficients, TheSumDoesNotDependOnTheThreads) {
   const std::size_t m = block.solid.elements.size();
   const Eigen::MatrixXd one = strain_gram(block.solid, rows, 0, m, 1);
   EXPECT_EQ(one, strain_gram(block.solid, rows, 0, m, 3));
-  // Ranks add their shares.
+  // Ranks add their parts.
   const Eigen::MatrixXd parts =
       strain_gram(block.solid, rows, 0, m / 3, 1) + strain_gram(block.solid, rows, m / 3, m, 1);
   EXPECT_LE((one - parts).cwiseAbs().maxCoeff(), 1e-13 * one.cwiseAbs().maxCoeff());

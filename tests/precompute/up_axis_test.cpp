@@ -9,7 +9,7 @@ namespace {
 
 using testing::box_mesh;
 
-// A pyramid that stands on its square along an axis and comes to a ridge at the other end.
+// A pyramid that stands on its square along an axis and has a ridge at the other end.
 TetMesh standing_along(int axis) {
   TetMesh mesh = box_mesh({4, 4, 4}, {1, 1, 1});
   for (Eigen::Vector3d& x : mesh.vertices) {

@@ -40,7 +40,7 @@ TEST(WallLayers, AreTheCellsAcrossAPlate) {
   for (const int layers : {1, 2, 5}) {
     const auto walls = find_wall_layers(box_mesh({12, 9, layers}, {1.2, 0.9, 0.02}));
     ASSERT_TRUE(walls);
-    // A share of the narrow sides' lines is as long as the plate: they are no thin wall.
+    // A fraction of the narrow sides' lines is as long as the plate: they are no thin wall.
     EXPECT_NEAR(walls->thickness, 0.02, 1e-12);
     EXPECT_NEAR(walls->layers, layers, 1e-9);
     EXPECT_NEAR(walls->edge, 0.1 * std::numbers::sqrt2 / 0.02, 0.3);
@@ -48,7 +48,7 @@ TEST(WallLayers, AreTheCellsAcrossAPlate) {
 }
 
 TEST(WallLayers, DoNotDependOnWhatThickPartsThereAre) {
-  // A plate of one layer beside a far coarser block: the thin wall is told.
+  // A plate of one layer next to a far coarser block: the thin wall is reported.
   TetMesh mesh = box_mesh({10, 10, 1}, {1.0, 1.0, 0.01});
   const TetMesh block = box_mesh({3, 3, 3}, {0.5, 0.5, 0.5});
   const auto offset = static_cast<VertexId>(mesh.vertices.size());
@@ -70,7 +70,7 @@ TEST(WallLayers, AWedgeThatEndsInAnEdgeHasNone) {
   EXPECT_FALSE(find_wall_layers(one));
 }
 
-// Against bars whose frequency is known whatever Poisson's ratio is: too high, by what is told to a
+// Bars whose frequency is known for any Poisson's ratio: too high, by the reported amount to a
 // factor of 2.2.
 TEST(WallLayers, TellTheErrorOfTheFrequencyToAFactorOfTwo) {
   const double length = 1.0, side = 0.05;

@@ -1,4 +1,4 @@
-// The experiments with a known answer against closed forms that share no code with them.
+// The experiments with a known answer against closed forms that have no code in common with them.
 #include "tests/lab/known/known_answers.h"
 
 #include <cmath>
@@ -59,7 +59,7 @@ TEST(Fput, EnergyOfTheModelIsTheHamiltonianAndItsForceTheGradient) {
     const Eigen::VectorXd force = potential_force(*model, state.q);
     const double step = 1e-3;
     for (Eigen::Index i = 0; i < 6; ++i) {
-      // Fourth-order differences are exact for a quartic but for rounding, 1e-12/step.
+      // Fourth-order differences are exact for a quartic up to rounding, 1e-12/step.
       const auto at = [&](double shift) {
         State moved = state;
         moved.q[i] += shift;

@@ -80,7 +80,7 @@ TEST(MotionPage, ShowsEveryFrameWithinAHundredThousandthOfTheSize) {
     const PageJson film = PageJson::parse(motion->json);
     const double distance = shown_distance(animation, film);
     EXPECT_LE(distance, 1e-5) << amplitude;
-    // It looks at 64 of the 90 frames; scales are read here as decimals, there they are floats.
+    // It checks 64 of the 90 frames; scales are read here as decimals, there they are floats.
     EXPECT_LE(motion->position_error, 1.001 * distance) << amplitude;
     EXPECT_GE(motion->position_error, 0.5 * distance) << amplitude;
     EXPECT_EQ(film["shapes"][0].contains("scales"), amplitude < 0.03) << amplitude;

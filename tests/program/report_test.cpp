@@ -27,7 +27,7 @@ std::string read(const std::string& path) {
   return text.str();
 }
 
-// A reader of RFC 4180 that shares nothing with the writer.
+// A reader of RFC 4180 that has no code in common with the writer.
 std::vector<std::vector<std::string>> parse_csv(const std::string& text) {
   std::vector<std::vector<std::string>> rows(1, {""});
   bool quoted = false;
@@ -81,7 +81,7 @@ Report wild_report(const std::string& directory) {
   return report;
 }
 
-// What the script of a page reads.
+// The report that the script of a page reads.
 Json report_of(const std::string& html) {
   const std::string_view open = "<script id=\"report\" type=\"application/json\">";
   const std::size_t begin = html.find(open) + open.size();
@@ -175,7 +175,7 @@ TEST(TableText, RepeatsAreLeftOutOnlyBehindRepeats) {
   const Table shorter = without_repeats(table, 2);
   EXPECT_EQ(shorter.rows[0], table.rows[0]);
   EXPECT_EQ(shorter.rows[1], (std::vector<std::string>{"", "", "p"}));
-  EXPECT_EQ(shorter.rows[2], table.rows[2]);  // x stands under another 'a'
+  EXPECT_EQ(shorter.rows[2], table.rows[2]);  // x is under another 'a'
 }
 
 struct StoreTest : ::testing::Test {

@@ -213,7 +213,7 @@ TEST_P(LongRunOf, StoppedAfterEverySegmentItGivesTheSameBits) {
   ASSERT_EQ(whole.exit_code, 0) << whole.reason;
   LongRun run = start_long_run(spec);
   while (!is_over(spec, run)) {
-    // Through text, as a file would carry it.
+    // Through text, as in a file.
     run = long_run_from_json(nlohmann::json::parse(to_json(run).dump()));
     advance(spec, run);
   }
@@ -299,7 +299,7 @@ TEST(Orbit, ComesBackFromItsJson) {
 
 // ---- names ----
 
-// What `call` fails with.
+// The error with which `call` fails.
 Error error_of(const std::function<void()>& call) {
   try {
     call();

@@ -1,4 +1,4 @@
-// What a run warns of, and the step that a sound needs.
+// Warnings of a run, and the step that sound needs.
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -31,7 +31,7 @@ TEST(StepWarning, NamesAStepThatFollowsTheMode) {
   EXPECT_NEAR(step, 1.0 / (20.0 * 290.0), 1e-3 * step);  // four digits
   EXPECT_EQ(step_warning(290.0, step, "the ", "--step "), "");
   EXPECT_EQ(step_warning(10.0, 3e-3, "the ", "--step "), "");
-  // What the number of steps a period is chosen by.
+  // These errors determined the number of steps per period.
   EXPECT_NEAR(1.0 - std::cos(std::numbers::pi / kStepsAPeriod), 0.012, 5e-4);
   EXPECT_NEAR(frequency_error("midpoint", kTurn / kStepsAPeriod, {}), 0.008, 5e-4);
 }
@@ -135,7 +135,7 @@ TEST(SoundStep, TheFileHasTheFrequenciesOfTheModel) {
   int found = 0;
   for (const double mode : (*model)->frequencies_hz()) {
     const double here = strength(sound, 48'000.0, mode * (1.0 - 1.5e-3));
-    // 20 Hz wide peaks of a tenth of a second, the bound of 0.3 % beside them.
+    // 20 Hz wide peaks of a tenth of a second, the bound of 0.3 % next to them.
     double best = 0.0, loudest = 0.0;
     for (double f = 0.9 * mode; f < 1.1 * mode; f += 2.0)
       if (const double now = strength(sound, 48'000.0, f); now > loudest) {

@@ -1,4 +1,4 @@
-// Scene files: what is read, and what is told of what is wrong.
+// Scene files: reading, and messages about errors.
 #include "runtime/scene_reader/scene_reader.h"
 
 #include <algorithm>
@@ -36,7 +36,7 @@ void expect_refused(const std::string& text, const std::string& words,
   EXPECT_EQ(file.error().message.find(path), 0U) << file.error().message;
 }
 
-// Each text is refused with the words beside it.
+// Each text is refused with the words next to it.
 void expect_refused(std::initializer_list<std::pair<std::string, std::string>> texts) {
   for (const auto& [text, words] : texts) expect_refused(text, words);
 }
@@ -46,6 +46,26 @@ TEST(SceneReader, KnowsAWorldByItsBodies) {
   EXPECT_FALSE(*is_world("[horse]\nmodel = \"a\"\n", "s.toml"));
   EXPECT_FALSE(*is_world("[bodies]\nmodel = \"a\"\n", "s.toml"));
   EXPECT_FALSE(is_world("[", "s.toml"));
+}
+
+// toml++ would read true as 1.
+TEST(SceneReader, ABoolIsNoNumberAndANumberIsNoBool) {
+  for (const char* key :
+       {"probe = true", "probe = [0, true]", "coordinate = true", "modes = true",
+        "tolerance = true", "max-iterations = false", "split = true", "position = [true, 0, 0]",
+        "copies = [2, true, 1]", "contact-points = true", "friction = true", "linear = 1",
+        "hull = 0", "alpha = true", "alpha = [[0, true]]"})
+    expect_refused(kBody + key + "\n", std::string(key).substr(0, std::string(key).find(' ')));
+  for (const char* key : {"step = true", "duration = true", "gravity = [0, 0, true]",
+                          "every = true", "surfaces = true", "plot = 1"})
+    expect_refused(std::string(key) + "\n" + kBody,
+                   std::string(key).substr(0, std::string(key).find(' ')));
+  for (const char* key : {"step = true", "duration = true", "probe = true", "modes = true",
+                          "linear = 1", "scale = true", "velocities = 0", "every = true"}) {
+    const auto bodies = parse_scene("[a]\nmodel = \"m\"\n" + std::string(key) + "\n", "s.toml");
+    ASSERT_FALSE(bodies) << key;
+    EXPECT_NE(bodies.error().message.find("line 3"), std::string::npos) << bodies.error().message;
+  }
 }
 
 TEST(SceneReader, ReadsBodies) {
@@ -224,6 +244,21 @@ TEST(SceneReader, ReadsCsvFilesBesideTheScene) {
   EXPECT_EQ(std::get<RecordMotion>(body.motion.parts[1]).accelerations[1].x(), 2.0);
 }
 
+TEST(SceneReader, AByteOrderMarkIsSkippedInScenesAndTables) {
+  const std::string mark = "\xef\xbb\xbf", folder = testing::fresh_folder();
+  std::ofstream(folder + "/poses.csv") << mark << "t,x,y,z\n0,0,0,0\n1,2,0,0\n";
+  std::ofstream(folder + "/course.csv") << mark << "0,0\n1,2\n";
+  EXPECT_TRUE(*is_world(mark + kBody, "s.toml"));
+  const SceneFile file = read_scene_text(
+      mark + kDriven +
+          "signal = \"course.csv\"\n[[bodies.motion]]\nkind = \"csv\"\nfile = \"poses.csv\"\n",
+      folder + "/s.toml");
+  ASSERT_EQ(file.scene.bodies.size(), 1U);
+  EXPECT_EQ(file.scene.bodies[0].loads[0].table->values[1], 2.0);
+  const auto& keys = std::get<KeyframeMotion>(file.scene.bodies[0].motion.parts[0]);
+  EXPECT_EQ(keys.keys[1].pose.position.x(), 2.0);
+}
+
 TEST(SceneReader, TellsFileLineAndKeyOfWhatIsWrong) {
   expect_refused({
       {"stop = 1\n" + kBody, "line 1: unknown key 'stop'"},
@@ -333,6 +368,17 @@ TEST(SceneReader, ReadsBones) {
   EXPECT_EQ(given.files, std::vector{folder + "/weights.csv"});
   ASSERT_EQ(given.scene.bodies[0].bone_weights.rows(), 3);
   EXPECT_EQ(given.scene.bodies[0].bone_weights(1, 1), 0.75);
+}
+
+TEST(SceneReader, ReadsWhetherTheBonesAreTheModels) {
+  const SceneFile file = read_scene_text(kDriven + "rig = true\nclip = \"walk\"\n");
+  EXPECT_TRUE(file.scene.bodies[0].rig);
+  EXPECT_EQ(file.scene.bodies[0].clip, "walk");
+  expect_refused({
+      {kDriven + "clip = \"walk\"\n", "say rig = true"},
+      {kBody + "rig = true\n", "bones carry a driven body only"},
+      {kDriven + "rig = true\n[[bodies.bones]]\nname = \"b\"\n", "leave [[bodies.bones]]"},
+  });
 }
 
 TEST(SceneReader, TellsWhatIsWrongWithBones) {

@@ -1,4 +1,4 @@
-// When a run looks at the shape, and which looks change nothing.
+// The times at which a run checks the shape; a check changes nothing.
 #include "runtime/program/run/shape_looks.h"
 
 #include <cmath>
@@ -29,7 +29,7 @@ TEST(ShapeLooks, AreEveryTenthStepOfAShortRunAndAThousandOfALongOne) {
   }
 }
 
-// A blow rings on: its largest moment is seen to a twentieth, wherever it is between the looks.
+// A blow rings on: its maximum is found to a twentieth, wherever it is between the checks.
 TEST(ShapeLooks, TheLargestMotionOfALongRunIsSeen) {
   const Model::Pointer model = small_model();
   constexpr int kSteps = 1'000'000;

@@ -1,4 +1,4 @@
-// How deep what is drawn is, and how a body rebounds.
+// Depth of the drawn surface in an obstacle, and a body's rebound.
 #include "runtime/program/world/surface_depth.h"
 
 #include <algorithm>
@@ -70,8 +70,8 @@ TEST(Rebound, IsTheRatioOfTheSpeedsAfterAndBefore) {
   }
 }
 
-// Under gravity it is that of the moment at which the body leaves: a drop that keeps its energy
-// comes back with the speed that it had.
+// Under gravity it is that of the time at which the body leaves: a drop that keeps its energy
+// returns with the speed that it had.
 TEST(Rebound, OfADropThatKeepsItsEnergyIsOne) {
   SceneWorld world = world_of(falling(1.0));
   Rebound rebound;
@@ -112,8 +112,8 @@ TEST(Rebound, IsNoneWithoutACollider) {
   EXPECT_FALSE(rebound.ratio());
 }
 
-// A corner that is none of the points that feel flies into a sphere: no point is deep, the surface
-// is as deep as the corner.
+// A corner that is not a contact point flies into a sphere: no point is deep, the surface is as
+// deep as the corner.
 TEST(SurfaceDepth, SeesWhatIsBetweenThePoints) {
   Scene scene = falling(0.5);
   scene.gravity = {};

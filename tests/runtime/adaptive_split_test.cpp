@@ -94,7 +94,7 @@ TEST(AdaptiveSplit, SmallMotionIsThatOfTheFixedSplit) {
 }
 
 TEST(AdaptiveSplit, CoordinatesComeBackOnlyAfterTheMotionHasCalmedDown) {
-  // Without coupling between low and high rows no energy comes in, which would be for good.
+  // Without coupling between low and high rows no energy is added, which would stay.
   const Model::Pointer model = testing::make_model(stiff_strain_model(0.5, 5));
   const IntegratorOptions options{.step = kStiffStep};
   const auto integrator = make("imexv-adaptive", model, options);

@@ -150,7 +150,7 @@ TEST(Collider, NormalLeadsToTheSurface) {
     }
 }
 
-// Both one-sided differences are looked at: where they disagree the point is near a kink.
+// Both one-sided differences are checked: if they disagree the point is near a kink.
 TEST(Collider, NormalIsTheGradient) {
   std::mt19937 random(3);
   constexpr double kStep = 1e-6;
@@ -256,7 +256,7 @@ TEST(Collider, BadSizesAreNamed) {
   EXPECT_TRUE(check(CapsuleShape{1.0, 0.0}));
 }
 
-// The first of 20 000 places along the way that is inside.
+// The first of 20 000 points along the path that is inside.
 std::optional<double> first_place_inside(const Collider& collider, const Vector3d& from,
                                          const Vector3d& to) {
   constexpr int kPlaces = 20000;
@@ -287,7 +287,7 @@ TEST(ColliderSweep, FindsTheFirstPlaceInside) {
   EXPECT_GT(hits, 80);
 }
 
-// Both ends are outside, and the plate is a thousandth of the way, or a millionth.
+// Both ends are outside, and the plate is a thousandth of the path, or a millionth.
 TEST(ColliderSweep, DoesNotPassThroughThinPlates) {
   std::mt19937 random(6);
   for (const double thickness : {1e-3, 1e-6, 1e-12})
@@ -348,7 +348,7 @@ TEST(GridCollider, AnswersAsItsGrid) {
     EXPECT_EQ(found.distance, grid.at(x).distance);
     EXPECT_EQ(found.normal, grid.at(x).gradient);
     const Vector3d y = x + random_point(random, 0.05);
-    // What the steps of the sweep rely on.
+    // The steps of the sweep rely on this.
     EXPECT_LE(std::abs(signed_distance(collider, y).distance - found.distance),
               1.5 * (x - y).norm());
   }

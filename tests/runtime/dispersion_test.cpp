@@ -12,7 +12,7 @@
 namespace tremolo {
 namespace {
 
-// The angle by which a linear oscillator turns in a step, from four of its places: they obey
+// The angle by which a linear oscillator rotates in a step, from four of its positions: they obey
 // q_{n+1} = T q_n - D q_{n-1} with the trace T and the determinant D of the step.
 double measured_angle(std::string_view name, double z, bool linear) {
   const IntegratorOptions options = testing::oscillator_options();
@@ -40,7 +40,7 @@ TEST(Dispersion, TheClosedFormIsTheAngleOfTheStep) {
     for (const double z : {0.1, 0.7, 1.3, 1.75, 2.3, 3.0, 3.1, 6.0}) {
       const auto angle = step_angle(name, z, testing::oscillator_options());
       if (!angle) continue;
-      // Explicit Runge-Kutta methods turn by an argument, which an arc cosine knows up to pi.
+      // Explicit Runge-Kutta methods rotate by an argument, which an arc cosine knows up to pi.
       if (*angle < 0.0) continue;
       EXPECT_NEAR(measured_angle(name, z, false), *angle, 1e-8) << name << " " << z;
       ++checked;

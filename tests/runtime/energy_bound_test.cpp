@@ -1,4 +1,4 @@
-// What happens to a body whose method explodes, and that nothing happens to the others.
+// A body whose method explodes is stopped, and the others are not affected.
 #include "runtime/energy_bound.h"
 
 #include <cmath>
@@ -73,7 +73,7 @@ TEST(EnergyBound, BodyWhoseMethodExplodesSaysSoAndIsPutBackToASoundState) {
     double most = 0.0;
     StepReport report;
     for (int k = 0; k < 1000 && report.converged; ++k) {
-      // What one step of this force gives a body at rest, and its work.
+      // The energy that one step of this force gives a body at rest, and its work.
       const Eigen::VectorXd force = *reduce_force(body.model(), 5, {30.0, -20.0, 40.0});
       most = std::max({most, 0.5 * std::pow(kTooLong * force.norm(), 2.0), body.work()});
       report = body.step();
@@ -232,7 +232,7 @@ TEST(EnergyBound, BodyOfAWorldThatExplodesIsPutBackToASoundStateAndToSleepAndIsN
         failed.push_back(body);
         EXPECT_EQ(report.why[i], StepFailure::kEnergy) << lane.method << body;
         EXPECT_FALSE(*world.is_awake(body));
-        // Rounding of the float lanes' V beside a V that is the model's own.
+        // Rounding of the float lanes' V relative to a V that is the model's own.
         EXPECT_LE(world.energy(body)->total(), 10.1 * start[body]) << lane.method << body;
       }
     }

@@ -71,7 +71,7 @@ TEST(EnergyPreserving, BalanceHoldsWhateverTheTolerance) {
 }
 
 TEST(EnergyPreserving, BalanceHoldsWhereAStepEndsAlmostAtRest) {
-  // Motion from rest, turned round, comes back to rest: there is no momentum from which what the
+  // Motion from rest, reversed, returns to rest: there is no momentum from which what the
   // solve left could be taken back.
   for (const char* name : kFamily) {
     const Model::Pointer model = testing::make_model(strong_strain_model());
@@ -184,7 +184,7 @@ TEST(EnergyPreserving, DampedLinearModesHaveTheirExactRoots) {
   for (const char* name : kFamily)
     for (const double step_omega : {0.05, 0.3, 0.6, 1.0, 1.8, 2.4})
       for (const double step_rate : {1e-3, 0.05, 0.3, 1.0, 1.2, 2.4, 3.0, 30.0, 1000.0}) {
-        // Where the two roots meet the rounding of the map counts by its square root.
+        // At a double root the rounding of the map enters by its square root.
         const double exact = exact_log_root(step_rate, step_omega);
         EXPECT_NEAR(log_root(name, step_rate, step_omega), exact, 1e-6 * std::abs(exact) + 1e-10)
             << name << ", h omega " << step_omega << ", h D " << step_rate;

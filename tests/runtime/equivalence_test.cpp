@@ -1,4 +1,4 @@
-// Where two methods are the same method, and what happens when a step fails.
+// Cases in which two methods are the same method, and the handling of a failed step.
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
@@ -104,7 +104,7 @@ TEST(Equivalence, ThesisFormHasTheOrbitOfImexvWhenItStartsHalfAKickBack) {
     ASSERT_TRUE(symmetric->step(a, load).converged);
     ASSERT_TRUE(thesis->step(b, load).converged);
     thesis->synchronized_momentum(b, momentum);
-    // Equal but for rounding and the solves' tolerance, stretched over 150 steps.
+    // Equal up to rounding and the solves' tolerance, amplified over 150 steps.
     ASSERT_LE((a.q - b.q).norm(), 1e-9) << k;
     ASSERT_LE((a.p - momentum).norm(), 1e-7) << k;
   }

@@ -32,7 +32,7 @@ std::vector<std::pair<double, double>> dampings_and_stiffnesses() {
       pairs.emplace_back(2.0 * std::sqrt(b) * (1.0 + beside), b);
   }
   for (const double a : {0.0, 1e-9, 0.1, 1.9, 3.9, 4.1, 1e3, 1e6}) pairs.emplace_back(a, 0.0);
-  // Where one form hands over to another.
+  // The boundary between two forms.
   for (const double a : {3.9, 3.99999, 4.0, 4.00001, 4.2, 5.0, 6.0})
     for (const double b : {1.0, 3.99999, 4.0, 4.00001, 6.2, 7.9, 8.1}) pairs.emplace_back(a, b);
   return pairs;
@@ -49,7 +49,7 @@ TEST(LinearResponse, IsThatOfTheMatrixExponentialFromFreeToFarOverdamped) {
     for (std::size_t k = 3; k < 7; ++k) matrix[k][k - 1] = 1;
     const QuadMatrix<7> truth = testing::exponential(matrix);
     const LinearResponse response = linear_response(a, b);
-    // Beside rounding, what the phase's rounding does: sqrt(b) turns.
+    // Besides rounding, the effect of the phase's rounding: sqrt(b) turns.
     const double rounding = 4e-15 + 4e-16 * std::sqrt(b);
     const double period = std::min(1.0, 1.0 / std::sqrt(b));
     const auto expect = [&](double value, const Quad& exact, double size, const char* what) {
@@ -169,7 +169,7 @@ TEST(ExactLinear, WorkAndDissipationAreTheirIntegralsOverTheTrueMotion) {
     }
 }
 
-// 200 coordinates to 20 kHz, as a sound is made of.
+// 200 coordinates to 20 kHz, as in a sound.
 Eigen::VectorXd audible() {
   return 2.0 * M_PI * testing::spread_omega(200, 50.0, 20000.0);
 }

@@ -85,7 +85,7 @@ TEST(ContrastRecurrence, EveryMethodFollowsItsOwnDampedAndForced) {
       const auto integrator = make(name, oscillator(x), oscillator_options(alpha, beta));
       follow(*integrator, [&](const StepLoad& load, const State& state, Pair& z, unsigned k) {
         z = step(z, {load.start[0], load.average[0], load.end[0]}, lambda, alpha + beta * lambda);
-        // Sizes of this motion; the growing ones carry their rounding along.
+        // Sizes of this motion; the growing ones amplify their rounding.
         const double omega = x / kOscillatorStep, p_scale = 10.0 + std::hypot(omega * z[0], z[1]);
         ASSERT_NEAR(state.q[0], z[0], kOscillatorRounding * p_scale / omega)
             << name << ' ' << x << ' ' << k;
@@ -151,7 +151,7 @@ double stability_limit(std::string_view name) {
 
 TEST(Verlet4, IsStableToThreePointOneSix) {
   EXPECT_NEAR(stability_limit("verlet"), 2.0, 1e-6);
-  // Measured; pi is near, where every map of a symmetric splitting comes close to -1.
+  // Measured; pi is near, where every map of a symmetric splitting is close to -1.
   EXPECT_NEAR(stability_limit("verlet4"), 3.16346507, 1e-6);
 }
 

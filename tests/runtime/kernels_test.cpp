@@ -58,7 +58,7 @@ TEST_P(KernelSize, ValueGradientAndHessianOfTheUniqueKernelBelongTogether) {
   EXPECT_NEAR(kernel.hessian(q.data(), workspace, again.data(), hessian.data()), value,
               1e-12 * (1.0 + gradient.norm() * q.norm()));
   EXPECT_LE((gradient - again).norm(), 1e-13 * gradient.norm());
-  // For a quartic polynomial the central difference is exact but for h^2/6 times its third
+  // For a quartic polynomial the central difference is exact except for h^2/6 times its third
   // derivative along the direction; two of them together are exact.
   const VectorXd direction = random_vector(n, 1.0, 4);
   const auto along = [&](double s) {

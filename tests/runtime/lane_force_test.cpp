@@ -36,8 +36,8 @@ LaneResult<Real> by_lanes(const LaneCoefficients<Real>& lanes,
     for (std::size_t lane = 0; lane < states.size(); ++lane)
       x[i].value[lane] = static_cast<Real>(states[lane][i] / lanes.coordinate_scale);
   evaluate_lanes(lanes, x[0].value, gradient[0].value, energy[0].value, vectors);
-  // The gradient does not depend on whether the energy is wanted, but for where the compiler fuses
-  // multiply-adds.
+  // The gradient does not depend on whether the energy is requested, except for multiply-adds that
+  // the compiler fuses differently.
   Real largest = 0;
   for (const Row<Real>& row : gradient)
     for (const Real value : row.value) largest = std::max(largest, std::abs(value));

@@ -210,7 +210,7 @@ TEST_P(PotentialSize, TangentOfTheAveragedGradientIsTheMeanOfTheTangentsAtTheEnd
   Eigen::MatrixXd tangent = Eigen::MatrixXd::Zero(GetParam(), GetParam());
   potential.averaged_gradient(q0, q1, workspace, without);
   potential.averaged_gradient(q0, q1, workspace, with, &tangent);
-  EXPECT_LE((with - without).norm(), 1e-13 * with.norm());  // large ones go another way
+  EXPECT_LE((with - without).norm(), 1e-13 * with.norm());  // large ones use another path
   EXPECT_EQ(tangent, tangent.transpose());
   const Eigen::MatrixXd mean = 0.5 * (start.tangent + end.tangent);
   EXPECT_LE((tangent - mean).norm(), 1e-13 * mean.norm());  // rounding

@@ -70,7 +70,7 @@ TEST(Recurrence, SplittingMethodsTurnLowRowsLikeVerletAndHighRowsLikeMidpoint) {
   }
 }
 
-// One coordinate of a damped, forced step, and what carries over to the next one.
+// One coordinate of a damped, forced step, and the state saved for the next one.
 struct Scalar {
   double q, p;
   double load_before = 0.0;
@@ -131,7 +131,7 @@ Scalar imexv_high_step(Scalar s, StepForces f, double lambda, double rate) {
   return {s.q + d, s.p + (d / h - s.p) / sigma};
 }
 
-// Where the damping may depend on q all of it is in the kicks.
+// If the damping may depend on q all of it is in the kicks.
 Scalar linear_high_step(Scalar s, StepForces f, double lambda, double rate) {
   s.p = damped_kick(s.p, f.start, rate);
   s = midpoint_step(s, {0.0, 0.0, 0.0}, lambda, 0.0);
@@ -217,7 +217,7 @@ TEST(Recurrence, NewmarkDampedAndForcedForSeveralPairs) {
 }
 
 TEST(Recurrence, ImexvAndTheCoupledSplitDampedAndForced) {
-  // At 6 h beta omega^2 is 0.7: theta has no share. At 2 it is 0.08: theta has all of it.
+  // At 6 h beta omega^2 is 0.7: theta has no effect. At 2 it is 0.08: theta has all of it.
   for (const double x : {6.0, 2.0})
     for (const char* name : {"imexv", "imexv-coupled"})
       expect_recurrence(

@@ -60,7 +60,7 @@ VectorXd exact_positions(const Cloud& cloud) {
   return x;
 }
 
-// What the header promises a component: (r + 2) 2^-24 (|X| + sum |q_i U_i|).
+// The header's bound for a component: (r + 2) 2^-24 (|X| + sum |q_i U_i|).
 VectorXd allowed_error(const Cloud& cloud) {
   VectorXd sum = cloud.block.rows.cwiseAbs() * cloud.q.cwiseAbs();
   for (std::size_t v = 0; v < cloud.block.rest.size(); ++v)

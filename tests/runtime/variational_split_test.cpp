@@ -1,4 +1,4 @@
-// What the two variational splits have that imexv has not, and what each of them pays for it.
+// Advantages of the two variational splits over imexv, and the price of each.
 #include <algorithm>
 #include <cmath>
 
@@ -37,13 +37,13 @@ double energy_growth(const char* name, double size) {
 }
 
 TEST(VariationalSplit, InSmallMotionTheEnergyOfBothStays) {
-  // h omega = 0.27 on the highest low row: (h omega)^2/4 = 2 %, times its share of the energy.
+  // h omega = 0.27 on the highest low row: (h omega)^2/4 = 2 %, times its fraction of the energy.
   EXPECT_LE(energy_growth("imexv-linear", 0.01), 1.01);
   EXPECT_LE(energy_growth("imexv-coupled", 0.01), 1.01);
 }
 
 TEST(VariationalSplit, StiffeningBreaksTheLinearOneBeforeTheOthers) {
-  // What stiffens the high rows is kicked explicitly at h omega = 4.5.
+  // The stiffening of the high rows is kicked explicitly at h omega = 4.5.
   EXPECT_EQ(energy_growth("imexv-linear", 0.1), INFINITY);
   EXPECT_LE(energy_growth("imexv", 0.1), 1.01);
   EXPECT_LE(energy_growth("imexv-coupled", 0.1), 1.01);

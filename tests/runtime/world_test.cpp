@@ -227,8 +227,8 @@ TEST(World, DampedBodyFallsAsleepBelowTheThresholdAndMovesOnFromThere) {
     ASSERT_TRUE(body.set_state(frozen.q, frozen.p));
     crowd.world.step();
     body.step();
-    // Rounding of one step; an ep4 that goes on still has the filter of its last step, so that the
-    // two solves end elsewhere within their tolerance.
+    // Rounding of one step; an ep4 that continues still has the filter of its last step, so that
+    // the two solves end at different points within their tolerance.
     const double allowed = method == "ep4" ? 1e-9 : 1e-14;
     EXPECT_LE((crowd.world.state(1)->q - body.state().q).norm(), allowed * frozen.q.norm());
   }
@@ -245,7 +245,7 @@ TEST(World, BodyStaysAwakeForTheTimeAskedAndWhileAForceActs) {
     ASSERT_LT(++steps, 1000);
   }
   EXPECT_GE(steps * options.options.step, 0.3 - 1e-9);
-  EXPECT_LE(steps * options.options.step, 0.3 + 8 * options.options.step);  // looked at every 8th
+  EXPECT_LE(steps * options.options.step, 0.3 + 8 * options.options.step);  // checked every 8th
   while (steps++ < 399) crowd.world.step();
   EXPECT_TRUE(*crowd.world.is_awake(1));
   for (int k = 0; k < 200; ++k) crowd.world.step();

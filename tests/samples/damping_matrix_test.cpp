@@ -1,4 +1,4 @@
-// Damped motion of the sample models against a stiff solver that shares nothing with the
+// Damped motion of the sample models against a stiff solver that has nothing in common with the
 // integrators but the potential.
 #include "tests/lab/damping/damping_matrix.h"
 

@@ -20,7 +20,7 @@ constexpr int kSteps = 3333;     // 10 s at the default step
 constexpr int kPush = 100;       // steps: the square load lasts 0.3 s
 constexpr int kFiner = 6;        // the reference's steps in one of the default
 constexpr double kMost = 0.005;  // of the trajectory, relative
-constexpr double kDrift = 1e-8;  // of the energy: the balance is exact but for the solve's rounding
+constexpr double kDrift = 1e-8;  // of the energy: the balance is exact up to the solve's rounding
 
 // q after each step, r x steps, and T + V then, J. energy may be empty.
 struct Orbit {
@@ -202,7 +202,7 @@ TEST_P(Defaults, EveryPublicEntryIsAccurateAndKeepsTheEnergy) {
   run_world_from_c();
 }
 
-// Their own method is imexv: what its energy does is told, and has to stay in its bound.
+// Their own method is imexv: its energy is printed, and has to stay in its bound.
 class Scenes : public ::testing::TestWithParam<const char*> {};
 
 INSTANTIATE_TEST_SUITE_P(Six, Scenes, ::testing::ValuesIn(kSampleNames),
@@ -229,7 +229,7 @@ TEST(LanesUnderTheSamplesLoads, AreWatchedAndPutBackToASoundStateWhereTheyExplod
     Result<Model::Pointer> model =
         Model::load(std::string(TREMOLO_MODEL_DIR "/") + name + ".tremolo");
     ASSERT_TRUE(model) << model.error().message;
-    // What the load puts in, by the method that balances it.
+    // The energy that the load puts in, by the method that balances it.
     Body measure = std::move(*Body::create(*model));
     ASSERT_TRUE(measure.add_default_load({.kind = SignalKind::kSquare}));
     double most = 0.0;
@@ -264,7 +264,7 @@ TEST(LanesUnderTheSamplesLoads, AreWatchedAndPutBackToASoundStateWhereTheyExplod
       EXPECT_LE(state.q.norm(), 10.0 * largest) << name;
     }
   }
-  EXPECT_GE(exploded, 4u);  // else the test looks at nothing
+  EXPECT_GE(exploded, 4u);  // else the test checks nothing
 }
 
 }  // namespace

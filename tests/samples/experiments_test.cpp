@@ -48,7 +48,7 @@ TEST_F(Experiments, BenchOnAFullDiskSaysSoAndItsOldPageStays) {
   const auto first = tremolo(kSmallBench);
   ASSERT_TRUE(first.code == 0 || first.code == 6) << first.err;
   const std::string page = testing::slurp(at("small/index.html"));
-  // A limit on the size of a file stands in for the disk.
+  // A limit on the size of a file simulates a full disk.
   const auto second = testing::run_program(
       folder_.path(), "ulimit -f 32; " TREMOLO_BIN_DIR "/tremolo " + kSmallBench);
   EXPECT_EQ(second.code, 1) << second.err;

@@ -1,5 +1,5 @@
 // Every kind of frame with nothing but its defaults, on every sample model: fixed under gravity,
-// driven through a shake and a turn, and the free bases thrown.
+// driven through a shake and a rotation, and the free bases thrown.
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -11,7 +11,7 @@
 namespace tremolo {
 namespace {
 
-constexpr double kBalance = 1e-11;  // of the largest energy: exact but for the solves' rounding
+constexpr double kBalance = 1e-11;  // of the largest energy: exact up to the solves' rounding
 
 SceneBody sample_body(const std::string& name, FrameKind kind) {
   SceneBody body;

@@ -188,7 +188,7 @@ TEST(Sound, RingsWithTheModes) {
   }
 }
 
-// No blow is told here: three balls fly at the bells, contact strikes them.
+// No blow is given here: three balls fly at the bells, contact strikes them.
 TEST(Sound, BellsOfASceneRingWhenBallsHitThem) {
   const testing::TemporaryFolder folder;
   const auto model = Model::load(TREMOLO_MODEL_DIR "/bell.tremolo");

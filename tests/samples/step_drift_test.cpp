@@ -1,4 +1,4 @@
-// What an implicit solve leaves must not show in the energy: on the sample models, at the default
+// The error of an implicit solve must not show in the energy: on the sample models, at the default
 // tolerance, a smaller step drifts less.
 #include <gtest/gtest.h>
 

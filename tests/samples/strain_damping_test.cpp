@@ -1,5 +1,5 @@
 // Stiffness damping of the samples: the decay of the first mode does not depend on how far it
-// swings, and the notes before a run tell what its explicit half will stand.
+// swings, and the notes before a run give the limit of its explicit half.
 #include <cmath>
 #include <numbers>
 
@@ -22,7 +22,7 @@ Model::Pointer model_named(const std::string& name) {
   return *model;
 }
 
-// The speed in coordinate 0 that carries some vertex by a share of the body's size.
+// The speed in coordinate 0 that moves some vertex by a fraction of the body's size.
 double speed_for(const Model& model, double share) {
   const VertexBlock& surface = model.surface();
   Eigen::Vector3d low = surface.rest[0], high = low;
@@ -81,7 +81,7 @@ TEST(StrainDampingOfSamples, AHorseDoesWhileItsModesKeepToThemselves) {
           << method << ", " << share;
 }
 
-// Shaken along z at its first frequency the coordinate 0 swings by s A/(2 zeta), s its share in a
+// Shaken along z at its first frequency the coordinate 0 swings by s A/(2 zeta), s its part in a
 // motion of the support by A: 3 % of the size at some vertex. The transient has died by exp(-10).
 TEST(StrainDampingOfSamples, AShakenBeamSwingsAtResonanceAsTheClosedFormSays) {
   const Model::Pointer beam = model_named("beam");

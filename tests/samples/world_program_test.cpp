@@ -1,4 +1,4 @@
-// `tremolo run` of scenes with [[bodies]], as a user meets them: on a small block, held and free,
+// `tremolo run` of scenes with [[bodies]], as a user meets them: on a small block, fixed and free,
 // and the scenes of assets/.
 #include <algorithm>
 #include <cmath>

@@ -29,8 +29,8 @@ inline std::unique_ptr<Integrator> make(std::string_view name, const Model::Poin
   return std::move(*made);
 }
 
-// A strongly nonlinear model: four coordinates of 3 to 40 rad/s. In the state beside it, |q| = 0.3,
-// the quartic part is as large as the quadratic; the force moves it as much.
+// A strongly nonlinear model: four coordinates of 3 to 40 rad/s. In the state next to it, |q| =
+// 0.3, the quartic part is as large as the quadratic; the force moves it as much.
 inline StrainModel strong_strain_model(Eigen::Index blocks = 0) {
   return random_strain_model(spread_omega(4, 3.0, 40.0), 0.8, 21, blocks);
 }
@@ -93,7 +93,7 @@ inline void run(Integrator& integrator, State& state, const std::vector<Load>& l
 }
 
 // Classical Runge-Kutta on q' = p, p' = f(t) - D(q) p - grad V(q), with the strain form of V and of
-// the damping: shares no code with what is tested.
+// the damping: has no code in common with the tested method.
 inline State reference_orbit(const StrainModel& model, State state, double alpha, double beta,
                              const std::function<Eigen::VectorXd(double)>& force, double duration,
                              int steps) {

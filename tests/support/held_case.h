@@ -1,4 +1,4 @@
-// A held cloud in motion and with damping, as the tests of driven frames and of bones share it, and
+// A fixed cloud in motion and with damping, for the tests of driven frames and of bones, and
 // the order in which a method approaches what Newton's laws make of it.
 #pragma once
 
@@ -21,7 +21,7 @@ struct HeldCase {
   Model::Pointer model = *Model::from_data(basis_of(cloud, strain, false));
   State start{random_vector(4, 0.02, 8), random_vector(4, 0.3, 9)};
 
-  // What alpha and beta of held_options() take from the motion: beta by the rates of strains.
+  // Damping force of alpha and beta of held_options(): beta acts on the rates of strains.
   Eigen::VectorXd damping(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
     return 0.3 * v + 1e-3 * strain_damping_force(strain, q, v);
   }

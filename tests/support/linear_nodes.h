@@ -11,7 +11,7 @@
 
 namespace tremolo::testing {
 
-// Every node has a block with every other one. Held nodes move along x as `way` says.
+// Every node has a block with every other one. Fixed nodes move along x by `way`.
 struct LinearNodes : NodalSystem {
   Eigen::MatrixXd K, D;  // 3n x 3n, symmetric
   Eigen::VectorXd masses, rest;

@@ -19,7 +19,7 @@ using testing::write_veg;
 inline const std::string kTremolo = TREMOLO_BIN_DIR "/tremolo ";
 inline const std::string kPrecompute = TREMOLO_BIN_DIR "/tremolo-precompute ";
 inline const std::string kMesh = TREMOLO_BIN_DIR "/tremolo-mesh ";
-// Open MPI wants to be told, as root.
+// As root, Open MPI needs explicit permission.
 inline const std::string kMayBeRoot = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 ";
 
 }  // namespace tremolo

@@ -1,6 +1,6 @@
 // The exponential of a small matrix in numbers of 113 bits, for tests: the truth about linear
-// motion, by a power series of the matrix over 2^n and n squarings. It shares nothing with what is
-// tested.
+// motion, by a power series of the matrix over 2^n and n squarings. It has nothing in common with
+// what is tested.
 #pragma once
 
 #include <array>

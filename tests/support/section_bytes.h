@@ -23,7 +23,7 @@
 namespace tremolo::testing {
 
 using Bytes = std::vector<std::byte>;
-// Whether the file's reader takes the bytes.
+// Returns true if the file's reader accepts the bytes.
 using Accepts = std::function<bool(const Bytes&)>;
 
 inline Bytes read_file(const std::string& path) {

@@ -20,7 +20,7 @@ class SolvedPencil {
         shift(sigma),
         pencil{matrices, rigid, package, threads, std::move(positions)},
         solver(make_shifted_solver(pencil)) {}
-  // The pencil of a body that is held.
+  // The pencil of a fixed body.
   explicit SolvedPencil(const Matrices& matrices, unsigned threads = 1)
       : SolvedPencil(matrices, no_motions(matrices), 0.0, threads) {}
   SolvedPencil(const SolvedPencil&) = delete;

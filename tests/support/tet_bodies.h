@@ -11,7 +11,7 @@ namespace tremolo::testing {
 
 inline const Material kTetGel{1e5, 0.4, 1000.0};
 
-// A bar along x, held at x = 0 or free.
+// A bar along x, fixed at x = 0 or free.
 inline TetModelPointer tet_bar(const std::array<int, 3>& cells, const Eigen::Vector3d& size,
                                bool held, const Material& material = kTetGel) {
   const TetMesh mesh = box_mesh(cells, size);

@@ -23,7 +23,7 @@ inline RenderBlock tiny_render() {
   render.rows = BasisRows::Zero(18, 2);
   for (Eigen::Index row = 0; row < 18; ++row)
     render.rows.row(row) << 0.0625 * static_cast<double>(row), 0.5;
-  // What lies at one place moves together.
+  // Vertices at one position move together.
   render.rows.middleRows(9, 3) = render.rows.middleRows(0, 3);
   render.rows.middleRows(12, 3) = render.rows.middleRows(6, 3);
   return render;

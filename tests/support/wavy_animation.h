@@ -45,7 +45,7 @@ inline AnimatedShape wavy_sheet(int n, Eigen::Index modes, unsigned seed = 3) {
   return shape;
 }
 
-// One body of it, its coordinates sines of an amplitude; it turns about z, twice in all, and
+// One body of it, its coordinates sines of an amplitude; it rotates about z, twice in all, and
 // glides.
 inline Animation wavy_animation(int n, Eigen::Index modes, std::size_t frames,
                                 double amplitude = 0.02) {

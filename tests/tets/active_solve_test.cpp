@@ -13,7 +13,7 @@ namespace {
 
 using namespace testing;
 
-// A x = b of a turned bar with a step's mass and stiffness, in single precision, with smooth modes
+// A x = b of a rotated bar with a step's mass and stiffness, in single precision, with smooth modes
 // or without: how many directions it took, and the solution.
 struct Searched {
   int iterations = 0;
@@ -59,7 +59,7 @@ TEST(ActiveSolve, SmoothModesSaveMostDirectionsAndChangeNoSolution) {
       BlockMatrix matrix(model->pattern());
       const double mass = 3600.0;  // of a step of 1/60 s
       system.assemble({mass, {1.0, 0.0, TangentKind::kFrozen}}, matrix);
-      // What a step has to find: a push of all of it, and of each control point by itself.
+      // Right-hand side like that of a step: a push of the whole body, and of each control point.
       Eigen::VectorXd b = random_state(random, x.size(), 1e-3), weight(x.size());
       model->mass_times(Eigen::VectorXd::Ones(x.size()), weight);
       b += weight;

@@ -167,7 +167,7 @@ TEST(TetBody, AFreeBodyKeepsItsMomentaAndMidpointItsEnergyOverALongTime) {
     if (n % 50 == 0)
       worst = std::max(worst, std::abs(body.kinetic_energy() + body.elastic_energy() - energy));
   }
-  // What is left of the torque after the last correction is some roundings; 2000 steps add up.
+  // The torque after the last correction is some roundings; 2000 steps add up.
   EXPECT_LE((body.momentum() - p).norm(), 1e-12 * p.norm());
   EXPECT_LE((body.angular_momentum() - l).norm(), 1e-10 * l.norm());
   // Midpoint conserves what is quadratic; of this energy it keeps a neighbour: no drift.
@@ -237,7 +237,7 @@ TEST(TetBody, MomentaStayWhenEdgesChangeTheirDegree) {
     EXPECT_LE((body.momentum() - p).norm(), 1e-12 * p.norm());
     EXPECT_LE((body.angular_momentum() - l).norm(), 1e-10 * l.norm());
     EXPECT_NEAR(energy - body.kinetic_energy() - body.elastic_energy(), taken, 1e-12 * energy);
-    // The turn that restores the angular momentum costs the little that it was off.
+    // The rotation that restores the angular momentum costs the little that it was off.
     EXPECT_LE(body.kinetic_energy(), kinetic * 1.001);
     // And back: nothing moves.
     const Eigen::VectorXd x = body.positions(), v = body.velocities();
@@ -376,10 +376,10 @@ TEST(TetBody, InvertedAndFlatElementsComeBackToRest) {
     }
     EXPECT_LE(cut, 20);
     ASSERT_TRUE(body.positions().allFinite());
-    // Wholly inside out the bar unfolds but for a tangle that is at rest: a hundredth of the energy
+    // From wholly inside out the bar unfolds except for a tangle at rest: a hundredth of the energy
     // stays. All other shapes are forgotten.
     EXPECT_LE(body.elastic_energy(), (squeeze > -1.0 ? 1e-6 : 0.05) * energy) << squeeze;
-    // In the tangle no corner is inside out, either: its energy is what tells of it.
+    // In the tangle no corner is inside out, either: only its energy reveals it.
     EXPECT_EQ(body.system().inverted(), 0U);
   }
 }

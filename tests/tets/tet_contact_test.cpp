@@ -61,7 +61,7 @@ TEST(TetContact, ABlockComesToRestOnTheFloorUnderItsOwnWeight) {
     ASSERT_TRUE(body.set_state(lifted(*model, 0.05), Eigen::VectorXd::Zero(model->rest().size())));
     for (int k = 0; k < 180; ++k) ASSERT_TRUE(body.step(&contact).converged) << k;
     EXPECT_LT(body.momentum().norm() / model->mass(), 1e-4);  // m/s
-    // What the floor pushes with is the weight.
+    // The floor's force is the weight.
     Eigen::VectorXd force = Eigen::VectorXd::Zero(model->rest().size());
     contact.fit(body.positions());
     contact.find(body.positions(), Eigen::VectorXd::Zero(force.size()));
@@ -106,7 +106,7 @@ TEST(TetContact, ABlockSlidesDownASlopeAsCoulombSays) {
   for (const double mu : {0.0, 0.15, 0.6}) {
     TetBodyOptions options;
     options.method = TetMethod::kImplicitEuler;
-    // The slope stands still and gravity is turned, which is the same.
+    // The slope is fixed and gravity is rotated, which is the same.
     options.gravity = kFallG * Eigen::Vector3d(std::sin(angle), 0.0, -std::cos(angle));
     options.beta = 5e-3;
     options.degree.kind = DegreeKind::kLinear;

@@ -66,7 +66,7 @@ TEST_P(TetElements, AnyRigidMotionCostsNoForceAndNoEnergy) {
 
 using FloatColumn = Eigen::Map<const Eigen::Vector3f>;
 
-// The columns of the exact tangent in single precision are those in double precision, turned.
+// The columns of the exact tangent in single precision are those in double precision, rotated.
 TEST_P(TetElements, PartsInFloatsAreThoseInDoubles) {
   TetRandom random(17);
   for (const double velocity : {0.0, 0.3})
@@ -248,7 +248,7 @@ TEST_P(TetElements, DampingsTangentIsItsDerivativeByTheVelocity) {
       tet_damping_force(tet.element, tet.elasticity, RotationLaw::kLeastEnergy, shape, v);
   EXPECT_LE((product - force).norm(), 1e-12 * force.norm());
   EXPECT_GE(force.cwiseProduct(v).sum(), 0.0);
-  // The shape as it is, turned as a rigid body, is not damped.
+  // The same shape, rotated as a rigid body, is not damped.
   NodeVectors spin = x;
   for (Eigen::Index i = 0; i < x.cols(); ++i)
     spin.col(i) = Eigen::Vector3d(1, -2, 3).cross(Eigen::Vector3d(x.col(i)));
@@ -282,7 +282,7 @@ TEST_P(TetElements, SmallStrainIsStVenantKirchhoffInTheLimit) {
     const NodeVectors expected = stvk(x);
     const double off =
         (force_at(tet, RotationLaw::kLeastEnergy, x) - expected).norm() / expected.norm();
-    // They differ by a share of the order of the strain.
+    // They differ by a fraction of the order of the strain.
     EXPECT_LE(off, 20.0 * size);
     if (before > 0.0) {
       EXPECT_NEAR(before / off, 2.0, 0.3);
@@ -334,7 +334,7 @@ TEST_P(TetElements, FlatInvertedAndCollapsedElementsHaveFiniteForcesThatMendThem
                   {1.0, 1.0, TangentKind::kExact}, blocks);
       for (std::size_t k = 0; k < count; ++k) EXPECT_TRUE(blocks[k].allFinite());
     }
-    // Steepest descent, slower than the stiffest direction: the element comes back to rest.
+    // Steepest descent, slower than the stiffest direction: the element returns to rest.
     x = random.moved(NodeVectors(std::min(1.0, 3.0 / (1.0 + map.norm())) * map * rest), 1e-3);
     const ElementStiffness k = rest_stiffness(tet.element.geometry, tet.elasticity, order());
     const double step = 0.5 / k.norm();

@@ -17,7 +17,7 @@ using testing::TetRandom;
 
 constexpr double kHeapG = 9.81;
 
-// The signed distances of a box from the origin to `size`, by which its bodies touch.
+// The signed distances of a box from the origin to `size`, used by its bodies for contact.
 TetHullPointer box_hull(const TetModelPointer& model, const Eigen::Vector3d& size) {
   GridNodes nodes;
   nodes.spacing = size.minCoeff() / 12.0;
@@ -37,7 +37,7 @@ TetHullPointer box_hull(const TetModelPointer& model, const Eigen::Vector3d& siz
   return std::make_shared<const TetHull>(model, boundary_points(*model), std::move(*grid));
 }
 
-// A state that bends and turns all of a body smoothly, and then moves it.
+// A state that bends and rotates all of a body smoothly, and then moves it.
 Eigen::VectorXd bent_state(const TetModel& model, double turn, const Eigen::Vector3d& shift) {
   const Eigen::Matrix3d r =
       Eigen::AngleAxisd(turn, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
@@ -63,7 +63,7 @@ Eigen::VectorXd shifted(const TetModel& model, const Eigen::Vector3d& by) {
   return model.rest() + by.replicate(model.rest().size() / 3, 1);
 }
 
-// Slabs of 0.2 x 0.2 x 0.1 m that fall onto the floor z = 0, one at each of the places.
+// Slabs of 0.2 x 0.2 x 0.1 m that fall onto the floor z = 0, one at each of the positions.
 struct FallingSlabs {
   FallingSlabs(DegreeKind kind, const std::vector<Eigen::Vector3d>& places,
                const TetGroupOptions& settings) {
@@ -120,7 +120,7 @@ TEST(TetTree, FindsAgainWhereAPointOfABentBodyWas) {
   EXPECT_FALSE(tree.find(x, boxes, {5.0, 0.0, 0.0}));
 }
 
-// Places that are known are not looked for again, but forces follow the velocities and the
+// Known positions are not searched again, but forces follow the velocities and the
 // friction; when one of both has moved, what is found is as if nothing had been known.
 TEST(TetContact, KnownPlacesGiveTheForcesOfAFreshSearch) {
   const Eigen::Vector3d size(0.3, 0.1, 0.1);
@@ -260,7 +260,7 @@ TEST(TetGroup, AStackComesToRestAndSleepsAndEachCarriesWhatIsAboveIt) {
     ASSERT_TRUE(group.step(slabs.reports)) << steps;
   ASSERT_EQ(group.sleeping(), 3U);
   EXPECT_LT(group.energy_of_sleep(), 3.0 * 0.5 * slabs.model->mass() * 0.005 * 0.005);
-  // What the floor pushes up with carries all three, and what the middle one passes on, one.
+  // The floor's force carries all three slabs, the force between the upper two carries one.
   for (const auto& [level, above] : {std::pair{0, 3.0}, {1, 2.0}, {2, 1.0}}) {
     double up = 0.0;
     for (std::size_t i = 0; i < 3; ++i)
@@ -284,8 +284,8 @@ TEST(TetGroup, AStackComesToRestAndSleepsAndEachCarriesWhatIsAboveIt) {
   }
 }
 
-// p.A p has the part of a touch once, or the directions are not conjugate: then it takes more than
-// four times as many as a body by itself on the floor, otherwise not twice as many.
+// p.A p has the part of a contact once, or the directions are not conjugate: then it takes more
+// than four times as many as a body by itself on the floor, otherwise not twice as many.
 TEST(TetGroup, BodiesThatPressOnEachOtherTakeAFewMoreDirections) {
   TetGroupOptions settings;
   settings.sleep_speed = 0.0;
@@ -321,7 +321,7 @@ TEST(TetGroup, SlabsThatLieFlatOnEachOtherAreSolvedAndCarried) {
   for (std::size_t i = 0; i < 2; ++i)
     for (const TetTouch& touch : group.contact(i).touches())
       if (touch.partner == kNoPartner) floor += touch.force.z();
-  // Where a step ends at a jump, a thousandth of what presses is not balanced.
+  // If a step ends at a jump, a thousandth of the pressing force is not balanced.
   EXPECT_NEAR(floor, 2.0 * slabs.model->mass() * kHeapG, 0.01 * slabs.model->mass() * kHeapG);
 }
 
@@ -344,7 +344,7 @@ TEST(TetGroup, ASleepingStackWakesWhenItIsStruckAndSleepsAgain) {
   EXPECT_GT(group.body(2).positions()[2], 0.15);
 }
 
-// A slab on a slab that is held: on a slope of angle a it slides with g (sin a - mu cos a).
+// A slab on a fixed slab: on a slope of angle a it slides with g (sin a - mu cos a).
 TEST(TetGroup, ABodySlidesOnAnotherAsCoulombSays) {
   const Eigen::Vector3d small(0.2, 0.2, 0.05), large(1.2, 0.4, 0.1);
   const TetModelPointer slab = tet_bar({2, 2, 1}, small, false);

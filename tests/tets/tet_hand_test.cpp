@@ -92,8 +92,8 @@ TEST(TetHand, ASlenderBodyIsSolvedWithTheHandToo) {
   }
 }
 
-// What newmark knows of a step's beginning has the damper at the speed of then: with F of both ends
-// the momentum goes by h/2 (F_0 + F_1).
+// At a step's beginning newmark has the damper at the speed of that time: with F of both ends the
+// momentum changes by h/2 (F_0 + F_1).
 TEST(TetHand, NewmarkBeginsWithTheDampersForce) {
   TetBodyOptions options = options_of(TetMethod::kNewmark, 0.004, 1e-11);
   TetBody body = body_with(tet_bar({2, 1, 1}, {0.2, 0.1, 0.1}, false), options);
@@ -166,7 +166,7 @@ TEST(TetHand, NewmarkGoesOnWithAHandThatMoves) {
     hand.velocity = {0.5, -0.2, 0.1};
     hand.point += options.step * hand.velocity;
     ASSERT_TRUE(body.set_hand(hand));
-    // The first time it is there anew, with its force of the step's end.
+    // In the first step it is new, with its force of the step's end.
     const Vector3d first = n == 0 ? force() : begun;
     ASSERT_TRUE(body.step().converged);
     const Vector3d given = 0.5 * options.step * (first + force());

@@ -44,7 +44,7 @@ TEST(TetSystem, FoldedForceIsTheGradientInTheFreeControlPoints) {
   const Eigen::VectorXd force = c.force_at(c.x);
   for (int trial = 0; trial < 5; ++trial) {
     const Eigen::VectorXd d = c.free_direction();
-    const double h = 1e-4;  // as a share of an edge 1e-3, where differences of fourth order serve
+    const double h = 1e-4;  // 1e-3 of an edge, where differences of fourth order serve
     const double slope = (8.0 * (c.energy_at(c.x + h * d) - c.energy_at(c.x - h * d)) -
                           (c.energy_at(c.x + 2.0 * h * d) - c.energy_at(c.x - 2.0 * h * d))) /
                          (12.0 * h);
@@ -73,7 +73,7 @@ TEST(TetSystem, MatrixIsMassAndTheForcesDerivativeAmongFreeControlPoints) {
   MixedCase c;
   BlockMatrix matrix(c.model->pattern());
   const Eigen::VectorXd d = c.free_direction();
-  Eigen::VectorXd free = d;  // entries of folded control points do not enter
+  Eigen::VectorXd free = d;  // entries of condensed control points do not enter
   for (std::size_t i = 0; i < c.model->nodes(); ++i)
     if (c.system.active()[i] == 0) free.segment<3>(3 * i).setZero();
   c.system.evaluate(c.x);
@@ -96,8 +96,8 @@ TEST(TetSystem, AllEdgesLinearIsTheLinearMesh) {
   c.system.set_degrees(std::vector<std::uint8_t>(c.model->edges(), 1));
   c.system.follow_ends(c.x);
   const double folded = c.energy_at(c.x);
-  // The same, computed as straight quadratic elements: one edge far away is told to be quadratic
-  // and moved nowhere.
+  // The same, computed as straight quadratic elements: one edge far away is set to quadratic and
+  // not moved.
   double plain = 0.0;
   for (const TetModelElement& element : c.model->elements()) {
     NodeVectors local(3, kMostNodes);

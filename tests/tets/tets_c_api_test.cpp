@@ -15,7 +15,7 @@ namespace {
 
 class CApiTets : public ::testing::Test {
  protected:
-  // Two free bars, one of them turned and spinning, above a plane that rubs.
+  // Two free bars, one of them rotated and spinning, above a plane with friction.
   void SetUp() override {
     TetsData data = testing::small_tets();
     data.held.clear();
@@ -233,7 +233,7 @@ TEST_F(CApiTets, WhatIsWrongIsSaid) {
   EXPECT_EQ(tremolo_tets_positions(world_, 2, x, 3), TREMOLO_USAGE);
   EXPECT_EQ(tremolo_tets_set_state(world_, 0, x, nullptr, 3), TREMOLO_USAGE);
   EXPECT_EQ(tremolo_tets_points(world_, 2), 0U);
-  // What is found when the world is made.
+  // Errors that are found when the world is made.
   options_.file = "gone.tets";
   ASSERT_EQ(tremolo_tets_scene_add(scene_, &options_, nullptr), TREMOLO_OK);
   tremolo_tets_world* none = nullptr;

@@ -1,4 +1,4 @@
-// The file of tetrahedra: what was written comes back, and a reader that trusts nothing.
+// The file of tetrahedra: a written file is read back, and a reader that trusts nothing.
 #include "formats/tets/tets_file.h"
 
 #include <limits>
@@ -93,8 +93,9 @@ TEST(TetsFile, ATurnedElementIsNotWritten) {
   EXPECT_NE(bytes.error().message.find("tetrahedron 3"), std::string::npos);
 }
 
-// The surface of a body in an affine motion is that motion of the surface, also of what stands out;
-// of the quadratic motion x_i + c x_0^2 within elements too, where control points are its blossom.
+// The surface of a body in an affine motion is that motion of the surface, also of the parts
+// outside; of the quadratic motion x_i + c x_0^2 within elements too, where control points are its
+// blossom.
 TEST(TetSurface, FollowsAffineAndQuadraticMotionsExactly) {
   const TetsData data = testing::small_tets();
   const auto model = TetModel::create(data.mesh, data.materials, {});
@@ -118,7 +119,7 @@ TEST(TetSurface, FollowsAffineAndQuadraticMotionsExactly) {
       x.segment<3>(3 * i) = f * rest + t + bend * square * Eigen::Vector3d::UnitZ();
     }
     surface.place(x, places, normals);
-    // The last vertex stands out of its element, where a quadratic field is continued straight.
+    // The last vertex is outside of its element, where a quadratic field is continued straight.
     const std::size_t count = bend == 0.0 ? places.size() : places.size() - 1;
     for (std::size_t v = 0; v < count; ++v) {
       const Eigen::Vector3d rest = data.surface.vertices[v];
@@ -128,7 +129,7 @@ TEST(TetSurface, FollowsAffineAndQuadraticMotionsExactly) {
       EXPECT_LT((places[v] - expected).norm(), 1e-14) << bend << " " << v;
     }
     if (bend > 0.0) continue;
-    // All triangles of this surface: the normal of the turned ones at vertex 0, which has one.
+    // All triangles of this surface: the normal of the rotated ones at vertex 0, which has one.
     const Eigen::Vector3d n = (places[1] - places[0]).cross(places[2] - places[0]).normalized();
     EXPECT_LT((normals[0].cast<double>() - n).norm(), 1e-6);  // of float
   }

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Turek & Hron's CSM3: the bar of CSM1 let go from rest under its weight, by the full model and by the
-# reduced one. Published are the mean (max + min) / 2, the amplitude (max - min) / 2 and the frequency
-# of A's motion over one oscillation. The second mode swings along, so that no oscillation is like the
-# next: compared is the average over all whole ones, and their range is told.
+# Turek & Hron's CSM3: the bar of CSM1 released from rest under its weight, by the full model and by
+# the reduced one. Published are the mean (max + min) / 2, the amplitude (max - min) / 2 and the
+# frequency of A's motion over one oscillation. The second mode also swings, so oscillations differ
+# from each other. Compared is the average over all whole ones; their range is printed.
 . "$(dirname "$0")/lib.sh"
 . "$here/bar.sh"
 

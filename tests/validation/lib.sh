@@ -12,7 +12,7 @@ out=$(cd "$2/$case_name" && pwd)
 short=${3:+yes}
 rows=$out/rows.tsv
 : >"$rows"
-# Open MPI wants to be told, as root.
+# As root, Open MPI needs explicit permission.
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 
 # make_mesh NAME AWK VARIABLE=VALUE...: OUT/NAME.veg by AWK.awk, unless it is there.
@@ -49,9 +49,9 @@ basis() {
     --modes "$r" "$@"
 }
 
-# field LOG NAME [WHICH]: a number, or a list of numbers with blanks between, of OUT/LOG.json; where
-# the name occurs several times, the last or the WHICHth. What is no number is told and left empty:
-# no criterion is met by it.
+# field LOG NAME [WHICH]: a number, or a list of numbers with blanks between, of OUT/LOG.json; if
+# the name occurs several times, the last or the WHICHth. A value that is not a number is reported
+# and left empty: no criterion is met by it.
 field() {
   local value
   value=$(tr -d '\n ' <"$out/$1.json" | grep -o "\"$2\":\[\{0,1\}[-+0-9.e,]*" | sed -n "${3-$}p" |
@@ -91,9 +91,9 @@ at_most() {
           met ? "met" : "MISSED" }' >>"$rows"
 }
 
-# off_full WHAT FRACTION PERCENT: how far a reduced model is off the full one. Of quadratic elements it
-# is told alone: among their lowest modes are the strips' torsions, which linear elements lock out, and
-# as many coordinates bend less.
+# off_full WHAT FRACTION PERCENT: how far a reduced model is off the full one. With quadratic
+# elements it has no criterion: their lowest modes include the strips' torsions, which linear
+# elements lock out, and as many coordinates bend less.
 off_full() {
   if [ "${ORDER:-1}" = 1 ]; then at_most "$@"; else told "$1" "$(percent "$2")"; fi
 }

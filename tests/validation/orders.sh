@@ -39,7 +39,7 @@ compare() {
   told "$1: linear, as many unknowns" "$(percent "$equal_size") off"
   told "$1: linear, as much time" "$(percent "$equal_time") off"
   if [ "$1" = CSM3 ]; then
-    # What is published is of one oscillation, and no two are alike: 0.3 % are of the kind compared.
+    # The published value is for one oscillation, and oscillations differ by 0.3 %.
     told "$1: quadratic, $unknowns unknowns, $time s" "$(percent "$off") off"
   else
     bound=$equal_size

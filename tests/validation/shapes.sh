@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# What linear elements lock in, with linear and quadratic ones side by side, whatever ORDER says: a
+# Cases in which linear elements lock, with linear and quadratic ones side by side, for any ORDER: a
 # thin square plate clamped at its four edges, a hoop (a thin curved shell, free), and slender
 # cantilevers that can hardly be compressed. Lowest frequencies against published ones and closed
-# forms. Quadratic elements are judged; of linear ones it is told how far they are off. Every run
-# leaves a row in OUT/shapes/points.tsv for tests/charts/orders.py: body, order, cells, dofs, seconds, error.
+# forms. Quadratic elements have a criterion; the error of linear ones is printed. Every run leaves
+# a row in OUT/shapes/points.tsv for tests/charts/orders.py: body, order, cells, dofs, seconds,
+# error.
 . "$(dirname "$0")/lib.sh"
 
 points=$out/points.tsv

@@ -40,7 +40,7 @@ BEGIN {
   print "TET"
   print 3 * triangles, 4, 0
   for (t = 0; t < triangles; t++) {
-    # Rising numbers, so that neighbours cut their common wall alike.
+    # Rising numbers, so that neighbours cut their common wall in the same way.
     swapped = first[t] > second[t]
     p = swapped ? second[t] : first[t]
     q = swapped ? first[t] : second[t]

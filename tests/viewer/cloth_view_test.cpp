@@ -91,7 +91,7 @@ TEST(ClothView, MethodsAndStepsAreSwitchedAndRefusedBeyondTheirLimit) {
   EXPECT_EQ(scenes->step_size(), 1e-4);
 }
 
-// Two pulls, of which the second is not let go.
+// Two pulls, of which the second is not released.
 TEST(ClothView, ARecordedHandDoesItAgainToTheBit) {
   for (const char* method : {"implicit-euler", "bdf2", "energy"}) {
     Result<ClothFile> file = parse_cloths(kSquare, "square.toml");

@@ -1,4 +1,4 @@
-// What the hand did is written as a scene, and the scene does it again, bit for bit.
+// The hand's motion is written as a scene, and the scene repeats it, bit for bit.
 #include "runtime/viewer/live/hand_record.h"
 
 #include <chrono>
@@ -23,7 +23,7 @@ ViewFlags no_flags() {
   return {RunOptions{}, [](const char*) { return false; }, [](RunOptions&) {}};
 }
 
-// A ray towards the middle of the triangle of the body's surface that lies farthest along `way`.
+// A ray towards the middle of the triangle of the body's surface that is farthest along `way`.
 CameraRay ray_at(const SceneWorld& world, std::size_t i, const Vector3d& way) {
   const Body& body = world.body(i);
   const auto& rest = body.model().drawn().rest;
@@ -120,7 +120,7 @@ TEST(HandRecord, AnUnwritablePlaceIsNamed) {
   EXPECT_NE(written.error().message.find("/nonexistent/hand.toml"), std::string::npos);
 }
 
-// The thread keeps the clock's pace, stops when it is told, steps once, and begins again.
+// The thread keeps the clock's pace, stops on request, steps once, and begins again.
 TEST(Runner, FollowsTheClockAndDoesWhatItIsTold) {
   const auto viewed = read_viewed_scene(testing::sample_model("beam"), no_flags());
   ASSERT_TRUE(viewed);
@@ -142,7 +142,7 @@ TEST(Runner, FollowsTheClockAndDoesWhatItIsTold) {
   const double passed = std::chrono::duration<double>(Runner::Clock::now() - begun).count();
   runner.settle();
   const RunnerReport report = runner.report();
-  // What was given up is told; a step more or less at each end.
+  // The time given up is reported; a step more or less at each end.
   EXPECT_NEAR(report.time + 0.25 * report.lost, 0.003 + 0.25 * passed, 0.02);
   WorldMoment moment;
   runner.look(moment);

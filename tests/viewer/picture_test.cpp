@@ -17,7 +17,7 @@ using testing::fresh_folder;
 using testing::shoot;
 using testing::Shots;
 
-// How much of each pixel a body covers, 0 to 1.
+// Coverage of each pixel by a body, 0 to 1.
 struct Mask {
   int width = 0, height = 0;
   std::vector<double> cover;
@@ -63,7 +63,7 @@ double side_of(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::
   return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
 }
 
-// Each pixel has kFine x kFine places, one behind the other.
+// Each pixel has kFine x kFine samples, one behind the other.
 constexpr int kFine = 4;
 
 void fill(std::vector<char>& inside, int width, int height, const Eigen::Vector2d& a,
@@ -110,7 +110,7 @@ Mask seen_mask(const Picture& picture) {
   return mask;
 }
 
-// Four samples tell a pixel that is partly covered to a quarter: outlines are a thousand such
+// Four samples measure a partly covered pixel to a quarter: outlines are a thousand such
 // pixels, whose errors are of either sign.
 void expect_alike(const Mask& seen, const Mask& expected) {
   ASSERT_EQ(seen.cover.size(), expected.cover.size());
@@ -148,7 +148,7 @@ TEST(ViewerPicture, ABodyAtRestIsWhereItsVerticesAre) {
   }
 }
 
-// The moments of the pictures lie between steps.
+// The times of the pictures are between steps.
 TEST(ViewerPicture, AMovingBodyMovesAsTheStatesSay) {
   if (const std::string why = testing::no_pictures(); !why.empty()) GTEST_SKIP() << why;
   const std::string file = testing::sample_model("beam");
@@ -245,7 +245,7 @@ TEST(ViewerPicture, ASceneOfBodiesAndCollidersIsDrawn) {
   if (const std::string why = testing::no_pictures(); !why.empty()) GTEST_SKIP() << why;
   const Shots shots = shoot(fresh_folder(), TREMOLO_SOURCE_DIR "/assets/scenes/bells.toml",
                             "--size 300x200 --frames 2 --rate 10 --lights 8");
-  // The scene names its models beside itself, in a tree that has them.
+  // The scene names models next to itself, in a tree that has them.
   if (shots.result.code == 1 && shots.result.err.find("no such basis file") != std::string::npos)
     GTEST_SKIP() << shots.result.err;
   ASSERT_EQ(shots.result.code, 0) << shots.result.err;

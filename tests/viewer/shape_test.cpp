@@ -1,4 +1,4 @@
-// What colliders look like lies where their distance is zero, is closed, and faces outwards.
+// The shape of a collider is where its distance is zero, is closed, and faces outwards.
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -66,7 +66,7 @@ Collider ball_on_a_grid(std::uint32_t nodes, double radius) {
   return GridShape{std::make_shared<const DistanceGrid>(std::move(*made))};
 }
 
-// Also of a grid so fine that only every second node is looked at.
+// Also for a grid so fine that only every second node is used.
 TEST(ColliderShape, OfAGridIsClosedAndWhereItsDistanceIsZero) {
   for (const std::uint32_t nodes : {24U, 120U}) {
     const Collider ball = ball_on_a_grid(nodes, 0.6);

@@ -140,7 +140,7 @@ struct BeamSection {
   }
 };
 
-// How far the beam goes aside along an axis, at each of so many sections: the mean of a section's
+// Deflection of the beam along an axis, at each of so many sections: the mean of a section's
 // vertices.
 std::vector<double> sections_of(const DrawnSurface& drawn, const Eigen::VectorXd& u, int axis,
                                 std::size_t count) {

@@ -31,8 +31,8 @@ TetsSurface drawn_boundary(const TetMesh& mesh) {
   return drawn;
 }
 
-// Writes a scene of a bar whose end is held and of a free one half a metre above it; returns its
-// name. world: its first lines; held, free: what is said of the two.
+// Writes a scene of a bar whose end is fixed and of a free one half a metre above it; returns its
+// name. world: its first lines; held, free: further lines of the two.
 std::string write_bars(const std::string& folder, TetsData data, const std::string& world,
                        const std::string& held, const std::string& free) {
   EXPECT_TRUE(write_tets(folder + "/held.tets", data));
@@ -137,7 +137,7 @@ TEST(TetsView, ARayTakesTheNearestVertexFromEverySide) {
 TEST(TetsView, AHandPullsAHeldBarFourFifthsOfItsWayAndTakesAFreeOneAlong) {
   Result<TetsScenes> scenes = scenes_of(two_whole_bars(fresh_folder()));
   ASSERT_TRUE(scenes) << scenes.error().message;
-  // What is fixed cannot be pulled.
+  // Fixed vertices cannot be pulled.
   EXPECT_FALSE(scenes->take({Vector3d(-1.0, 0.01, 0.01), Vector3d::UnitX()}));
   ASSERT_TRUE(scenes->take({Vector3d(1.0, 0.09, 0.09), -Vector3d::UnitX()}));
   const Vector3d begun = *scenes->held();
@@ -148,14 +148,14 @@ TEST(TetsView, AHandPullsAHeldBarFourFifthsOfItsWayAndTakesAFreeOneAlong) {
     ASSERT_TRUE(scenes->step());
   }
   // The spring is measured with quadratic edges; of those that choose, some stay linear here, and
-  // the bar is up to half as stiff again: 0.73 of the way.
+  // the bar is up to half as stiff again: 0.73 of the displacement.
   EXPECT_NEAR((*scenes->held() - begun).z(), 0.8 * way.z(), 0.08 * way.z());
   scenes->let_go();
   for (int k = 0; k < 600; ++k) ASSERT_TRUE(scenes->step());
   ASSERT_TRUE(scenes->take({Vector3d(1.0, 0.09, 0.09), -Vector3d::UnitX()}));
   EXPECT_LE((*scenes->held() - begun).norm(), 1e-5);
   // The free one follows, and swings about the hand with 2 Hz: after four seconds it is there, and
-  // turns a little.
+  // rotates a little.
   ASSERT_TRUE(scenes->take({Vector3d(0.1, 0.05, 3.0), -Vector3d::UnitZ()}));
   const Vector3d taken = *scenes->held(), goal = taken + Vector3d(0.0, 0.0, 0.3);
   scenes->move_to(goal);

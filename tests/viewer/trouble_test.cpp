@@ -1,4 +1,4 @@
-// What the viewer says when something is missing or wrong: words, the exit code, nothing half-done.
+// The viewer's answer to missing or wrong input: message, exit code, nothing half-done.
 #include <filesystem>
 #include <fstream>
 #include <string>

@@ -1,4 +1,4 @@
-// What tests of the viewer share: the program, its pictures, where it cannot draw.
+// Common parts of the viewer's tests: the program, its pictures, systems on which it cannot draw.
 #pragma once
 
 #include <string>

@@ -1,8 +1,8 @@
 // Basis files that are none, in the engine for pages: each is refused in the reader's words or
 // becomes a model that can step; nothing traps, and memory is given back. The engine is one that
-// does not look at checksums, so that damage gets as far as it can.
+// does not check checksums, so that damage gets as far as it can.
 // usage: node corpus_test.mjs PACKAGE GOLDEN [CORPUS...]
-// PACKAGE: tremolo.mjs with that engine beside it. GOLDEN, CORPUS: folders of files.
+// PACKAGE: tremolo.mjs with that engine next to it. GOLDEN, CORPUS: folders of files.
 import assert from 'node:assert/strict';
 import { existsSync, readFileSync, readdirSync, statSync } from 'node:fs';
 import { join } from 'node:path';
@@ -58,7 +58,7 @@ for (const bytes of [...whole, ...corpora.flatMap(filesOf)]) read(bytes);
 assert.ok(counts.models >= whole.length, 'the golden files are models');
 for (const bytes of whole) for (let length = 0; length < bytes.length; length += 7) read(bytes.slice(0, length));
 for (let k = 0; k < 3000; ++k) read(damaged(whole[k % whole.length]));
-// What was refused has given its memory back.
+// A refused file has returned its memory.
 const size = tremolo.engine.HEAPU8.length;
 for (let k = 0; k < 1000; ++k) read(damaged(whole[k % whole.length]));
 console.log(`${counts.models} models, ${counts.refused} refused, ${size >> 20} MB`);

@@ -40,7 +40,7 @@ for (const file of ['tremolo.mjs', 'tremolo.single.mjs']) {
     assert.ok(size > 0 && worst <= 1e-9 * size, `${integrator}: ${worst / size}`);
     body.release();
   }
-  // The account: what pulls at a body is what its energy is.
+  // The energy balance: the work of the pull is the body's energy.
   const body = model.createBody({ frame: 'fixed' });
   body.setContact();
   const rest = body.positions(), corners = model.corners();
@@ -57,7 +57,7 @@ for (const file of ['tremolo.mjs', 'tremolo.single.mjs']) {
   assert.ok(before > 0);
   body.step(2000);
   assert.ok(Math.abs(body.energy().total - before) <= 1e-12 * before);
-  // Errors carry the library's words and change nothing.
+  // Errors have the library's message and change nothing.
   const refused = (work, kind, words) => assert.throws(work, (error) =>
     error instanceof TremoloError && error.kind === kind && error.message.includes(words));
   refused(() => tremolo.loadModel(bytes.subarray(0, 1000)), 'content', 'memory');
@@ -117,7 +117,7 @@ for (const file of ['tremolo.mjs', 'tremolo.single.mjs']) {
   assert.deepEqual(started, sizes);
 }
 
-// The core is small, and what is left out of it is in the full module. A body of both moves alike,
+// The core is small; the parts left out of it are in the full module. A body of both moves equally,
 // to the bit, also in a hand.
 const sizeOf = (...names) => names.reduce((sum, name) =>
   sum + gzipSync(readFileSync(join(packagePath, name)), { level: 9 }).length, 0);
@@ -158,7 +158,8 @@ assert.ok(driven.positions().every((x, i) => Math.abs(x - atRest[i] - 1 - (i % 3
 driven.setGravity([0, 0, -9.81]);
 driven.step(10);
 assert.ok(driven.energy().total > 0);
-// A plate that comes down on a body presses it down: nothing is above it but what contact lets in.
+// A plate that moves down onto a body presses it down: nothing is above it except by contact's
+// depth.
 const pressed = horse.createBody({ step: kStep }), top = (all) => all.reduce((most, z, i) =>
   (i % 3 === 2 ? Math.max(most, z) : most), -Infinity);
 pressed.setContact();

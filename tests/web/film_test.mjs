@@ -1,5 +1,5 @@
-// A page with a recorded motion in Chromium, from disk: it moves, its places are the run's, its
-// charts zoom, tell values and hide curves.
+// A page with a recorded motion in Chromium, from disk: it moves, its positions are the run's, its
+// charts zoom, show values and hide curves.
 // usage: node film_test.mjs INDEX.HTML CHROMIUM PHOTOS RUN
 // RUN: a folder of `tremolo run --out RUN --surfaces N --surface-format obj`: what moves on the page.
 import assert from 'node:assert/strict';
@@ -21,7 +21,7 @@ page.on('request', (request) => requests.push(request.url()));
 await page.goto(pathToFileURL(index).href);
 await page.waitForFunction(() => window.tremoloFilm?.player.frames > 2, null, { timeout: 60000 });
 
-// The share of the stage that is coloured as a body is, and how much two pictures differ.
+// The fraction of the stage that is coloured as a body is, and how much two pictures differ.
 const look = () => page.evaluate(() => {
   const from = document.getElementById('scene'), flat = document.createElement('canvas');
   [flat.width, flat.height] = [from.width, from.height];
@@ -36,7 +36,7 @@ const look = () => page.evaluate(() => {
   window.lastLook = data;
   return { share: count / (data.length / 4), changed: changed / (data.length / 4) };
 });
-// What is asked for is drawn in the picture after the next.
+// A requested frame is drawn in the picture after the next.
 const settle = () => page.evaluate(() => new Promise((resolve) => {
   const wanted = window.tremoloFilm.player.frames + 2;
   const wait = () => (window.tremoloFilm.player.frames >= wanted ? resolve() : requestAnimationFrame(wait));
@@ -48,7 +48,7 @@ const seek = async (t) => {
   await settle();
 };
 
-// It moves by itself, stands still when paused, and slowly when told so.
+// It moves by itself, is at rest when paused, and is slow on request.
 const seen = await look();
 assert.ok(seen.share > 0.02 && seen.share < 0.6, `the body covers ${seen.share} of the stage`);
 const began = await time();
@@ -77,7 +77,7 @@ const slow = await page.evaluate((from) => (window.tremoloFilm.player.time - 1.4
 assert.ok(slow < 0.05, `${slow} of real time, asked for a fiftieth`);
 await page.click('#play');
 
-// The bar goes to a time, the mouse turns the camera.
+// The bar moves to a time, the mouse rotates the camera.
 await page.fill('#time', '2.5');
 await settle();
 assert.ok(Math.abs((await time()) - 2.5) < 1e-9);

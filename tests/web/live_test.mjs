@@ -1,4 +1,4 @@
-// The page of ./demo --live in Chromium, from disk: the engine's page stands in it, its body is
+// The page of ./demo --live in Chromium, from disk: the engine's page is in it, its body is
 // pulled there, and the recorded motion is behind a button.
 // usage: node live_test.mjs INDEX.HTML CHROMIUM PHOTOS
 import assert from 'node:assert/strict';

@@ -20,7 +20,7 @@ await page.waitForFunction(() => window.tremoloPage?.frames > 2, null, { timeout
 const firstFrame = await page.evaluate(() => window.tremoloPage.firstFrame);
 console.log(`first picture ${firstFrame.toFixed(0)} ms after the script began`);
 
-// The share of the middle's pixels that are neither floor nor sky: coloured, or dark.
+// The fraction of the middle's pixels that are neither floor nor sky: coloured, or dark.
 const body = () => page.evaluate(() => {
   const from = document.getElementById('scene'), flat = document.createElement('canvas');
   flat.width = from.width;
@@ -44,7 +44,7 @@ assert.ok(seen.share > 0.02 && seen.share < 0.6, `the horse covers ${seen.share}
 assert.ok(Math.abs(seen.x - 0.5) < 0.15 && Math.abs(seen.y - 0.5) < 0.2);
 await page.screenshot({ path: join(photos, 'horse.png') });
 
-// It moves by itself after the first blow, and stands still when paused.
+// It moves by itself after the first blow, and is at rest when paused.
 const state = () => page.evaluate(() => Array.from(window.tremoloPage.now));
 const moved = async () => {
   const before = await state();
@@ -64,7 +64,7 @@ const start = await energy();
 await page.waitForTimeout(1500);
 assert.ok(Math.abs((await energy()) - start) < 1e-6 * start);
 
-// A pull at the body puts energy in; one beside it turns the camera.
+// A pull at the body puts energy in; one next to it rotates the camera.
 const target = { x: 900 * seen.x, y: 640 * seen.y };
 const at = await page.evaluate(() => document.getElementById('scene').getBoundingClientRect().toJSON());
 await page.mouse.move(at.x + target.x, at.y + target.y);
@@ -114,7 +114,7 @@ await page.waitForFunction((frames) => window.tremoloPage.frames > frames + 1, d
 const again = await body();
 assert.ok(again.share > 0.01, `after the context came back the body covers ${again.share} of the picture`);
 
-// A file that is none.
+// A file that is not a model.
 const wrong = join(photos, 'wrong.tremolo');
 writeFileSync(wrong, 'this is no basis file, though it is long enough to be looked at closely');
 await page.evaluate(async (text) => {

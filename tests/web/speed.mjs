@@ -1,5 +1,6 @@
-// Steps of ep4 in node and in Chromium beside those of the native engine, by turns: horse and heart swing freely
-// after an impulse of one step. Prints the least of the series in each; nothing is judged.
+// Steps of ep4 in node and in Chromium compared with those of the native engine, alternately: horse
+// and heart swing freely after an impulse of one step. Prints the least of the series in each;
+// nothing is judged.
 // usage: node speed.mjs BUILD CHROMIUM; where run.sh has installed what it needs
 import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';

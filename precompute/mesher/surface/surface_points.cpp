@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "precompute/mesher/surface/point_cells.h"
+#include "common/mesh/point_cells.h"
 
 namespace tremolo {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <CGAL/Polygon_mesh_processing/repair_polygon_soup.h>
 
-#include "precompute/mesher/surface/point_cells.h"
+#include "common/mesh/point_cells.h"
 #include "precompute/mesher/surface/surface_geometry.h"
 
 namespace tremolo {

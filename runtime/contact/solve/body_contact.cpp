@@ -1,8 +1,11 @@
 // Body: contact with colliders.
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "common/mesh/tet_mesh.h"
 #include "common/number_text.h"
@@ -12,6 +15,52 @@
 #include "runtime/contact/solve/step_parts.h"
 
 namespace tremolo {
+namespace {
+
+// Whether it is the same solid.
+struct SameShape {
+  const Collider& other;
+
+  bool operator()(const PlaneShape&) const { return true; }
+  bool operator()(const SphereShape& shape) const {
+    return shape.radius == std::get<SphereShape>(other).radius;
+  }
+  bool operator()(const CapsuleShape& shape) const { return same_sizes(shape); }
+  bool operator()(const BoxShape& shape) const {
+    return shape.half_extents == std::get<BoxShape>(other).half_extents;
+  }
+  bool operator()(const CylinderShape& shape) const { return same_sizes(shape); }
+  bool operator()(const GridShape& shape) const {
+    return shape.grid == std::get<GridShape>(other).grid;
+  }
+  template <class Shape>
+  bool same_sizes(const Shape& shape) const {
+    const Shape& its = std::get<Shape>(other);
+    return shape.radius == its.radius && shape.half_length == its.half_length;
+  }
+};
+
+// check_reach(), but for copies: what was found good last is not looked at again.
+Status check_reach_once(const Model::Pointer& model, const Collider& shape) {
+  struct Good {
+    std::weak_ptr<const Model> model;
+    Collider shape;
+  };
+  static std::mutex mutex;
+  static Good last;
+  {
+    const std::lock_guard hold(mutex);
+    if (last.model.lock() == model && last.shape.index() == shape.index() &&
+        std::visit(SameShape{last.shape}, shape))
+      return Success{};
+  }
+  if (Status s = check_reach(*model, shape); !s) return s;
+  const std::lock_guard hold(mutex);
+  last = {model, shape};
+  return Success{};
+}
+
+}  // namespace
 
 Status Body::set_contact(const ContactOptions& options) {
   if (bones() > 1) return usage_error("a body on several bones touches nothing");
@@ -37,7 +86,7 @@ Status Body::set_contact(const ContactOptions& options) {
   if (!(bounding_box(model_->surface().rest).diagonal() > 0.0))
     return usage_error("contact needs a boundary of more than one vertex");
   if (options.shape)
-    if (Status s = check_reach(*model_, *options.shape); !s) return s;
+    if (Status s = check_reach_once(model_, *options.shape); !s) return s;
   contact_ = std::make_shared<ContactStep>(model_, options_, options, model_->inertia()->mass,
                                            frame() == FrameKind::kFree);
   return Success{};

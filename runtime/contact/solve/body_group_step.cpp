@@ -5,12 +5,16 @@
 #include <system_error>
 #include <thread>
 
+#include "common/thread_limit.h"
 #include "runtime/contact/solve/body_group.h"
 
 namespace tremolo {
 
 Status BodyGroup::set_threads(unsigned threads) {
   if (threads == 0) threads = std::max(1U, std::thread::hardware_concurrency());
+  if (threads > kMostThreads)
+    return content_error(std::to_string(threads) + " threads: at most " +
+                         std::to_string(kMostThreads));
   if (threads == this->threads()) return Success{};
   try {
     pool_ = threads > 1 ? std::make_unique<ThreadPool>(threads) : nullptr;

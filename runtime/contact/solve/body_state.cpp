@@ -1,6 +1,7 @@
 // Body: saves and restores its state between steps; sets other damping, another method.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <string>
 #include <utility>
 
@@ -18,6 +19,31 @@ SavedState state_of(const Body& body) {
           TREMOLO_VERSION,
           {{"model", body.model().content_hash()}, {"method or frame", body.content_hash()}},
           {}};
+}
+
+// Whether everything that the thing carries, doubles alone, is finite.
+template <class Doubles>
+bool all_finite(const Doubles& thing) {
+  const std::string bytes = state_bytes(thing);
+  for (std::size_t at = 0; at < bytes.size(); at += sizeof(double)) {
+    double value = 0.0;
+    std::memcpy(&value, bytes.data() + at, sizeof(value));
+    if (!std::isfinite(value)) return false;
+  }
+  return true;
+}
+
+bool is_finite_account(const ContactAccount& account) {
+  for (const double value : {account.energy, account.work, account.lost, account.rubbed,
+                             account.given, account.surplus, account.hand_work, account.hand_damped,
+                             account.penetration, account.joint_work, account.way, account.impulse})
+    if (!std::isfinite(value)) return false;
+  return account.impulse_vector.allFinite();
+}
+
+bool is_finite_grip(const Grip& grip) {
+  return std::isfinite(grip.work) && std::isfinite(grip.damped) && grip.start.allFinite() &&
+         grip.end.allFinite() && grip.force.allFinite();
 }
 
 }  // namespace
@@ -72,11 +98,16 @@ void Body::carry(StateStream& stream) {
   stream(state_, steps_, iterations_, halved_steps_, sums_, bound_, steps_since_look_);
   stream(sound_, sound_rigid_, sound_sums_);
   stream.require(steps_ >= 0 && state_.q.allFinite() && state_.p.allFinite());
+  stream.require(sound_.q.allFinite() && sound_.p.allFinite());
+  if (stream.reads()) stream.require(all_finite(sums_) && all_finite(sound_sums_));
   carry_frame(stream);
   carry_forces(stream);
   carry_hands(stream);
   place_forces_.carry(stream);
   if (contact_) contact_->carry(stream);
+  if (contact_ && stream.reads()) stream.require(is_finite_account(contact_->account()));
+  if (stream.reads())
+    for (const Grip& grip : grips_) stream.require(is_finite_grip(grip));
   if (stream.good()) integrator_->carry(stream);
 }
 

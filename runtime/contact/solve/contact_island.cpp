@@ -20,7 +20,7 @@ constexpr double kConverged = 0.1;
 // kHopeless iterations.
 constexpr int kHopeless = 25;
 constexpr double kFarOff = 1e6;
-// with a residual this large other attempts are skipped and the step is subdivided
+// With a residual this large other attempts are skipped and the step is subdivided.
 constexpr double kBeyond = 1e8;
 
 }  // namespace

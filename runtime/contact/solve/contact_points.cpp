@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <mutex>
 #include <numbers>
 #include <numeric>
+#include <tuple>
 
 #include "runtime/contact/solve/shape_reach.h"
 
@@ -140,6 +143,30 @@ ContactPoints choose_contact_points(const Model& model, std::size_t most, const 
   for (std::size_t k = 0; k < chosen.size(); ++k) area_of[chosen[k]] = areas[k];
   for (const std::size_t vertex : order) points.areas.push_back(area_of[vertex]);
   points.area = std::accumulate(areas.begin(), areas.end(), 0.0);
+  return points;
+}
+
+std::shared_ptr<const ContactPoints> shared_contact_points(const Model::Pointer& model,
+                                                           std::size_t most,
+                                                           const Collider* shape) {
+  // Of the shape the points hold the size of a ball alone.
+  struct Made {
+    std::weak_ptr<const Model> model;
+    std::weak_ptr<const ContactPoints> points;
+  };
+  static std::mutex mutex;
+  static std::map<std::tuple<const Model*, std::size_t, double>, Made> made;
+  double radius = 0.0;
+  if (shape != nullptr) {
+    const BoundingBox box = bounding_box(model->surface().rest);
+    radius = radius_about(*shape, 0.5 * (box.low + box.high));
+  }
+  const std::lock_guard hold(mutex);
+  Made& known = made[{model.get(), most, radius}];
+  if (auto points = known.points.lock(); points && known.model.lock() == model) return points;
+  auto points = std::make_shared<const ContactPoints>(choose_contact_points(*model, most, shape));
+  known = {model, points};
+  std::erase_if(made, [](const auto& entry) { return entry.second.points.expired(); });
   return points;
 }
 

@@ -1,6 +1,7 @@
 // The contact points of a body: a subset of its boundary's vertices, in groups.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -58,5 +59,10 @@ struct ContactPoints {
 // that gap falls as fast as possible. shape: the shape with which other bodies collide; null: none.
 ContactPoints choose_contact_points(const Model& model, std::size_t most,
                                     const Collider* shape = nullptr);
+
+// The same, made once for all bodies of the model that have as many points and as large a shape. It
+// may be called on several threads at once.
+std::shared_ptr<const ContactPoints> shared_contact_points(const Model::Pointer& model,
+                                                           std::size_t most, const Collider* shape);
 
 }  // namespace tremolo

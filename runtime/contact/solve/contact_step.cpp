@@ -27,9 +27,8 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
                          const ContactOptions& contact, double mass, bool free)
     : model_(std::move(model)),
       options_(options),
-      points_(std::make_shared<const ContactPoints>(
-          choose_contact_points(*model_, static_cast<std::size_t>(contact.points),
-                                contact.shape ? &*contact.shape : nullptr))),
+      points_(shared_contact_points(model_, static_cast<std::size_t>(contact.points),
+                                    contact.shape ? &*contact.shape : nullptr)),
       mass_(mass),
       can_move_(free),
       feels_(contact.colliders),

@@ -32,7 +32,7 @@ namespace tremolo {
 // deformed of the centre.
 struct ContactBall {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // in the world, m
-  // m; without contact no point goes farther than travel in the step
+  // All in m. Without contact no point goes farther than travel in the step.
   double radius = 0.0, deformed = 0.0, travel = 0.0;
 };
 
@@ -48,7 +48,7 @@ ContactRenewal renewal(int iteration, double size, bool hold);
 // True if the next move is one of Newton's method in which friction limits follow the force.
 // Otherwise limits are constant along the move, and a line search uses the slope (line_search.h).
 bool limits_follow(int iteration, double size, bool hold);
-// Where no move lowers the residual, a residual below this multiple of the small size is rounding.
+// If no move lowers the residual, a residual below this multiple of the small size is rounding.
 double near_rounding(bool hold);
 // The shortest length along such a move that is tried.
 double shortest_following(int iteration);

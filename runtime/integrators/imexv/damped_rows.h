@@ -1,12 +1,12 @@
-// The middle of `imexv` where the damping depends on q (solve/strain_damping.h): it couples low and
-// high rows, so that all of them are solved for, with all of the damping in it.
+// The middle of `imexv` where the damping depends on q (solve/strain_damping.h). It couples low and
+// high rows. Therefore all of them are solved for, with all of the damping included.
 //
 //     low rows     d - h p + (h/2) [D d + rest(qm) d] = 0
 //     high rows    (d - h p)/g + (h^2/2) [R(qm) - f] + (h/2) [D d + rest(qm) d] = 0
 //
 //     p <- p + (2/g) (d/h - p),  q <- q + d,        qm = q + d/2,  g = 1 on the low rows
 //
-// The kicks of the low rows before and after have no damping in them. Newton's method with LU: R's
+// The kicks of the low rows before and after have no damping. Newton's method uses LU, because R's
 // dependence on the low rows makes the Jacobian unsymmetric.
 #pragma once
 
@@ -18,17 +18,17 @@
 
 namespace tremolo {
 
-// D of all rows, and g with theta of the high rows as far as stiff_share() lets it; 1 on low rows.
+// D of all rows, and g with theta of the high rows, reduced by stiff_share(); 1 on low rows.
 DampedMidpoint make_split_midpoint(const Model& model, const IntegratorOptions& options,
                                    Split split);
 
 class DampedRows {
  public:
-  // The model must live on.
+  // The model must outlive this.
   DampedRows(const Model& model, const IntegratorOptions& options);
 
   // Advances all rows, low of them explicit. f: the load's average over the step, r. dissipated:
-  // exact for these rows, J. Where it does not converge the state is as before.
+  // exact for these rows, J. If it does not converge, the state is as before.
   StepReport advance(Split split, StrainDamping& strain, State& state, const Eigen::VectorXd& f);
 
  private:

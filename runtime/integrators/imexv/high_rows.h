@@ -1,5 +1,5 @@
 // The implicit half of the splitting methods: the midpoint rule on the high rows alone, while the
-// low rows go from q0_l to q1_l by themselves.
+// low rows move from q0_l to q1_l independently.
 #pragma once
 
 #include <memory>
@@ -13,19 +13,20 @@
 
 namespace tremolo {
 
-// How the damping force on the high rows is written.
+// Form of the damping force on the high rows.
 enum class HighDamping {
   kMeanVelocity,  // D d/h, with theta of runtime/integrators/solve/damping.h: second order
   kEndVelocity,   // D p1, p1 = 2 d/h - p0: first order, the thesis's
 };
 
-// When the solve has converged.
+// Criterion for convergence of the solve.
 enum class SolveNorm {
   kRelative,  // |residual|_2 <= tolerance * max(h |p|, h^2 |R|, h^2 |f|) over the high rows
   kAbsolute,  // max |residual_i| <= tolerance
 };
 
-// Scratch of one or more HighRows that take turns. Its contents mean nothing between calls.
+// Buffers shared by HighRows that are used one at a time. Their contents are undefined between
+// calls.
 struct HighScratch {
   explicit HighScratch(const Potential& potential)
       : workspace(potential.make_workspace(kUseSegment)),
@@ -39,7 +40,7 @@ struct HighScratch {
 
 class HighRows {
  public:
-  // The model must live on. scratch: one's own if none is given.
+  // The model must outlive this. scratch: null makes its own.
   HighRows(const Model& model, Split split, const IntegratorOptions& options, HighDamping damping,
            SolveNorm norm, std::shared_ptr<HighScratch> scratch = nullptr);
 
@@ -47,12 +48,12 @@ class HighRows {
   // before it. f: average of the load over the step, r. Solves
   //     (d - h p0)/g + (h^2/2) [R(qm) + damping force - f]_h = 0,      p1 = p0 + (2/g) (d/h - p0)
   // with g = 1 + 2 theta h D, or 1 for kEndVelocity, and moves the high rows of state to the end;
-  // leaves them alone if it does not converge. The damping force has its rest at qm, with the mean
-  // velocity of all rows. dissipated: what damping took of the high rows, J.
+  // they are unchanged if it does not converge. The damping force has its rest at qm, with the mean
+  // velocity of all rows. dissipated: energy that damping took from the high rows, J.
   StepReport advance(const Eigen::VectorXd& q0, State& state, const Eigen::VectorXd& f);
 
   // rest(qm) d of StrainDamping in the last step, d the change of all rows: the impulse of that
-  // damping, r. On the high rows it has acted; on the low rows the caller lets it act.
+  // damping, r. It has acted on the high rows; the caller applies it to the low rows.
   const Eigen::VectorXd& rest() const { return rest_; }
 
  private:

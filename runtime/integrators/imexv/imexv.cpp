@@ -14,8 +14,8 @@
 // with g = 1 + 2 theta h D_h; DampedKick and theta: runtime/integrators/solve/damping.h. fm is the
 // load's average over the step. Where the
 // damping depends on q, it couples all rows and the middle is that of damped_rows.h. While the high
-// rows are solved the low ones stand still, so the unknowns and the rows that are evaluated are the
-// high ones only.
+// rows are solved the low ones are constant, so the unknowns and the rows that are evaluated are
+// the high ones only.
 //
 // Second order, also with load and damping; time-reversible without damping. Symplectic only where
 // V does not couple low and high rows. All low: it is `verlet`; all high and undamped: it is

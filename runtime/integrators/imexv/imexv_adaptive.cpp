@@ -14,14 +14,15 @@
 //     explicit again.
 //
 // The bound is necessary, not sufficient: V couples low and high rows, `imexv` is symplectic only
-// where it does not, and strong coupling can feed energy in while every block obeys. So the balance
-// is watched too: a step after which H exceeds what was there and was put in by a tenth is done
-// again with half of the low coordinates, the others implicit for good (until reset()), and the
-// watch begins anew from there. With none left the step is the midpoint rule.
+// where it does not, and strong coupling can add energy while every block obeys. Therefore the
+// balance is checked too. If after a step H exceeds the energy that was there and was put in by a
+// tenth, the step is repeated with half of the low coordinates, the others are implicit until
+// reset(), and the check starts again from there. Without low coordinates the step is the midpoint
+// rule.
 //
-// Each step is one of `imexv` with the split of the moment: its order, damping and dissipation. A
-// change of split moves the level on which the energy oscillates by a part of that oscillation,
-// which is why coordinates come back late.
+// Each step is one of `imexv` with the present split: its order, damping and dissipation. A change
+// of split shifts the level about which the energy oscillates by a part of that oscillation; this
+// is why coordinates return late.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -34,9 +35,10 @@ namespace {
 
 using Eigen::Index;
 
-constexpr double kShortestWait = 100.0;  // steps before a coordinate may come back
+constexpr double kShortestWait = 100.0;  // steps before a coordinate may become explicit again
 constexpr double kLongestWait = 10000.0;
-constexpr double kExcess = 0.1;  // of the highest balance: H may exceed the balance by so much
+// Of the highest balance: H may exceed the balance by this fraction.
+constexpr double kExcess = 0.1;
 
 // The size of the largest leading block of `matrix`, up to `count`, with b I - block positive
 // definite. factor: r x r scratch.
@@ -129,7 +131,7 @@ class ImexvAdaptive final : public ImexvStep {
   }
 
  private:
-  // now: H at the start of the watch, plus work, less dissipation, J. highest: since that start.
+  // now: H at the start of the check, plus work, less dissipation, J. highest: since that start.
   struct Balance {
     double now = 0.0;
     double highest = 0.0;
@@ -160,13 +162,13 @@ class ImexvAdaptive final : public ImexvStep {
     balance_.now = balance_.highest = energy(state);
   }
 
-  // What the step should have added to H, J.
+  // The change of H that the step should have caused, J.
   double gain_of(const StepReport& report, const State& state, const StepLoad& load) const {
     return load.average.dot(state.q - z0_.q) - report.dissipated;
   }
 
   bool exceeds(const State& state, const StepLoad& load, double gain) {
-    // A kick gives its energy before the motion that it does its work on.
+    // A kick adds its energy before the motion along which it does work.
     const double kick =
         load.active ? h_ * h_ * std::max(load.start.squaredNorm(), load.end.squaredNorm()) : 0.0;
     return energy(state) > balance_.now + gain + kExcess * balance_.highest + kick;
@@ -175,8 +177,8 @@ class ImexvAdaptive final : public ImexvStep {
   double leave_bound_ = 0.0;  // of lambda_max(K_ll), (rad/s)^2
   double return_bound_ = 0.0;
   int wait_ = 0;      // steps
-  int patience_ = 0;  // steps for which the next coordinate could have come back
-  Index most_low_;    // how many may come back
+  int patience_ = 0;  // steps for which the next coordinate could have become explicit
+  Index most_low_;    // number of coordinates that may become explicit
   bool watching_ = false;
   Balance balance_;
   Eigen::MatrixXd factor_;

@@ -1,4 +1,4 @@
-// The implicit-explicit method of a variational split whose implicit part holds every coupling.
+// The implicit-explicit method of a variational split whose implicit part contains every coupling.
 //
 // The potential is cut in two, V = V_slow + V_fast, with V_slow(q) = V(q_l, 0) the part that the
 // low rows l of the split (runtime/split.h) have alone, and V_fast = V - V_slow all that the high

@@ -19,12 +19,12 @@
 // symplectic and time-reversible without damping, for any coupling of low and high rows. All low:
 // it is `verlet`.
 //
-// Conditionally stable: linearly iff h omega < 2 on the low rows. But what V has beyond its
-// quadratic part on the high rows is kicked explicitly: where deformation stiffens the solid it is
-// the first of the implicit-explicit methods to explode. Of the six sample models under their own
-// loads beam, basket, horse and tower do so within 0.3 s at 3 ms, none in 10 s at 1 ms (`tremolo
-// run build/models/NAME.tremolo --integrator imexv-linear --step H --duration 10`). To be chosen
-// where the motion is known to be small for the step. `dissipated` is that of
+// Conditionally stable: linearly iff h omega < 2 on the low rows. But the part of V beyond
+// its quadratic part on the high rows is kicked explicitly: where deformation stiffens the solid it
+// is the first of the implicit-explicit methods to explode. Of the six sample models under their
+// own loads beam, basket, horse and tower do so within 0.3 s at 3 ms, none in 10 s at 1 ms
+// (`tremolo run build/models/NAME.tremolo --integrator imexv-linear --step H --duration 10`). To be
+// chosen where the motion is known to be small for the step. `dissipated` is that of
 // runtime/integrators/solve/damping.h.
 #include <vector>
 
@@ -72,7 +72,7 @@ class ImexvLinear final : public OneStep {
   std::optional<Split> split() const override { return split_; }
 
  private:
-  // Returns what damping took of the low rows, J.
+  // Returns the energy that damping took from the low rows, J.
   double kick(State& state, const VectorXd& f) {
     const VectorXd& R = V_.force(state.q);
     if (strain_.present()) {

@@ -1,4 +1,4 @@
-// The step of `imexv` with a given split; its equations stand in imexv.cpp.
+// The step of `imexv` with a given split; imexv.cpp has its equations.
 #pragma once
 
 #include <optional>
@@ -22,7 +22,7 @@ class ImexvStep : public OneStep {
     if (strain_.present()) damped_rows_.emplace(*model_, options);
   }
 
-  // From z0_, with the leading low_ coordinates explicit. high: made for that split.
+  // Steps from z0_, with the leading low_ coordinates explicit. high: made for that split.
   StepReport split_step(HighRows& high, State& state, const StepLoad& load) {
     double dissipated = kick_low(state, load.start);
     StepReport report;
@@ -42,7 +42,7 @@ class ImexvStep : public OneStep {
   DampedKick kick_;
 
  private:
-  // Returns what damping took, J.
+  // Returns the energy that damping took, J.
   double kick_low(State& state, const Eigen::VectorXd& f) {
     if (low_ == 0) return 0.0;
     return kick_((f - V_.force(state.q)).head(low_), state.p);
@@ -51,7 +51,7 @@ class ImexvStep : public OneStep {
   std::optional<DampedRows> damped_rows_;  // where the damping depends on q
 };
 
-// Makes a method that takes the split it starts with. Errors as choose_split.
+// Makes a method with the split that it starts with. Errors: same as for choose_split.
 template <class Method>
 MadeIntegrator make_split_method(Model::Pointer model, const IntegratorOptions& options) {
   const Result<Split> split = choose_split(model->lambda(), options.step, options.split);

@@ -12,16 +12,17 @@
 // the low momenta that are stored lag by half a kick, so an energy must be read from
 // synchronized_momentum(), which adds the missing half.
 //
-// The part of the damping that depends on q (solve/strain_damping.h), which the thesis has not,
-// goes by mean velocities: on high rows in the solve, on low rows as a kick behind it.
+// The part of the damping that depends on q (solve/strain_damping.h), which the thesis lacks,
+// uses mean velocities: on high rows in the solve, on low rows as a kick after it.
 //
 // Kept as in the thesis:
 //   - the merged kick, and a start that is not staggered: the given p is taken as the lagging one;
 //   - damping by the velocity at the end of the step on high rows and by p_k on low ones: first
 //     order against damping, and explicit on the low rows (stable only for h D_l < 2);
 //   - the absolute tolerance in the maximum norm, |residual|_inf <= tolerance, in units of q;
-//   - the Newton Jacobian is evaluated anew each iteration; the solve is over the high rows only.
-// Mended, because the printed formula is nonsense, or another equation:
+//   - the Newton Jacobian is evaluated again in each iteration; the solve is over the high rows
+//   only.
+// Repaired, because the printed formula is wrong or another equation:
 //   - (4.4.3) and line 9: the bracket is + (h^2/2) (R - f); line 12: A = I + (h^2/2) (K/2 + ...),
 //     with the printed minus it is singular at h omega = 2;
 //   - line 3 lacks h; R = -dV/dq contradicts the algorithm, which needs R = +dV/dq;
@@ -74,8 +75,8 @@ class ImexvThesis final : public OneStep {
     report = finish(report, state);
     if (!report.converged) return report;
     f_before_ = load.end;
-    // The next step's kick wants it, and so does whoever reads an energy in between: evaluated
-    // here, a step's time contains all of its work.
+    // The next step's kick needs it, and so does a caller that reads an energy in between. With the
+    // evaluation here, a step's time includes all of its work.
     if (low > 0) V_.force(state.q);
     return report;
   }
@@ -97,7 +98,7 @@ class ImexvThesis final : public OneStep {
  private:
   Split split_;
   HighRows high_;
-  Eigen::VectorXd f_before_;  // f((t_k)-), what the step before ended with
+  Eigen::VectorXd f_before_;  // f((t_k)-), the load at the end of the step before
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The high rows of imexv-linear (imexv_linear.cpp), one at a time: for one body and for bodies side
-// by side in the lanes of a vector (runtime/crowd/lane_group.h).
+// The high rows of imexv-linear (imexv_linear.cpp), one at a time: for one body, or for several
+// bodies in the lanes of a vector (runtime/crowd/lane_group.h).
 #pragma once
 
 #include "runtime/integrators/solve/damping.h"

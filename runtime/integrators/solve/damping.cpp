@@ -25,8 +25,8 @@ double wanted_product(double c, double w, InertiaWeight undamped) {
   return std::expm1(-w * (w / fast)) * std::expm1(-fast);
 }
 
-// Where n is not the one that goes with theta: while the roots would be real and the larger one
-// negative, the theta at which they meet.
+// The theta at which the roots meet, where n does not match theta: the roots would be real and the
+// larger one negative.
 double damp_most(double theta, double c, double w, double n) {
   const bool negative = w * w > 2.0 * c + 2.0 * w * n;
   return negative ? std::min(theta, 1.0 / (w * w) + 2.0 * n / (c * w)) : theta;

@@ -20,13 +20,13 @@ class Halving final : public Integrator {
   StepReport step(State& state, const StepLoad& load) noexcept override {
     const StepReport report = levels_.front().integrator->step(state, load);
     if (report.converged) return report;
-    // A state or a load that is not finite does not become so in parts.
+    // A state or a load that is not finite does not become finite in parts.
     if (!state.q.allFinite() || !state.p.allFinite() || !load.start.allFinite() ||
         !load.average.allFinite() || !load.end.allFinite())
       return report;
     try {
       return in_parts(state, load, 1, report);
-    } catch (const std::exception&) {  // no memory for a level: the failure stands
+    } catch (const std::exception&) {  // no memory for a level: the failure remains
       return report;
     }
   }
@@ -82,7 +82,7 @@ class Halving final : public Integrator {
     return true;
   }
 
-  // The step that failed with `failure` as two of the given depth. On failure the state is as
+  // Takes the step that failed with `failure` as two of the given depth. On failure the state is as
   // before.
   StepReport in_parts(State& state, const StepLoad& load, std::size_t depth,
                       const StepReport& failure) {
@@ -92,7 +92,7 @@ class Halving final : public Integrator {
     level.middle = state.q;
     StepReport sum = failure;
     sum.converged = true;
-    sum.dissipated = 0.0;  // what the failed whole took was given back
+    sum.dissipated = 0.0;  // the energy taken in the failed step was returned
     sum.parts = 0;
     double work = 0.0;
     for (const double begin : {0.0, 0.5}) {

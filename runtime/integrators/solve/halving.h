@@ -1,11 +1,11 @@
-// A step whose solve fails is taken in parts: twice h/2, each of which may be cut again.
+// A step whose solve fails is taken in parts: twice h/2, each of which may be divided again.
 //
-// Every part obeys the law of its own method for its own step, so what that law keeps for any step
-// (the energy balance of the energy-preserving family) is kept exactly; a symplectic method is then
-// one for another step for that moment. Inside the step the load is the quadratic of
-// runtime/load.h, so the parts receive together what the whole would have received.
+// Every part obeys its method's law for its own step. A quantity that the law conserves for any
+// step (the energy balance of the energy-preserving family) is therefore conserved exactly; a
+// symplectic method is symplectic for another step at that time. Inside the step the load is the
+// quadratic of runtime/load.h, so that the parts together receive the impulse of the whole.
 //
-// The parts' integrators are made when they are first needed: that one step allocates.
+// The parts' integrators are made at the first failure: that one step allocates.
 #pragma once
 
 #include "runtime/integrator.h"
@@ -15,9 +15,9 @@ namespace tremolo {
 using IntegratorMaker = Result<std::unique_ptr<Integrator>> (*)(Model::Pointer,
                                                                 const IntegratorOptions&);
 
-// What `make` makes, with up to options.halvings halvings of a step that fails. A method that
-// splits keeps the split of the whole step in its parts; `imexv-adaptive` starts its first parts
-// with that and then chooses for each length of step by itself. Errors as `make`.
+// Makes the method of `make` with up to options.halvings halvings of a step that fails. A method
+// that splits keeps the split of the whole step in its parts; `imexv-adaptive` starts its first
+// parts with that and then chooses a split for each length of step. Errors: same as for `make`.
 Result<std::unique_ptr<Integrator>> make_halving(IntegratorMaker make, Model::Pointer model,
                                                  const IntegratorOptions& options);
 

@@ -1,8 +1,8 @@
-// The inertia N of the energy-preserving steps (runtime/integrators/energy_preserving.cpp) and what
-// damping makes of it. There are three kinds: a fixed diagonal matrix, a function N(Z) of
-// Z = (h^2/4) K, and that function with damping.
+// The inertia N of the energy-preserving steps (runtime/integrators/energy_preserving.cpp) and its
+// form with damping. There are three kinds: a fixed diagonal matrix, a function N(Z) of Z = (h^2/4)
+// K, and that function with damping.
 //
-// Each kind knows the basis W in which it is simplest, x_hat = W^T x:
+// Each kind defines the basis W in which it is simplest, x_hat = W^T x:
 //
 //     compute(Z)           makes N and a factor of the frozen Jacobian J, about N^2 + Z, which for
 //                          Jacobians with damping is N S N/2 + Z + h D/2; Z may be changed. False
@@ -12,7 +12,7 @@
 //     from_basis(x)        x <- W x
 //     apply(x), solve(x)   in the basis: x <- N x and x <- J^-1 x
 //     multiply(x)          in the basis: x <- Z x; only where N follows the state
-//     carry(stream)        what compute() left; likewise
+//     carry(stream)        saves or restores the results of compute()
 //
 // Nothing is allocated after construction.
 #pragma once
@@ -26,18 +26,20 @@
 
 namespace tremolo {
 
-// N at rest, for one coordinate, x = h omega/2: of ep2, and of ep4. avf has unit_weight.
+// N at rest for one coordinate, x = h omega/2: for ep2, and for ep4. avf has unit_weight.
 double cotangent_weight(double x);
 double rational_weight(double x);
 
-// How much of theta and of the change of n (damping.h) a coordinate gets whose stiffness damping is
-// h beta omega^2: all below 1/4, none from 1/2 on. theta takes h theta D Dp^2 of a coordinate that
-// follows others, too, in which strains, and with them the true damping, may not change at all, and
-// n changes its inertia; both errors grow as h falls until h D is resolved. A free mode of so much
-// damping is gone in a few steps whatever its roots are.
+// Fraction of theta and of the change of n (damping.h) for a coordinate whose stiffness damping is
+// h beta omega^2: all below 1/4, none from 1/2 on.
+//
+// theta takes h theta D Dp^2 also of a coordinate that follows others. There the strains, and with
+// them the true damping, may not change at all, and n changes its inertia; both errors grow as h
+// falls until h D is resolved. A free mode with so much damping decays in a few steps with any
+// roots.
 double stiff_share(double damping);
 
-// What damping makes of the step, for each coordinate; r each.
+// Coefficients of the damped step, for each coordinate; r each.
 struct InertiaDamping {
   Eigen::VectorXd D;      // 1/s
   Eigen::VectorXd theta;  // of runtime/integrators/solve/damping.h
@@ -46,7 +48,7 @@ struct InertiaDamping {
   Eigen::VectorXd g;      // 1 + 2 theta h D = 2/S
   Eigen::VectorXd slope;  // n^2/g + h D/2: J at rest, without Z
   Eigen::VectorXd z;      // Z at rest, its diagonal
-  // What StrainDamping adds to J for each unit of Z less its value at rest, 2 beta/h; 0 where the
+  // Added to J for each unit of Z less its value at rest: StrainDamping's 2 beta/h; 0 where the
   // model is linear.
   double strain = 0.0;
   bool present = false;  // some D is not zero

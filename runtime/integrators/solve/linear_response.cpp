@@ -8,8 +8,8 @@ namespace {
 
 constexpr int kTerms = 40;  // of a power series: its roots are at most kFastRoot, 4^40/40! = 1e-24
 constexpr double kSlowRoot = 2.0;  // below, the smaller root is too small to divide by
-constexpr double kFastRoot = 4.0;  // above, the larger root stands far from a slow one
-constexpr double kClose = 1.0;     // roots nearer to each other than that
+constexpr double kFastRoot = 4.0;  // above this the larger root is far from a slow one
+constexpr double kClose = 1.0;     // roots with a smaller distance
 
 constexpr auto kInverseFactorial = [] {
   std::array<double, kTerms + 6> values{1.0};
@@ -101,7 +101,7 @@ LinearResponse linear_response(double a, double b) {
       before = integral[k];
     }
   }
-  // The form that does not cancel is taken of the two equal ones.
+  // Of two equal forms the one without cancellation is used.
   response.place =
       roots.small < kSlowRoot ? 1.0 - b * integral[1] : response.velocity + a * integral[0];
   return response;

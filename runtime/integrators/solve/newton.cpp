@@ -19,7 +19,7 @@ bool factor_jacobian(NewtonWorkspace& workspace) {
   workspace.shift = 0.0;
   if (workspace.cholesky.compute(workspace.jacobian)) return true;
   if (!workspace.jacobian.allFinite()) return false;
-  // Gershgorin's circles bound how far the spectrum can reach below zero.
+  // Gershgorin's circles bound the spectrum from below.
   const Eigen::Index n = workspace.jacobian.rows();
   double deepest = 0.0;
   for (Eigen::Index i = 0; i < n; ++i) {

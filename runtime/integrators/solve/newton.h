@@ -1,11 +1,11 @@
-// Newton's method for the equation of one implicit step, in storage that is made once.
+// Newton's method for the equation of one implicit step, in preallocated storage.
 //
 // The residual g of every implicit method here is the gradient of a functional of the unknowns (so
 // the Jacobian J is symmetric), and for a quartic V that functional is a quartic along any line. A
-// correction c that solves J c = g is used whole where it brings |g| down. Where it does not, the
-// slope -g(x - t c).c, a cubic in t known from its values and derivatives at both ends, is solved
-// for its first zero: an exact line search without another evaluation. An indefinite Jacobian is
-// shifted to the nearest convenient positive definite one, so that c always leads downhill.
+// correction c that solves J c = g is used whole where it lowers |g|. Otherwise the slope -g(x - t
+// c).c, a cubic in t known from its values and derivatives at both ends, is solved for its first
+// zero: an exact line search without another evaluation. An indefinite Jacobian is shifted to a
+// nearby positive definite one, so that c is always a descent direction.
 #pragma once
 
 #include <algorithm>
@@ -23,21 +23,22 @@ namespace tremolo {
 
 inline constexpr int kUpdates = 8;  // Broyden's, then the exact Jacobian
 
-// unknowns, residual, correction: n. jacobian: d residual / d unknowns, n x n, symmetric, both
-// triangles filled.
+// Unknowns and scratch of a solve.
 struct NewtonWorkspace {
   explicit NewtonWorkspace(Eigen::Index n);
 
-  Eigen::VectorXd unknowns;
-  Eigen::VectorXd residual;
+  Eigen::VectorXd unknowns;  // n
+  Eigen::VectorXd residual;  // n
+  // d residual / d unknowns, n x n, symmetric, both triangles filled.
   Eigen::MatrixXd jacobian;
-  Eigen::VectorXd correction;
+  Eigen::VectorXd correction;  // n
   Eigen::VectorXd jacobian_c;  // jacobian * correction
   SmallCholesky cholesky;
   std::array<Eigen::VectorXd, kUpdates> moves;  // of solve_frozen
-  Eigen::VectorXd start;                        // its unknowns at first
-  bool frozen = false;  // cholesky is a factor of solve_frozen's, of this jacobian or one before
-  double shift = 0.0;   // what was added to the Jacobian's diagonal before it was factored
+  Eigen::VectorXd start;                        // unknowns at its start
+  // Cholesky is a factor of solve_frozen's, of this jacobian or an earlier one.
+  bool frozen = false;
+  double shift = 0.0;  // added to the Jacobian's diagonal before it was factored
 };
 
 // Factors the Jacobian, shifted if it is not positive definite. False if it is not finite.
@@ -46,24 +47,24 @@ bool factor_jacobian(NewtonWorkspace& workspace);
 // correction = (jacobian + shift)^-1 residual, by the last factor.
 void solve_correction(NewtonWorkspace& workspace);
 
-// move, which is -J^-1 g by a Jacobian that was frozen before the first of the `count` moves made
-// so far, becomes the move by Broyden's updates after all of them (Kelley 1995, chapter 7, without
-// their matrix). moves: those made.
+// In: move = -J^-1 g by a Jacobian that was frozen before the first of the moves so far. Out: the
+// move by Broyden's updates after all of them (Kelley 1995, chapter 7, without their matrix).
+// moves: the moves so far.
 void apply_broyden(std::span<const Eigen::VectorXd> moves, Eigen::VectorXd& move);
 
 // The first zero in (0, 4 end], 4 end if there is none, of the cubic s with s(0) = slope0 < 0,
 // s'(0) = bend0, s(end) = slope1, s'(end) = bend1.
 double first_zero(double end, double slope0, double bend0, double slope1, double bend1);
 
-// Broyden's updates have become slow where a residual falls by less than this factor.
+// Broyden's updates count as slow where a residual falls by less than this factor.
 inline constexpr double kSlow = 0.6;
 
-// Rounding of the unknowns, relative: a few units in the last place.
+// Rounding error of the unknowns, relative: a few units in the last place.
 inline constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
 
 // Moves the unknowns along minus the correction c of the present residual g and Jacobian: by c
-// where that brings the residual down, else to the first zero of the slope. evaluate(): as below.
-// ratio: what it returned at the start. Returns what it returns at the end.
+// where that lowers the residual, else to the first zero of the slope. evaluate(): as below. ratio:
+// its value at the start. Returns its value at the end.
 template <class Evaluate>
 double search_line(NewtonWorkspace& workspace, double ratio, Evaluate&& evaluate) {
   const Eigen::VectorXd& c = workspace.correction;
@@ -72,7 +73,7 @@ double search_line(NewtonWorkspace& workspace, double ratio, Evaluate&& evaluate
   double length = 1.0;  // of the correction, as a fraction of c
   workspace.unknowns -= c;
   double next = evaluate();
-  // Far out the numbers may overflow: come back until they do not.
+  // Far out the numbers may overflow: the move is shortened until they do not.
   while (!std::isfinite(next) && length > 1e-6) {
     workspace.unknowns += 0.9 * length * c;
     length *= 0.1;
@@ -89,9 +90,9 @@ double search_line(NewtonWorkspace& workspace, double ratio, Evaluate&& evaluate
 
 // Corrects workspace.unknowns until the residual is small enough, at most max_iterations times.
 // evaluate(): fills residual and jacobian for the present unknowns and returns the residual's size
-// divided by what is allowed, so that <= 1 is convergence; a correction that is lost in the
-// rounding of the unknowns is convergence too, since h^2 omega^2 may lift the residual's rounding
-// above any tolerance. The report's residual is the Euclidean norm.
+// divided by its limit, so that <= 1 is convergence. A correction below the rounding error of the
+// unknowns is convergence too, because h^2 omega^2 may lift the residual's rounding error above any
+// tolerance. The report's residual is the Euclidean norm.
 template <class Evaluate>
 StepReport solve_newton(NewtonWorkspace& workspace, int max_iterations, Evaluate&& evaluate) {
   StepReport report;
@@ -110,7 +111,7 @@ StepReport solve_newton(NewtonWorkspace& workspace, int max_iterations, Evaluate
 }
 
 // The same with the Jacobian of the first evaluation and Broyden's updates: evaluate(false) need
-// not fill it, which is cheaper. Where that does not lead on, solve_newton() from the start.
+// not fill it, which is cheaper. If that does not converge, solve_newton() runs from the start.
 template <class Evaluate>
 StepReport solve_frozen(NewtonWorkspace& workspace, int max_iterations, Evaluate&& evaluate) {
   workspace.start = workspace.unknowns;
@@ -149,9 +150,8 @@ StepReport solve_frozen(NewtonWorkspace& workspace, int max_iterations, Evaluate
   return report;
 }
 
-// The size of a residual g relative to what the tolerance allows it,
-// tolerance max(h |p|, h^2 |R|, h^2 |f|); 0 where nothing moves and nothing pushes. g, p, R, f:
-// norms.
+// The size of a residual g relative to its limit, tolerance max(h |p|, h^2 |R|, h^2 |f|); 0 without
+// motion and forces. g, p, R, f: norms.
 inline double relative_residual(double g, double tolerance, double h, double p, double R,
                                 double f) {
   return g == 0.0 ? 0.0 : g / (tolerance * std::max({h * p, h * h * R, h * h * f}));

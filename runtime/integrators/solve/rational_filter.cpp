@@ -37,7 +37,7 @@ Polynomial derivative(const Polynomial& p) {
 // It converges for the denominators of filters, whose roots lie apart.
 std::vector<Number> upper_roots(const Polynomial& p) {
   constexpr int kIterations = 200;
-  constexpr double kMoved = 1e-12;  // of the bound; its square, what is left then, is rounding
+  constexpr double kMoved = 1e-12;  // of the bound; its square, the remaining error, is rounding
   constexpr double kReal = 1e-12;   // an imaginary part of this share is rounding
   const std::size_t degree = p.size() - 1;
   double bound = 0.0;  // Cauchy's, of all roots

@@ -5,9 +5,9 @@
 //     N(z) = (1 + a1 z + a2 z^2) / (1 + b1 z + b2 z^2),
 //     b1 = a1 + 1/3,  b2 = a2 + b1/3 + 1/45:   N(z) = sqrt(z) cot(sqrt(z)) + O(z^3)
 //
-// Both N and 1/(N^2 + z), which the step's Newton matrix is, fall into simple fractions
-// n + sum_k c_k/(z - z_k): a vector costs one tridiagonal solve for each pole, in complex numbers
-// where the pole is complex (of a conjugate pair one, its real part twice).
+// Both N and 1/(N^2 + z), which the step's Newton matrix is, are sums of simple fractions n + sum_k
+// c_k/(z - z_k). A vector costs one tridiagonal solve for each pole, in complex numbers where the
+// pole is complex (one of a conjugate pair, its real part twice).
 #pragma once
 
 #include <Eigen/Core>
@@ -22,10 +22,10 @@ struct FilterShape {
   double a2 = 0.0;
 };
 
-// For z >= 0 N falls from 1 to 0.5581 at infinity, lowest value 0.5082: never small, so that the
-// solve stays well posed far beyond h omega = 2. For z < 0 it lies between 0.558 and 1.208. N^2 + z
-// is positive above its one real zero, z = -1.403: below it solve() is that of an indefinite
-// matrix.
+// For z >= 0 N falls from 1 to 0.5581 at infinity, with the lowest value 0.5082. It is never small,
+// so that the solve is well posed far beyond h omega = 2. For z < 0 it lies between 0.558 and
+// 1.208. N^2 + z is positive above its one real zero, z = -1.403: below it solve() is that of an
+// indefinite matrix.
 inline constexpr FilterShape kRobustShape{-0.00368349, 0.166819};
 
 double filter_value(const FilterShape& shape, double z);
@@ -48,7 +48,7 @@ class RationalFilter {
   RationalFilter(Eigen::Index size, const FilterShape& shape);
 
   // z: r x r, symmetric; its lower triangle is read. Poles among the eigenvalues: see
-  // PartialFractions. Nothing is allocated, here and below.
+  // PartialFractions. This and the following functions allocate nothing.
   void compute(const Eigen::MatrixXd& z);
 
   void to_basis(Eigen::VectorXd& x) const { tridiagonal_.to_basis(x); }      // x <- W^T x
@@ -59,7 +59,7 @@ class RationalFilter {
   void solve(Eigen::VectorXd& x);
   void multiply(Eigen::VectorXd& x) const;
 
-  // What compute() left.
+  // Saves or restores the results of compute().
   void carry(StateStream& stream) { stream(tridiagonal_, resolvents_); }
 
  private:

@@ -1,14 +1,16 @@
-// Stiffness damping that feels strain rates and no rotation (Kelvin-Voigt; docs/theory.md,
+// Stiffness damping by strain rates, independent of rotation (Kelvin-Voigt; docs/theory.md,
 // "Stiffness damping"). The force on a velocity v at q is beta J(q)^T G J(q) v, of which the
-// methods take beta Lambda v with the rest of D = alpha + beta Lambda (damping.h). What remains,
+// methods include beta Lambda v in D = alpha + beta Lambda (damping.h). This file adds the
+// remaining part
 //
 //     rest(q) v = beta [J(q)^T G J(q) - Lambda] v        (runtime/kernels/strain_matrix.h),
 //
-// is here. In a step with d = q1 - q0 and the middle qm, beta/h J(qm)^T G J(qm) d takes
-// beta/h Dy^T G Dy >= 0 of the energy, Dy = y(q1) - y(q0), exactly.
+// In a step with d = q1 - q0 and the middle qm, beta/h J(qm)^T G J(qm) d takes beta/h Dy^T G Dy >=
+// 0 of the energy, Dy = y(q1) - y(q0), exactly.
 //
 // A model without G (imported, or of a file before 1.4) is damped by the positive part of the
-// tangent K at one position of the step, beta [K_+ - Lambda] v: rotation costs nothing there either
+// tangent K at one position of the step, beta [K_+ - Lambda] v: rotation is not damped there either
+// where K is positive, and no velocity gains energy.
 // where K is positive, and no velocity gains energy.
 #pragma once
 
@@ -25,7 +27,7 @@ namespace tremolo {
 
 class StrainDamping {
  public:
-  // beta: s. The model must live on, and its strain_matrix() must have been read if it has one
+  // beta: s. The model must outlive this, and its strain_matrix() must have been read if it has one
   // (make_integrator() does that).
   StrainDamping(const Model& model, double beta);
 
@@ -33,14 +35,15 @@ class StrainDamping {
   bool present() const { return beta_ > 0.0; }
   double beta() const { return beta_; }  // s; 0 where not present
 
-  // Where K_+ is taken from now on, for a model without G; else nothing happens. r.
+  // Sets the position, r, at which K_+ is computed from now on, for a model without G; else does
+  // nothing.
   void stand_at(const Eigen::VectorXd& q);
 
-  // out = rest(q) v. Returns v . rest(q) v, of which v . beta Lambda v may be subtracted at most.
-  // r each; nothing is allocated.
+  // out = rest(q) v. Returns v . rest(q) v, which is at least -v . beta Lambda v. r each; nothing
+  // is allocated.
   double force(const Eigen::VectorXd& q, const Eigen::VectorXd& v, Eigen::VectorXd& out);
 
-  // stand_at(q) and force(q, v): for methods that take the force where it acts.
+  // stand_at(q) and force(q, v): for methods that evaluate the force where it acts.
   double force_at(const Eigen::VectorXd& q, const Eigen::VectorXd& v, Eigen::VectorXd& out) {
     stand_at(q);
     return force(q, v, out);

@@ -9,7 +9,7 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr int kMostProducts = 60;   // of one kick
-constexpr double kSmall = 1e-14;    // of the force: what the solve may leave
+constexpr double kSmall = 1e-14;    // of the force: limit of the residual
 constexpr double kRounded = 1e-17;  // of the momenta: a term of the series that is lost
 
 }  // namespace

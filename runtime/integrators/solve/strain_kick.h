@@ -1,12 +1,12 @@
 // DampedKick (damping.h) with the damping of StrainDamping at the position of the kick: the kick by
-// f - rest(q) v, where v is the mean velocity in the half step that follows from that force itself.
+// f - rest(q) v, where v is the mean velocity in the half step that results from that force itself.
 //
-// With the reach and path of DampedKick, F the force that acts and s = h/2,
+// With the reach and path of DampedKick, F the total force and s = h/2,
 //
 //     F = f - rest(q) v,      s v = reach p + path F,
 //
-// which is (path + path rest(q) path/s) F = path (f - rest(q) reach p/s): symmetric, and positive
-// since path beta Lambda/s < 1. Conjugate gradients with `path` before them solve it.
+// that is (path + path rest(q) path/s) F = path (f - rest(q) reach p/s): symmetric, and positive
+// because path beta Lambda/s < 1. Conjugate gradients preconditioned by `path` solve it.
 #pragma once
 
 #include "runtime/integrators/solve/damping.h"
@@ -17,14 +17,14 @@ namespace tremolo {
 class StrainKick {
  public:
   StrainKick() = default;
-  // rates: D of all coordinates, as of DampedKick.
+  // rates: D of all coordinates, same as for DampedKick.
   StrainKick(const Eigen::VectorXd& rates, double step)
       : kick_(rates, step), half_step_(0.5 * step) {
     for (Eigen::VectorXd* v : {&force_, &residual_, &direction_, &image_, &velocity_})
       v->setZero(rates.size());
   }
 
-  // Kicks p at q by f, r each. Returns what damping took, J. Nothing is allocated.
+  // Kicks p at q by f, r each. Returns the energy that damping took, J. Nothing is allocated.
   double operator()(StrainDamping& strain, const Eigen::VectorXd& q, const Eigen::VectorXd& f,
                     Eigen::VectorXd& p);
 
@@ -38,8 +38,8 @@ struct StrainFlowScratch {
   Eigen::VectorXd term, next, path;  // r each
 };
 
-// The exact flow of p' = g - rest(q) p over the time s, which may be negative. Returns what the
-// damping took, J. The series ends where its terms are lost in rounding.
+// The exact flow of p' = g - rest(q) p over the time s, which may be negative. Returns the energy
+// that damping took, J. The series ends where its terms are below rounding.
 double flow_with_strain_damping(StrainDamping& strain, const Eigen::VectorXd& q,
                                 const Eigen::VectorXd& g, double s, Eigen::VectorXd& p,
                                 StrainFlowScratch& scratch);

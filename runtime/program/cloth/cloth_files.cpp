@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "formats/surface/surface_writer.h"
+#include "runtime/cloth/cloth_model.h"
 #include "runtime/program/run/run_files.h"
 
 namespace tremolo {
@@ -24,6 +25,17 @@ SurfaceMesh shape_of(const ClothWorld& world, std::size_t cloth) {
   for (std::size_t i = 0; i < surface.vertices.size(); ++i)
     surface.vertices[i] = x.segment<3>(3 * i);
   surface.triangles = world.triangles(cloth);
+  return surface;
+}
+
+// The author's surface; its normals are those of the triangles now.
+RenderSurface file_shape_of(const ClothParts& parts, const Eigen::VectorXd& x) {
+  RenderSurface surface = drawn_at(parts, x);
+  if (surface.normals.empty()) return surface;
+  const std::vector<Eigen::Vector3d> normals =
+      vertex_normals(SurfaceMesh{surface.vertices, surface.triangles});
+  for (std::size_t v = 0; v < normals.size(); ++v)
+    if (!normals[v].isZero()) surface.normals[v] = normals[v].cast<float>();
   return surface;
 }
 
@@ -75,7 +87,13 @@ Status ClothFrames::write(const ClothWorld& world, std::size_t cloth) {
   const std::string path = (fs::path(folder_) / name).string();
   list_ += fmt::format("{},{:.9g},{}\n", written_, world.time(), name);
   ++written_;
-  if (Status s = write_surface(path, shape_of(world, cloth)); !s) return s;
+  const ClothParts& parts = world.model(cloth).parts();
+  if (parts.drawn != nullptr) {
+    const RenderSurface surface = file_shape_of(parts, world.positions(cloth));
+    if (Status s = write_render_surface(path, surface); !s) return s;
+  } else if (Status s = write_surface(path, shape_of(world, cloth)); !s) {
+    return s;
+  }
   files_.push_back(path);
   return Success{};
 }
@@ -86,7 +104,7 @@ Status ClothFrames::finish() {
     if (Status s = write_file(list, list_); !s) return s;
     files_.push_back(list);
   }
-  return remove_leftovers(folder_, files_);
+  return Success{};
 }
 
 }  // namespace tremolo

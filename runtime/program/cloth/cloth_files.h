@@ -43,7 +43,7 @@ class ClothFrames {
   // They are due at k/N of the run, k = 1 ... N.
   bool due(std::int64_t steps) const;
   Status write(const ClothWorld& world, std::size_t cloth);
-  // Writes frames.csv (frame, t in s, file) and removes surfaces of earlier runs.
+  // Writes frames.csv (frame, t in s, file).
   Status finish();
 
   const std::vector<std::string>& files() const { return files_; }

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "common/larger.h"
 #include "runtime/energy_bound.h"
 #include "runtime/program/output/plot.h"
 #include "runtime/program/run/run_files.h"
@@ -64,9 +65,9 @@ void ClothLog::note_energy(const ClothEnergy& now) {
   const double remainder = now.total() - report_.start.total() - told_of(now);
   const double moved = now.kinetic + now.elastic + std::abs(now.gravity - report_.start.gravity);
   report_.end = now;
-  report_.energy_max = std::max(report_.energy_max, moved);
-  report_.remainder_max = std::max(report_.remainder_max, std::abs(remainder));
-  report_.turnover_max = std::max(report_.turnover_max, cloth_turnover(now));
+  report_.energy_max = larger(report_.energy_max, moved);
+  report_.remainder_max = larger(report_.remainder_max, std::abs(remainder));
+  report_.turnover_max = larger(report_.turnover_max, cloth_turnover(now));
 }
 
 Result<bool> ClothLog::observe(const ClothWorld& world) {
@@ -109,7 +110,6 @@ Status ClothLog::finish(const ClothWorld& world) {
     if (Status s = plot_energies({{label, report_.files[0]}}, picture); !s) return s;
     report_.files.push_back(picture);
   }
-  if (Status s = remove_leftovers(outputs.out, report_.files); !s) return s;
   for (ClothFrames& frames : frames_) {
     if (Status s = frames.finish(); !s) return s;
     report_.files.insert(report_.files.end(), frames.files().begin(), frames.files().end());

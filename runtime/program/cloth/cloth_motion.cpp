@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "runtime/cloth/cloth_model.h"
 #include "runtime/cloth/cloth_parts.h"
 #include "runtime/cloth/cloth_world.h"
 #include "runtime/exchange/collider_shape.h"
@@ -30,6 +31,10 @@ Result<AnimatedShape> cloth_shape(const SceneCloth& cloth) {
   AnimatedShape shape;
   shape.name = cloth.name;
   RenderSurface& surface = shape.surface;
+  if (parts->drawn != nullptr) {
+    surface = *parts->drawn;
+    return shape;
+  }
   surface.vertices.resize(static_cast<std::size_t>(parts->x.size()) / 3);
   for (std::size_t i = 0; i < surface.vertices.size(); ++i)
     surface.vertices[i] = parts->x.segment<3>(3 * i);
@@ -65,8 +70,14 @@ void record_cloths(const ClothWorld& world, const Scenery& scenery, Animation& a
     AnimatedBody& body = animation.bodies[i];
     const std::vector<Eigen::Vector3d>& rest = animation.shapes[body.shape].surface.vertices;
     const Eigen::VectorXd& x = world.positions(i);
-    for (std::size_t k = 0; k < 3 * rest.size(); ++k)
-      body.displacements.push_back(x[k] - rest[k / 3][k % 3]);
+    const ClothParts& parts = world.model(i).parts();
+    const std::vector<VertexId>& sources = animation.shapes[body.shape].surface.sources;
+    for (std::size_t v = 0; v < rest.size(); ++v) {
+      const std::size_t vertex = sources.empty() ? v : static_cast<std::size_t>(sources[v]);
+      const auto particle = static_cast<Eigen::Index>(parts.particle_of_vertex(vertex));
+      for (int axis = 0; axis < 3; ++axis)
+        body.displacements.push_back(x[3 * particle + axis] - rest[v][axis]);
+    }
     body.poses.emplace_back();
   }
   std::size_t next = world.cloths();
@@ -156,6 +167,15 @@ class ClothMotion : public MotionSource {
     for (const ClothFile& file : files_)
       for (const SceneCloth& cloth : file.scene.cloths)
         names.push_back(free_name(cloth.name, taken));
+    return names;
+  }
+
+  std::vector<std::string> scenery() const override {
+    std::vector<std::string> names;
+    for (const ClothFile& file : files_) {
+      for (const SceneBall& ball : file.scene.balls) names.push_back(ball.name);
+      for (const SceneCollider& collider : file.scene.colliders) names.push_back(collider.name);
+    }
     return names;
   }
 

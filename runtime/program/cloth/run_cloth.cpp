@@ -73,7 +73,8 @@ void add_parts(Json& json, const ClothWorld& world) {
     json["cloths"].push_back({{"cloth", world.scene().cloths[i].name},
                               {"particles", world.particles(i)},
                               {"springs", world.model(i).springs()},
-                              {"triangles", world.triangles(i).size()}});
+                              {"triangles", world.triangles(i).size()},
+                              {"joined", world.model(i).parts().joined}});
   json["balls"] = Json::array();
   for (std::size_t i = 0; i < world.balls().size(); ++i) {
     const ClothWorld::Ball& ball = world.balls()[i];
@@ -112,16 +113,17 @@ Json cloth_json(const ClothFile& file, const ClothWorld& world, const ClothLog& 
   return json;
 }
 
-// Refuses a run that would write over its own input.
-Status keep_cloths_apart(const ClothFile& file) {
-  if (file.outputs.out.empty()) return Success{};
-  const fs::path folder = file.outputs.out;
-  std::vector<std::string> outputs;
-  for (const char* name : {kReportName, kTableName, kPictureName})
-    outputs.push_back((folder / name).string());
-  for (const SceneCloth& cloth : file.scene.cloths)
-    outputs.push_back((folder / cloth.name / kFramesName).string());
-  return keep_apart(outputs, inputs_of(file));
+// What a run of the scene writes.
+RunOutputs cloth_outputs(const ClothFile& file) {
+  const std::string& out = file.outputs.out;
+  RunOutputs outputs;
+  std::vector<std::string> names;
+  for (const SceneCloth& cloth : file.scene.cloths) names.push_back(cloth.name);
+  outputs.add_folder(out, names);
+  outputs.add_files(out, {kReportName, kTableName, kPictureName});
+  for (const std::string& name : names)
+    if (!out.empty()) outputs.add_files((fs::path(out) / name).string(), {kFramesName});
+  return outputs;
 }
 
 // Steps the world to the end of its time. A step that cannot be made and an energy that explodes
@@ -155,6 +157,10 @@ Result<ClothEnding> follow_cloths(const ClothFile& file, ClothWorld& world, Clot
 void tell_cloths(const ClothFile& file, const ClothWorld& world, const ClothLog& log,
                  const ClothEnding& ending) {
   const ClothReport& report = log.report();
+  for (std::size_t i = 0; i < world.cloths(); ++i)
+    if (const std::size_t joined = world.model(i).parts().joined; joined > 0)
+      tell("cloth '{}': {} vertices of {} lie on others along seams and are joined with them\n",
+           world.scene().cloths[i].name, joined, world.scene().cloths[i].file);
   tell("{}: {} particles reached {:.6g} of {:.6g} s by {} in steps of {:.4g} s, {:.2f} us each\n",
        fs::path(file.path).stem().string(), all_particles(world), world.time(), file.scene.duration,
        file.scene.integrator, file.scene.options.step, mean(ending.each));
@@ -169,22 +175,23 @@ void tell_cloths(const ClothFile& file, const ClothWorld& world, const ClothLog&
     tell("  wrote into {}: {}\n", file.outputs.out, list_files(report.files));
 }
 
+// written: paths.
 struct ClothRun {
   Json json;
   ClothEnding ending;
+  std::vector<std::string> written;
 };
 
 Result<ClothRun> run_cloths(const ClothFile& file) {
   Result<ClothWorld> world = ClothWorld::create(file.scene);
   if (!world) return error_of_file(file.path, value_error(world.error()));
-  if (Status s = keep_cloths_apart(file); !s) return s.error();
   Result<ClothLog> log = ClothLog::create(file, *world);
   if (!log) return log.error();
   Result<ClothEnding> ending = follow_cloths(file, *world, *log);
   if (!ending) return ending.error();
   if (Status s = log->finish(*world); !s) return s.error();
   tell_cloths(file, *world, *log, *ending);
-  return ClothRun{cloth_json(file, *world, *log, *ending), std::move(*ending)};
+  return ClothRun{cloth_json(file, *world, *log, *ending), std::move(*ending), log->report().files};
 }
 
 }  // namespace
@@ -193,16 +200,20 @@ std::vector<NamedFile> inputs_of(const ClothFile& file) {
   std::vector<NamedFile> inputs{{file.path, "the scene"}};
   for (const std::string& csv : file.files) inputs.push_back({csv, "a CSV file of the scene"});
   for (const SceneCloth& cloth : file.scene.cloths)
-    if (!cloth.file.empty()) inputs.push_back({cloth.file, "a cloth's mesh"});
+    if (!cloth.file.empty()) inputs.push_back({cloth.file, "a cloth's mesh", true});
   for (const SceneCollider& collider : file.scene.colliders)
     if (!collider.file.empty()) inputs.push_back({collider.file, "a collider file"});
   return inputs;
 }
 
 int run_cloth_command(const ClothFile& file, bool json) {
+  const std::vector<NamedFile> inputs = inputs_of(file);
+  const RunOutputs outputs = cloth_outputs(file);
+  if (Status s = outputs.check(inputs); !s) return report_error(s.error());
+  const GuardedInputs guard(inputs);
   const Result<ClothRun> run = run_cloths(file);
   if (!run) return report_error(run.error());
-  return end_scene_run(file.outputs, run->json, run->ending, json);
+  return end_scene_run(file.outputs, outputs, run->written, run->json, run->ending, json);
 }
 
 }  // namespace tremolo

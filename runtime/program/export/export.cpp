@@ -13,6 +13,7 @@
 #include "formats/vega/reduced_files.h"
 #include "formats/vtk/vtu_writer.h"
 #include "runtime/program/output/tell.h"
+#include "runtime/program/run/rescale.h"
 
 namespace tremolo {
 namespace {
@@ -21,9 +22,13 @@ Status check_outputs(const ExportOptions& options) {
   if (!options.any())
     return Error{ErrorKind::kUsage,
                  "nothing to export: name an output with --glb, --page, --pc2, --mdd, --pvd, "
-                 "--usda, --series, --cub, --U, --vtu or --light"};
-  return keep_apart({options.cub, options.u, options.vtu, options.light},
-                    {{options.model, "the basis file"}});
+                 "--usda, --series, --cub, --U, --vtu, --light or --rescaled"};
+  if (!options.rescaled.empty() && options.rescale.empty())
+    return usage_error("--rescaled is the file of a model that --rescale changes: say which");
+  const std::vector<std::string> outputs = {options.cub, options.u, options.vtu, options.light,
+                                            options.rescaled};
+  if (Status s = keep_apart(outputs, {{options.model, "the basis file"}}); !s) return s;
+  return check_writable(outputs);
 }
 
 // The rows of the mesh's vertices; edge points of quadratic elements are left out, VegaFEM's meshes
@@ -91,16 +96,26 @@ Status write_light(const std::string& path, const BasisData& data, bool compact)
   if (!light) return light.error();
   const BasisEncoding encoding = compact ? BasisEncoding::kCompact : BasisEncoding::kFull;
   if (Status status = write_basis(path, *light, encoding); !status) return status;
-  fmt::print("{}: the body with the {} vertices of its boundary alone\n", path,
-             light->vertex_count);
+  show("{}: the body with the {} vertices of its boundary alone\n", path, light->vertex_count);
   if (light->load.vertices.empty() && !data.load.vertices.empty())
     tell("  note: its default load acts inside: it is left out\n");
+  return Success{};
+}
+
+Status write_rescaled(const ExportOptions& options, BasisData data, bool compact) {
+  const Result<BasisData> made = rescale_model(std::move(data), options.rescale, options.model);
+  if (!made) return made.error();
+  const BasisEncoding encoding = compact ? BasisEncoding::kCompact : BasisEncoding::kFull;
+  if (Status status = write_basis(options.rescaled, *made, encoding); !status) return status;
+  fmt::print("{}: the model with {}\n", options.rescaled, options.rescale);
   return Success{};
 }
 
 Status write_outputs(const ExportOptions& options, BasisReader& reader) {
   const Result<BasisData> data = read_basis(reader);
   if (!data) return data.error();
+  if (!options.rescaled.empty())
+    if (Status s = write_rescaled(options, *data, reader.compact()); !s) return s;
   const Result<VegaFiles> vega = read_vega_files(reader);
   if (!vega) return vega.error();
   const auto write = [](const std::string& path, const std::string& kept, const auto& make,
@@ -109,8 +124,8 @@ Status write_outputs(const ExportOptions& options, BasisReader& reader) {
     Result<std::string> made = kept.empty() ? make() : Result<std::string>(kept);
     if (!made) return made.error();
     if (Status status = write_file(path, *made); !status) return status;
-    fmt::print("{}: {}, {} bytes{}\n", path, what, made->size(),
-               kept.empty() ? "" : ", as it was imported");
+    show("{}: {}, {} bytes{}\n", path, what, made->size(),
+         kept.empty() ? "" : ", as it was imported");
     return Success{};
   };
   Status status = write(
@@ -122,7 +137,7 @@ Status write_outputs(const ExportOptions& options, BasisReader& reader) {
     status =
         write_modes_vtu(options.vtu, data->surface.rest, std::span<const Triangle>(data->triangles),
                         data->surface.rows, data->lambda);
-    if (status) fmt::print("{}: {} modes on the surface\n", options.vtu, data->lambda.size());
+    if (status) show("{}: {} modes on the surface\n", options.vtu, data->lambda.size());
   }
   if (status && !options.light.empty())
     status = write_light(options.light, *data, reader.compact());
@@ -136,6 +151,7 @@ Status write_outputs(const ExportOptions& options, BasisReader& reader) {
 
 int export_command(const ExportOptions& options) {
   if (Status status = check_outputs(options); !status) return report_error(status.error());
+  const GuardedInputs guard({{options.model, "the basis file"}});
   Result<BasisReader> reader = BasisReader::open(options.model);
   if (!reader) return report_error(reader.error());
   if (Status status = write_outputs(options, *reader); !status) return report_error(status.error());

@@ -11,9 +11,13 @@ struct ExportOptions {
   std::string cub;  // VegaFEM's polynomials of the reduced forces
   std::string u;    // VegaFEM's basis: a row a dof of all the mesh's vertices, in the mesh's order
   std::string vtu;  // the modes on the surface, for ParaView and meshio
-  std::string light;  // a basis file without the vertices inside (formats/basis/light_basis.h)
+  std::string light;     // a basis file without the vertices inside (formats/basis/light_basis.h)
+  std::string rescaled;  // a basis file of the material that `rescale` gives (run/rescale.h)
+  std::string rescale;
 
-  bool any() const { return !cub.empty() || !u.empty() || !vtu.empty() || !light.empty(); }
+  bool any() const {
+    return !cub.empty() || !u.empty() || !vtu.empty() || !light.empty() || !rescaled.empty();
+  }
 };
 
 // An imported model gives the very .cub and .U that it was made of; another one what its numbers

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -36,47 +37,106 @@ GlbTexture texture_of_flag(const std::string& text) {
 }
 
 std::vector<NamedFile> sources_of(const MotionOutputs& outputs, const MotionSource& source) {
+  namespace fs = std::filesystem;
   std::vector<NamedFile> files = source.inputs();
   for (const std::string& text : outputs.textures)
     files.push_back({texture_of_flag(text).path, "--texture"});
-  for (const PlotSource& run : plot_sources(outputs.extras.runs))
+  for (const PlotSource& run : plot_sources(outputs.extras.runs)) {
     files.push_back({run.csv, "--runs"});
+    files.push_back({(fs::path(run.csv).parent_path() / kReportName).string(), "--runs"});
+  }
+  // As the page names it, from its own folder.
+  if (const std::string& live = outputs.extras.live; !live.empty()) {
+    files.push_back({live, "--live"});
+    files.push_back({(fs::path(outputs.page).parent_path() / live).string(), "--live"});
+  }
   return files;
 }
 
-// The files that are asked for by name, endings included, and those beside point caches. A series'
-// own files have numbers and are not looked at.
-Status check_paths(const MotionOutputs& outputs, const MotionSource& source) {
-  const auto& [glb, pc2, mdd, pvd, usda, series] =
-      std::tie(outputs.glb, outputs.pc2, outputs.mdd, outputs.pvd, outputs.usda, outputs.series);
-  for (const auto& [flag, path, ending] : {std::tuple{"--glb", &glb, ".glb"},
-                                           {"--pc2", &pc2, ".pc2"},
-                                           {"--mdd", &mdd, ".mdd"},
-                                           {"--pvd", &pvd, ".pvd"},
-                                           {"--usda", &usda, ".usda"},
+Status check_endings(const MotionOutputs& outputs) {
+  for (const auto& [flag, path, ending] : {std::tuple{"--glb", &outputs.glb, ".glb"},
+                                           {"--pc2", &outputs.pc2, ".pc2"},
+                                           {"--mdd", &outputs.mdd, ".mdd"},
+                                           {"--pvd", &outputs.pvd, ".pvd"},
+                                           {"--usda", &outputs.usda, ".usda"},
                                            {"--page", &outputs.page, ".html"}})
     if (!path->empty() && !path->ends_with(ending))
       return usage_error(fmt::format("{} {}: the name must end in {}", flag, *path, ending));
+  const std::string& series = outputs.series;
   if (!series.empty() && !series.ends_with(".ply") && !series.ends_with(".obj"))
     return usage_error("--series " + series + ": the name must end in .ply or .obj");
   if (outputs.page.empty() && outputs.extras.any())
     return usage_error("--runs, --note and --live are of --page");
-  std::vector<std::string> paths = {glb, pvd, usda, outputs.page};
-  if (!series.empty()) paths.push_back(without_ending(series) + ".csv");
+  return Success{};
+}
+
+// Bodies whose names become the same name of a file.
+Status check_names(const MotionOutputs& outputs, const MotionSource& source) {
+  if (outputs.pc2.empty() && outputs.mdd.empty() && outputs.pvd.empty() && outputs.series.empty())
+    return Success{};
+  std::vector<std::string> names = source.names();
+  const std::vector<std::string> scenery = source.scenery();
+  if (!outputs.pvd.empty() && !outputs.no_colliders)
+    names.insert(names.end(), scenery.begin(), scenery.end());
+  std::map<std::string, std::string> taken;
+  for (const std::string& name : names) {
+    const auto [other, is_new] = taken.try_emplace(file_name_of(name), name);
+    // Scenery with the name of a body gets another one.
+    if (!is_new && other->second != name)
+      return usage_error("bodies '" + other->second + "' and '" + name +
+                         "' would be written into the same files");
+  }
+  return Success{};
+}
+
+// The files that are asked for by name and those beside point caches. numbered: files that a series
+// may write over or remove.
+struct MotionPaths {
+  std::vector<std::string> named, numbered;
+};
+
+MotionPaths paths_of(const MotionOutputs& outputs, const MotionSource& source) {
+  MotionPaths paths;
+  paths.named = {outputs.glb, outputs.pvd, outputs.usda, outputs.page};
   const std::vector<std::string> names = source.names();
   std::vector<std::string> shapes;
   for (const std::string& name : names)
-    for (const auto& [cache, ending] : {std::pair{&pc2, ".pc2"}, {&mdd, ".mdd"}}) {
+    for (const auto& [cache, ending] : {std::pair{&outputs.pc2, ".pc2"}, {&outputs.mdd, ".mdd"}}) {
       if (cache->empty()) continue;
-      const std::string stem = without_ending(*cache) + (names.size() < 2 ? "" : "-" + name);
-      paths.push_back(stem + ending);
+      const std::string stem =
+          without_ending(*cache) + (names.size() < 2 ? "" : "-" + file_name_of(name));
+      paths.named.push_back(stem + ending);
       shapes.push_back(stem + ".obj");
     }
   // Two caches of one name share their rest shape.
   std::sort(shapes.begin(), shapes.end());
   shapes.erase(std::unique(shapes.begin(), shapes.end()), shapes.end());
-  paths.insert(paths.end(), shapes.begin(), shapes.end());
-  return keep_apart(paths, sources_of(outputs, source));
+  paths.named.insert(paths.named.end(), shapes.begin(), shapes.end());
+  if (!outputs.series.empty()) {
+    paths.named.push_back(list_of_series(outputs.series));
+    paths.numbered = files_of_series(outputs.series);
+  }
+  if (!outputs.pvd.empty())
+    for (std::string& file : files_of_pvd(outputs.pvd)) paths.numbered.push_back(std::move(file));
+  return paths;
+}
+
+// All of it is checked before the run: names, inputs, and whether files can be written.
+Status check_paths(const MotionOutputs& outputs, const std::vector<NamedFile>& sources,
+                   const MotionSource& source) {
+  if (Status s = check_endings(outputs); !s) return s;
+  if (!outputs.textures.empty() && outputs.glb.empty())
+    return usage_error("--texture is of --glb: no other format that is asked for has pictures");
+  if (Status s = check_names(outputs, source); !s) return s;
+  const MotionPaths paths = paths_of(outputs, source);
+  std::vector<std::string> all = paths.named;
+  all.insert(all.end(), paths.numbered.begin(), paths.numbered.end());
+  if (Status s = keep_apart(all, sources); !s) return s;
+  if (Status s = check_writable(paths.named); !s) return s;
+  if (!outputs.series.empty())
+    if (Status s = check_writable({without_ending(outputs.series) + "-0000.ply"}); !s) return s;
+  if (outputs.pvd.empty()) return Success{};
+  return check_writable({folder_of_pvd(outputs.pvd) + "/0.vtu"}, true);
 }
 
 Json file_json(const WrittenFile& file, const char* format) {
@@ -182,6 +242,7 @@ Result<Json> write_motion_files(const MotionOutputs& outputs, const Animation& a
 // A series is told by its list alone, many caches by the first.
 void print_files(const Json& files) {
   constexpr std::size_t kShown = 24;
+  constexpr double kMuchTurned = 10;  // degrees: shading then shows it
   std::size_t shown = 0, passed_over = 0;
   double bytes = 0.0;
   for (const Json& file : files) {
@@ -194,28 +255,31 @@ void print_files(const Json& files) {
       continue;
     }
     ++shown;
-    fmt::print("{}: {} bytes", path, file["bytes"].get<std::uint64_t>());
+    show("{}: {} bytes", path, file["bytes"].get<std::uint64_t>());
     if (format == "glb")
-      fmt::print(
+      show(
           ", {} vertices, {} morph targets ({} coordinates never change); positions to {:.1e} of "
           "the size, normals to {:.2g} degrees in the mean",
           file["vertices"].get<std::size_t>(), file["targets"].get<std::size_t>(),
           file["dropped"].get<std::size_t>(), file["position_error"].get<double>(),
           file["normal_error_mean"].get<double>());
-    if (format == "page")
-      fmt::print(", positions to {:.1e} of the size", file["position_error"].get<double>());
-    if (file.contains("recorded_modes"))
-      fmt::print("; {} modes of the recorded motion, to {:.1e} of the size",
-                 file["recorded_modes"].get<std::int64_t>(),
-                 file["recorded_modes_error"].get<double>());
-    fmt::print("\n");
-    if (file.contains("four_bones_error") && file["four_bones_error"] > 0.0)
+    if (format == "glb" && file["normal_error_max"].get<double>() > kMuchTurned)
       fmt::print(
+          "; up to {:.2g} degrees where it bends most: --no-normals leaves them to the viewer",
+          file["normal_error_max"].get<double>());
+    if (format == "page")
+      show(", positions to {:.1e} of the size", file["position_error"].get<double>());
+    if (file.contains("recorded_modes"))
+      show("; {} modes of the recorded motion, to {:.1e} of the size",
+           file["recorded_modes"].get<std::int64_t>(), file["recorded_modes_error"].get<double>());
+    show("\n");
+    if (file.contains("four_bones_error") && file["four_bones_error"] > 0.0)
+      show(
           "  up to {} bones carry a vertex: programs that read four of them show some by {:.2g} of "
           "the size elsewhere\n",
           file["bones_a_vertex"].get<std::size_t>(), file["four_bones_error"].get<double>());
   }
-  if (passed_over > 0) fmt::print("and {} files of {:.3g} MB\n", passed_over, 1e-6 * bytes);
+  if (passed_over > 0) show("and {} files of {:.3g} MB\n", passed_over, 1e-6 * bytes);
 }
 
 void tell_motion(const MotionOutputs& outputs, const RecordedMotion& motion, double left_out) {
@@ -240,7 +304,9 @@ void tell_motion(const MotionOutputs& outputs, const RecordedMotion& motion, dou
 
 Status export_motion(const MotionOutputs& outputs, const MotionSource& source) {
   if (Status s = source.check(outputs); !s) return s;
-  if (Status s = check_paths(outputs, source); !s) return s;
+  const std::vector<NamedFile> sources = sources_of(outputs, source);
+  if (Status s = check_paths(outputs, sources, source); !s) return s;
+  const GuardedInputs guard(sources);
   Result<RecordedMotion> motion = source.record(outputs.range, !outputs.no_colliders);
   if (!motion) return motion.error();
   double left_out = 0.0;

@@ -60,17 +60,13 @@ class WorldMotion : public MotionSource {
     return names;
   }
 
-  std::vector<NamedFile> inputs() const override {
-    std::vector<NamedFile> files = inputs_of(file_);
-    std::vector<std::string> selectors;
-    for (const SceneBody& body : file_.scene.bodies)
-      for (const SceneLoad& load : body.loads) selectors.push_back(load.at);
-    for (const SceneHand& hand : file_.scene.hands) selectors.push_back(hand.at);
-    for (const std::string& selector : selectors)
-      for (const std::string& ids : files_of_selector(selector))
-        files.push_back({ids, "the ids of a selector"});
-    return files;
+  std::vector<std::string> scenery() const override {
+    std::vector<std::string> names;
+    for (const SceneCollider& collider : file_.scene.colliders) names.push_back(collider.name);
+    return names;
   }
+
+  std::vector<NamedFile> inputs() const override { return inputs_of(file_); }
 
   std::string told() const override {
     return fmt::format("{:.4g} s in steps of {:.4g} ms", file_.scene.duration,

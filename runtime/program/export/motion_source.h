@@ -20,6 +20,8 @@ class MotionSource {
 
   // Names of what deforms, in the order of the recording.
   virtual std::vector<std::string> names() const = 0;
+  // Names of the scenery that is recorded with it.
+  virtual std::vector<std::string> scenery() const { return {}; }
   // The files that a run of it reads.
   virtual std::vector<NamedFile> inputs() const = 0;
   // "30 s by `imexv` in steps of 3 ms".

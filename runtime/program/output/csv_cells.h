@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "formats/file/text_scanner.h"
+
 namespace tremolo {
 
 // The line without the return that Windows puts at its end.
@@ -15,7 +17,7 @@ inline std::string_view without_return(std::string_view line) {
 
 // One cell at least; the views are into `line`.
 inline std::vector<std::string_view> cells_of(std::string_view line) {
-  line = without_return(line);
+  line = without_mark(without_return(line));
   std::vector<std::string_view> cells;
   for (std::size_t at = 0; at <= line.size();) {
     const std::size_t end = std::min(line.find(',', at), line.size());

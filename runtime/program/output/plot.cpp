@@ -112,6 +112,8 @@ int plot_command(const std::vector<std::string>& directories, const std::string&
   std::vector<NamedFile> inputs;
   for (const PlotSource& source : sources) inputs.push_back({source.csv, "a run"});
   if (Status status = keep_apart({output}, inputs); !status) return report_error(status.error());
+  if (Status status = check_writable({output}); !status) return report_error(status.error());
+  const GuardedInputs guard(inputs);
   const Status status = plot_energies(sources, output);
   return status ? 0 : report_error(status.error());
 }

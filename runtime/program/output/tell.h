@@ -9,18 +9,26 @@
 
 #include <fmt/format.h>
 
+#include "common/printable.h"
 #include "common/result.h"
 #include "formats/file/atomic_file.h"
 #include "formats/file/standard_streams.h"
 
 namespace tremolo {
 
-// Prints to stderr like fmt::print, but does not throw when stderr is full or closed: the text is
-// lost then, and results and exit code stay the same.
+// Prints to stderr like fmt::print, as printable() has it, but does not throw when stderr is full
+// or closed: the text is lost then, and results and exit code stay the same.
 template <class... Values>
 void tell(fmt::format_string<Values...> format, Values&&... values) {
-  const std::string text = fmt::format(format, std::forward<Values>(values)...);
+  const std::string text = printable(fmt::format(format, std::forward<Values>(values)...));
   std::fputs(text.c_str(), stderr);
+}
+
+// Prints to stdout, as printable() has it; flushed() says whether it has arrived.
+template <class... Values>
+void show(fmt::format_string<Values...> format, Values&&... values) {
+  const std::string text = printable(fmt::format(format, std::forward<Values>(values)...));
+  std::fputs(text.c_str(), stdout);
 }
 
 // "tremolo: MESSAGE" on stderr; the error's exit code.

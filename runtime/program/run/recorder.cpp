@@ -13,8 +13,9 @@ constexpr std::size_t kPiece = std::size_t{1} << 16;  // bytes; a write a few hu
 }  // namespace
 
 Result<Recorder> Recorder::create(const Model& model, const RecordedColumns& columns,
-                                  const std::string& path) {
+                                  const std::string& path, bool parked) {
   Recorder recorder;
+  recorder.parked_ = parked;
   recorder.columns_ = columns;
   recorder.text_ = "t,kinetic,potential,total,high_band,work,dissipated";
   for (const std::string& name : columns.further) recorder.text_ += ',' + name;
@@ -33,6 +34,7 @@ Result<Recorder> Recorder::create(const Model& model, const RecordedColumns& col
   Result<AtomicFile> file = AtomicFile::create(path);
   if (!file) return file.error();
   recorder.file_.emplace(std::move(*file));
+  if (parked) recorder.file_->park();
   return recorder;
 }
 
@@ -63,6 +65,7 @@ Status Recorder::flush() {
   if (!file_ || text_.empty()) return Success{};
   const Status status = file_->write(text_);
   text_.clear();
+  if (parked_) file_->park();
   return status;
 }
 

@@ -30,10 +30,11 @@ struct RecordedColumns {
 // renames.
 class Recorder {
  public:
-  // path: of the CSV; empty: nothing is recorded. Errors: kUsage for a vertex that the model does
-  // not have; kSystem if the file cannot be made.
+  // path: of the CSV; empty: nothing is recorded. parked: its file is closed between pieces, for
+  // runs with more recorders than a process may have open files. Errors: kUsage for a vertex that
+  // the model does not have; kSystem if the file cannot be made.
   static Result<Recorder> create(const Model& model, const RecordedColumns& columns,
-                                 const std::string& path);
+                                 const std::string& path, bool parked = false);
 
   // further: as many values as there are further columns.
   Status record(const Moment& moment, const Energy& energy, std::span<const double> further = {});
@@ -51,6 +52,7 @@ class Recorder {
   std::vector<Probe> probes_;
   std::string text_;
   std::optional<AtomicFile> file_;
+  bool parked_ = false;
 };
 
 }  // namespace tremolo

@@ -3,13 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <filesystem>
+#include <map>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "formats/file/atomic_file.h"
+#include "formats/file/output_guard.h"
 #include "runtime/program/output/tell.h"
 #include "runtime/program/output/warnings.h"
+#include "runtime/program/run/run_body.h"
 #include "runtime/program/run/run_files.h"
 #include "runtime/program/run/simulate.h"
 
@@ -124,19 +129,50 @@ void print_text(const RunReport& report, const Warnings& warnings) {
   if (report.rigid) print_rigid_loss(*report.rigid);
 }
 
-// report.json, and the line that tells of all files.
-Status write_report(const RunOptions& options, std::vector<std::string> files, const Json& json) {
+// report.json, and the line that tells of all files, which join `written`.
+Status write_report(const RunOptions& options, std::vector<std::string> files, const Json& json,
+                    std::vector<std::string>& written) {
   if (options.out.empty()) return Success{};
-  const std::string path = options.out + "/" + kReportName;
+  const std::string path = (std::filesystem::path(options.out) / kReportName).string();
   if (Status status = write_file(path, json_text(json)); !status) return status;
   files.push_back(path);
   tell("  wrote into {}: {}\n", options.out, list_files(files));
+  written.insert(written.end(), files.begin(), files.end());
   return Success{};
+}
+
+// Of several bodies, the reports of those that have a folder in the same one.
+Status write_reports(const std::vector<RunOptions>& bodies, const Json& objects,
+                     std::vector<std::string>& written) {
+  std::map<std::string, Json> reports;
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    if (!bodies[i].out.empty()) reports[folder_of_all(bodies[i], bodies)].push_back(objects[i]);
+  for (const auto& [folder, report] : reports) {
+    const std::string path = (std::filesystem::path(folder) / kReportName).string();
+    if (Status s = write_file(path, json_text(Json{{"bodies", report}})); !s) return s;
+    written.push_back(path);
+  }
+  return Success{};
+}
+
+// Options, outputs and inputs of all bodies. Errors: kUsage, kContent, kSystem.
+Status check_bodies(const std::vector<RunOptions>& bodies, const RunOutputs& outputs,
+                    const std::vector<NamedFile>& inputs) {
+  for (const RunOptions& options : bodies)
+    if (Status s = check_run(options); !s) return s;
+  return outputs.check(inputs);
 }
 
 }  // namespace
 
 int run_command(const std::vector<RunOptions>& bodies, bool json) {
+  const RunOutputs outputs = outputs_of(bodies);
+  std::vector<NamedFile> inputs;
+  for (const RunOptions& body : bodies)
+    for (NamedFile& input : inputs_of(body)) inputs.push_back(std::move(input));
+  if (Status s = check_bodies(bodies, outputs, inputs); !s) return report_error(s.error());
+  const GuardedInputs guard(inputs);
+  std::vector<std::string> written;
   Json objects = Json::array();
   int code = 0, signal = 0;
   for (const RunOptions& options : bodies) {
@@ -146,7 +182,7 @@ int run_command(const std::vector<RunOptions>& bodies, bool json) {
     print_text(*report, warnings);
     objects.push_back(to_json(*report, options));
     objects.back()["warnings"] = warnings;
-    if (Status status = write_report(options, report->files, objects.back()); !status)
+    if (Status status = write_report(options, report->files, objects.back(), written); !status)
       return report_error(status.error());
     if (report->exit_code != 0) {
       tell("tremolo: {}: {}\n", report->name, report->reason);
@@ -155,6 +191,9 @@ int run_command(const std::vector<RunOptions>& bodies, bool json) {
     signal = report->signal;
     if (signal != 0) break;
   }
+  if (bodies.size() > 1)
+    if (Status s = write_reports(bodies, objects, written); !s) return report_error(s.error());
+  if (Status s = outputs.remove_earlier(written); !s) return report_error(s.error());
   if (json) print_json(objects.size() == 1 ? objects.front() : Json{{"bodies", objects}});
   const Status printed = flush_standard_output();
   // Whoever started the program shall see that a signal ended it.

@@ -7,6 +7,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/rayleigh.h"
+#include "formats/basis/basis_reader.h"
+#include "runtime/program/run/rescale.h"
 #include "runtime/program/run/sound.h"
 #include "runtime/program/start/start_state.h"
 #include "runtime/scene/selection.h"
@@ -33,8 +36,10 @@ Status check_combinations(const RunOptions& options) {
 }
 
 Result<Signal> signal_of(const RunOptions& options, const SignalTable& table) {
-  if (options.signal.empty()) return parse_signal(options.load);
-  return Signal{.kind = SignalKind::kTable, .table = &table};
+  if (options.signal.empty()) return shaped_signal(options);
+  Signal signal{.kind = SignalKind::kTable, .table = &table};
+  if (Status s = shape_signal(options.shape, signal); !s) return s.error();
+  return signal;
 }
 
 // Reduced and scaled; zero without a load.
@@ -60,7 +65,29 @@ bool read_index(std::string_view text, int& value) {
   return error == std::errc{} && stop == text.data() + text.size() && value >= 0;
 }
 
+// A model of another material; it is read as a whole, since all of it changes.
+Result<Model::Pointer> load_rescaled(const RunOptions& options) {
+  Result<BasisData> data = read_basis(options.model);
+  if (!data) return data.error();
+  data = rescale_model(std::move(*data), options.rescale, options.model);
+  if (!data) return data.error();
+  Result<Model::Pointer> model =
+      Model::from_data(*data, {options.modes, options.linear, options.hull});
+  if (!model) return error_of_file(options.model, value_error(model.error()));
+  return model;
+}
+
 }  // namespace
+
+Result<Signal> shaped_signal(const RunOptions& options) {
+  Result<Signal> signal = parse_signal(options.load);
+  if (!signal) return signal;
+  if (Status s = shape_signal(options.shape, *signal); !s) return s.error();
+  // Without a duration of their own they take the whole run.
+  const bool slow = signal->kind == SignalKind::kChirp || signal->kind == SignalKind::kRamp;
+  if (slow && !options.shape.duration) signal->duration = options.duration;
+  return signal;
+}
 
 Error value_error(Error error) {
   if (error.kind == ErrorKind::kUsage) error.kind = ErrorKind::kContent;
@@ -72,6 +99,12 @@ Result<IntegratorOptions> integrator_options(const RunOptions& options) {
   settings.step = options.step;
   settings.alpha = options.alpha;
   settings.beta = options.beta;
+  if (!options.damping_ratio.empty()) {
+    const Result<RayleighDamping> damping = parse_damping_ratios(options.damping_ratio);
+    if (!damping) return damping.error();
+    settings.alpha = damping->alpha;
+    settings.beta = damping->beta;
+  }
   settings.newmark_beta = options.newmark_beta;
   settings.newmark_gamma = options.newmark_gamma;
   settings.tolerance = options.tolerance;
@@ -105,6 +138,7 @@ Status check_run(const RunOptions& options) {
 }
 
 Result<Model::Pointer> load_model(const RunOptions& options) {
+  if (!options.rescale.empty()) return load_rescaled(options);
   Result<Model::Pointer> model =
       Model::load(options.model, {options.modes, options.linear, options.hull});
   if (!model) return value_error(model.error());
@@ -124,9 +158,7 @@ Result<DefaultLoad> load_of_run(const RunOptions& options, const Model& model) {
   if (!force) return force.error();
   const Result<std::vector<VertexId>> vertices = vertices_of(options.at, model);
   if (!vertices) return Error{vertices.error().kind, "--at: " + vertices.error().message};
-  const Eigen::Vector3d share =
-      *force / static_cast<double>(std::max<std::size_t>(1, vertices->size()));
-  return DefaultLoad{*vertices, std::vector<Eigen::Vector3d>(vertices->size(), share)};
+  return shared_by_area(*vertices, *force, model);
 }
 
 Result<Body> make_body(const RunOptions& options, Model::Pointer model, const SignalTable& table) {
@@ -157,8 +189,9 @@ Result<Eigen::VectorXd> largest_load(const RunOptions& options, const Model& mod
   const Result<Load> load = reduced_load(options, model, table);
   if (!load) return load.error();
   const SignalKind kind = load->signal.kind;
-  const bool lasts =
-      kind == SignalKind::kSquare || kind == SignalKind::kSine || kind == SignalKind::kConstant;
+  const bool lasts = kind == SignalKind::kSquare || kind == SignalKind::kSine ||
+                     kind == SignalKind::kConstant || kind == SignalKind::kRamp ||
+                     kind == SignalKind::kChirp;
   return lasts ? load->force : Eigen::VectorXd(Eigen::VectorXd::Zero(model.modes()));
 }
 

@@ -25,8 +25,8 @@ Result<DefaultLoad> load_of_run(const RunOptions& options, const Model& model);
 // Errors of Body::create and Body::add_load, and of start_state.
 Result<Body> make_body(const RunOptions& options, Model::Pointer model, const SignalTable& table);
 
-// The largest reduced force of the load in time, r: of a square, a sine and a constant one; zero for
-// an impulse, which is over before the body is where it would hold it, and for --signal.
+// The largest reduced force of the load in time, r: of a square, a sine and a constant one; zero
+// for an impulse, which is over before the body is where it would hold it, and for --signal.
 Result<Eigen::VectorXd> largest_load(const RunOptions& options, const Model& model,
                                      const SignalTable& table);
 
@@ -39,6 +39,10 @@ Result<std::vector<int>> probes_of(const std::vector<std::string>& texts, const 
 // Turns the library's kUsage for a wrong argument into kContent: on the command line kUsage means
 // an unknown flag or name, and a number out of range is an invalid value.
 Error value_error(Error error);
+
+// options.load with its frequencies and duration; not of --signal. Errors: those of parse_signal
+// and shape_signal.
+Result<Signal> shaped_signal(const RunOptions& options);
 
 // The share of --deflect: "5%" or "0.05". Errors: kUsage; kContent if it is not positive.
 Result<double> parse_share(const std::string& text);

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <string_view>
-#include <system_error>
+#include <unordered_set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -13,50 +14,24 @@
 #include "runtime/program/start/start_state.h"
 
 namespace tremolo {
-namespace {
 
 namespace fs = std::filesystem;
 
-// As frame_name() makes it, now and without the time in earlier versions.
-bool is_frame_name(std::string_view name) {
-  constexpr std::string_view kStart = "surface-";
-  const auto skip_digits = [&name] {
-    const std::size_t count = std::min(name.find_first_not_of("0123456789"), name.size());
-    name.remove_prefix(count);
-    return count;
-  };
-  if (!name.starts_with(kStart)) return false;
-  name.remove_prefix(kStart.size());
-  if (skip_digits() < 4) return false;
-  if (name.starts_with("-t")) {
-    name.remove_prefix(2);
-    if (skip_digits() == 0 || !name.starts_with('.')) return false;
-    name.remove_prefix(1);
-    if (skip_digits() == 0 || !name.starts_with('s')) return false;
-    name.remove_prefix(1);
-  }
-  return name == ".ply" || name == ".obj" || name == ".inc";
+void add_ids_of(const std::string& selector, const std::string& whose,
+                std::vector<NamedFile>& inputs) {
+  for (const std::string& file : files_of_selector(selector))
+    inputs.push_back({file, "the ids of " + whose});
 }
-
-bool is_of_a_run(const std::string& name) {
-  return is_frame_name(name) || name == kPictureName || name == kEnergyPageName ||
-         name == kFramesName || name == kMaterialsName;
-}
-
-}  // namespace
 
 std::vector<NamedFile> inputs_of(const RunOptions& options) {
   std::vector<NamedFile> inputs{{options.model, "the basis file"},
                                 {options.scene, "the scene"},
                                 {options.signal, "--signal"},
                                 {file_of_start(options.start), "--start"}};
-  const auto add = [&inputs](const std::string& text, const char* option) {
-    for (const std::string& file : files_of_selector(text))
-      inputs.push_back({file, std::string("the ids of ") + option});
-  };
-  add(options.at, "--at");
-  add(selector_of_start(options.start), "--start");
-  for (const std::string& probe : options.probes) add(probe, "--probe");
+  add_ids_of(options.at, "--at", inputs);
+  add_ids_of(options.listen, "--listen", inputs);
+  add_ids_of(selector_of_start(options.start), "--start", inputs);
+  for (const std::string& probe : options.probes) add_ids_of(probe, "--probe", inputs);
   return inputs;
 }
 
@@ -64,35 +39,72 @@ std::string frame_name(int frame, double time, const std::string& format) {
   return fmt::format("surface-{:04}-t{:.6f}s.{}", frame, time, format);
 }
 
-Status keep_run_apart(const RunOptions& options) {
-  const std::vector<NamedFile> inputs = inputs_of(options);
-  std::vector<std::string> outputs;
-  if (!options.wav.empty()) outputs.push_back(options.wav);
-  if (options.out.empty()) return outputs.empty() ? Status(Success{}) : keep_apart(outputs, inputs);
-  for (const char* name :
-       {kTableName, kReportName, kEnergyPageName, kPictureName, kFramesName, kMaterialsName})
-    outputs.push_back((fs::path(options.out) / name).string());
-  // Surfaces that are there will be written anew or removed.
-  std::error_code error;
-  for (fs::directory_iterator at(options.out, error), end; !error && at != end; at.increment(error))
-    if (is_frame_name(at->path().filename().string())) outputs.push_back(at->path().string());
-  return keep_apart(outputs, inputs);
+void RunOutputs::add(const std::string& path) {
+  if (!path.empty()) named_.push_back(path);
 }
 
-Status remove_leftovers(const std::string& folder, const std::vector<std::string>& written) {
-  std::error_code error, ignored;
-  std::vector<fs::path> old;
-  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-    const std::string name = at->path().filename().string();
-    if (is_of_a_run(name) && at->is_regular_file(ignored) &&
-        std::find(written.begin(), written.end(), (fs::path(folder) / name).string()) ==
-            written.end())
-      old.push_back(at->path());
-  }
-  for (const fs::path& path : old)
-    if (!error) fs::remove(path, error);
-  if (error) return system_error(folder + ": cannot remove old surfaces: " + error.message());
+void RunOutputs::add_folder(const std::string& folder, const std::vector<std::string>& bodies) {
+  if (folder.empty()) return;
+  folders_.push_back(folder);
+  for (const std::string& body : bodies) folders_.push_back((fs::path(folder) / body).string());
+  earlier_.push_back(EarlierRun::in(folder, bodies));
+}
+
+void RunOutputs::add_files(const std::string& folder, const std::vector<const char*>& names) {
+  if (folder.empty()) return;
+  for (const char* name : names) in_folders_.push_back((fs::path(folder) / name).string());
+}
+
+Status RunOutputs::check(const std::vector<NamedFile>& inputs) const {
+  std::vector<std::string> outputs = named_;
+  outputs.insert(outputs.end(), in_folders_.begin(), in_folders_.end());
+  std::unordered_set<std::string> known;
+  for (const std::string& path : in_folders_) known.insert(fs::path(path).lexically_normal());
+  // What is removed, and surfaces that may be written over.
+  std::vector<std::string> there;
+  for (const EarlierRun& earlier : earlier_)
+    there.insert(there.end(), earlier.files().begin(), earlier.files().end());
+  for (const std::string& folder : folders_)
+    for (std::string& path : files_like(folder, is_frame_name)) there.push_back(std::move(path));
+  for (const std::string& path : there)
+    if (known.insert(fs::path(path).lexically_normal()).second) outputs.push_back(path);
+  if (Status s = keep_apart(outputs, inputs); !s) return s;
+  if (Status s = check_writable(named_); !s) return s;
+  return check_writable(in_folders_, true);
+}
+
+Status RunOutputs::remove_earlier(const std::vector<std::string>& written) const {
+  for (const EarlierRun& earlier : earlier_)
+    if (Status s = earlier.remove(written); !s) return s;
   return Success{};
+}
+
+const std::vector<const char*>& body_files() {
+  static const std::vector<const char*> kNames = {kTableName, kEnergyPageName, kPictureName,
+                                                  kFramesName, kMaterialsName};
+  return kNames;
+}
+
+RunOutputs outputs_of(const std::vector<RunOptions>& bodies) {
+  RunOutputs outputs;
+  std::map<std::string, std::vector<std::string>> folders;
+  for (const RunOptions& body : bodies) {
+    outputs.add(body.wav);
+    if (!body.out.empty()) folders[folder_of_all(body, bodies)].push_back(body.name);
+  }
+  for (const auto& [folder, names] : folders)
+    outputs.add_folder(folder, bodies.size() > 1 ? names : std::vector<std::string>());
+  for (const RunOptions& body : bodies) {
+    outputs.add_files(body.out, body_files());
+    outputs.add_files(body.out, {kReportName});
+  }
+  if (bodies.size() > 1)
+    for (const auto& [folder, names] : folders) outputs.add_files(folder, {kReportName});
+  return outputs;
+}
+
+std::string folder_of_all(const RunOptions& body, const std::vector<RunOptions>& bodies) {
+  return bodies.size() > 1 ? fs::path(body.out).parent_path().string() : body.out;
 }
 
 std::string list_files(const std::vector<std::string>& files) {

@@ -6,6 +6,7 @@
 
 #include "common/result.h"
 #include "formats/file/output_guard.h"
+#include "runtime/program/run/earlier_run.h"
 #include "runtime/program/run/run_options.h"
 
 namespace tremolo {
@@ -20,14 +21,43 @@ std::string frame_name(int frame, double time, const std::string& format);
 
 // The files that a run reads: the model, the scene, --signal, --start and lists of ids.
 std::vector<NamedFile> inputs_of(const RunOptions& options);
+// Adds the lists of ids that a selector, or a vertex's number, names. whose: "--at".
+void add_ids_of(const std::string& selector, const std::string& whose,
+                std::vector<NamedFile>& inputs);
 
-// Error (kUsage) if a file that the run writes, or one of an earlier run that it removes, is one
-// that it reads: the model, the scene, --start, --signal or a list of ids.
-Status keep_run_apart(const RunOptions& options);
+// All files that a run writes or removes. They are known, and known to be writable, before the
+// first step.
+class RunOutputs {
+ public:
+  // A file that a flag names; empty: none. Its folder must be there.
+  void add(const std::string& path);
+  // The folder of a run, made if need be; empty: none. bodies: names of folders in it.
+  void add_folder(const std::string& folder, const std::vector<std::string>& bodies = {});
+  // Files in a folder that was added, or in that of one of its bodies.
+  void add_files(const std::string& folder, const std::vector<const char*>& names);
 
-// Surfaces, their lists and the picture of an earlier run into the same folder do not belong to
-// this one: removes those that are not in `written` (paths).
-Status remove_leftovers(const std::string& folder, const std::vector<std::string>& written);
+  // Errors: kUsage if one of them is an input, another output or a folder for another output;
+  // kSystem if one cannot be written.
+  Status check(const std::vector<NamedFile>& inputs) const;
+
+  // Removes what earlier runs left in the folders when they were added, but for what this run has
+  // written (paths). Errors: kSystem.
+  Status remove_earlier(const std::vector<std::string>& written) const;
+
+ private:
+  std::vector<std::string> folders_, named_, in_folders_;
+  std::vector<EarlierRun> earlier_;
+};
+
+// What a run of these bodies writes, each by itself. Several have a folder each, NAME in the folder
+// that was asked for, which gets the report of all.
+RunOutputs outputs_of(const std::vector<RunOptions>& bodies);
+
+// The folder that was asked for as the body's --out: of one body its own.
+std::string folder_of_all(const RunOptions& body, const std::vector<RunOptions>& bodies);
+
+// Names of the files of one body in its folder.
+const std::vector<const char*>& body_files();
 
 // "run.csv, energy.svg, 50 surfaces" of paths.
 std::string list_files(const std::vector<std::string>& files);

@@ -9,15 +9,24 @@ namespace {
 
 void add_load_flags(CLI::App& run, RunOptions& o) {
   CLI::Option* load = run.add_option("--load", o.load,
-                                     "impulse (3 ms), square (0.3 s), sine (1 Hz), constant, none")
+                                     "impulse (3 ms), square (0.3 s), sine (1 Hz), chirp, ramp, "
+                                     "constant, none")
                           ->capture_default_str();
+  run.add_option("--frequency", o.shape.frequency, "of --load sine, Hz");
+  run.add_option("--sweep", o.shape.sweep,
+                 "F1,F2: the frequencies between which --load chirp moves, Hz (1,10)");
+  run.add_option(
+      "--load-duration", o.shape.duration,
+      "how long the load lasts, s; of a ramp, its rise; of a chirp, the sweep (both: the "
+      "whole run)");
   run.add_option("--signal", o.signal,
                  "CSV of times (s) and values: the load's course in time instead, straight lines "
                  "between")
       ->excludes(load);
   run.add_option("--at", o.at,
                  "what the load acts on, a vertex's id or a selector (default: the model's)");
-  run.add_option("--force", o.force, "with --at: X,Y,Z in N, shared by the vertices");
+  run.add_option("--force", o.force,
+                 "with --at: X,Y,Z in N, shared by the vertices, on a face by area");
   CLI::Option* scale =
       run.add_option("--scale", o.scale, "multiplies the load")->capture_default_str();
   run.add_option("--deflect", o.deflect,
@@ -42,9 +51,17 @@ void add_body_flags(CLI::App& run, RunOptions& o) {
                  fmt::format("{}", fmt::join(integrator_names(), ", ")))
       ->capture_default_str();
   run.add_option("--step", o.step, "h, s")->capture_default_str();
+  run.add_option("--rescale", o.rescale,
+                 "young=PA,density=KG/M3, one or both: the model as if made of this; exact for one "
+                 "material");
   run.add_flag("--linear", o.linear, "leave the cubic and quartic terms out: not read, not kept");
-  run.add_option("--alpha", o.alpha, "Rayleigh damping of the mass, 1/s");
-  run.add_option("--beta", o.beta, "Rayleigh damping of the rest stiffness, s");
+  CLI::Option* alpha = run.add_option("--alpha", o.alpha, "Rayleigh damping of the mass, 1/s");
+  CLI::Option* beta = run.add_option("--beta", o.beta, "Rayleigh damping of the rest stiffness, s");
+  run.add_option("--damping-ratio", o.damping_ratio,
+                 "F1:Z1,F2:Z2: alpha and beta from the fraction of critical damping at two "
+                 "frequencies (Hz), as in 1:0.02,30:0.05")
+      ->excludes(alpha)
+      ->excludes(beta);
   run.add_option("--newmark-beta", o.newmark_beta, "Newmark's beta")->capture_default_str();
   run.add_option("--newmark-gamma", o.newmark_gamma, "Newmark's gamma")->capture_default_str();
   run.add_option("--split", o.split, "which coordinates are explicit: default, thesis or a count")

@@ -18,10 +18,13 @@ using Store = bool (*)(const toml::node&, RunOptions&);
 
 template <class T>
 std::optional<T> value_of(const toml::node& node) {
+  // toml++ turns numbers and bools into each other.
   if constexpr (std::is_same_v<T, int>)
     return whole_number(node);
+  else if constexpr (std::is_same_v<T, double>)
+    return node.is_boolean() ? std::nullopt : node.value<double>();
   else
-    return node.value<T>();
+    return node.value_exact<T>();
 }
 
 template <class T>
@@ -29,6 +32,23 @@ bool store(const toml::node& node, T& target) {
   const auto value = value_of<T>(node);
   if (value) target = *value;
   return value.has_value();
+}
+
+bool store_frequency(const toml::node& node, SignalShape& shape) {
+  shape.frequency = node.value<double>();
+  return shape.frequency.has_value();
+}
+
+bool store_duration(const toml::node& node, SignalShape& shape) {
+  shape.duration = node.value<double>();
+  return shape.duration.has_value();
+}
+
+// "F1,F2" or [F1, F2].
+bool store_sweep(const toml::node& node, SignalShape& shape) {
+  const auto text = sweep_text(node);
+  if (text) shape.sweep = *text;
+  return text.has_value();
 }
 
 bool store_list(const toml::node& node, std::vector<std::string>& target) {
@@ -65,14 +85,19 @@ constexpr Key kKeys[] = {
     {"step", keep<&RunOptions::step>},
     {"duration", keep<&RunOptions::duration>},
     {"modes", keep<&RunOptions::modes>},
+    {"rescale", keep<&RunOptions::rescale>},
     {"linear", keep<&RunOptions::linear>},
     {"load", keep<&RunOptions::load>},
     {"at", keep<&RunOptions::at, store_at>},
     {"force", keep<&RunOptions::force>},
+    {"frequency", keep<&RunOptions::shape, store_frequency>},
+    {"sweep", keep<&RunOptions::shape, store_sweep>},
+    {"load-duration", keep<&RunOptions::shape, store_duration>},
     {"signal", keep<&RunOptions::signal>},
     {"scale", keep<&RunOptions::scale>},
     {"alpha", keep<&RunOptions::alpha>},
     {"beta", keep<&RunOptions::beta>},
+    {"damping-ratio", keep<&RunOptions::damping_ratio>},
     {"newmark-beta", keep<&RunOptions::newmark_beta>},
     {"newmark-gamma", keep<&RunOptions::newmark_gamma>},
     {"split", keep<&RunOptions::split>},
@@ -115,6 +140,10 @@ Status read_body(const std::string& path, const toml::table& table, RunOptions& 
                     "body '" + body.name +
                         "': `signal` and `load` are two "
                         "courses of one load: leave one out");
+  if (table.contains("damping-ratio") && (table.contains("alpha") || table.contains("beta")))
+    return error_at(
+        path, table.source(),
+        "body '" + body.name + "': `damping-ratio` gives `alpha` and `beta`: leave those out");
   body.scene = path;
   body.model = beside(path, body.model);
   if (!body.signal.empty()) body.signal = beside(path, body.signal);

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "common/load_signal.h"
 #include "common/result.h"
 #include "runtime/integrator.h"
 
@@ -21,15 +22,18 @@ struct RunOptions {
   double step = 3e-3;
   double duration = 30.0;
   int modes = 0;                // leading coordinates to keep; 0: all
+  std::string rescale;          // "young=PA,density=KG/M3": another material (rescale.h)
   bool linear = false;          // without the cubic and quartic terms
-  std::string load = "square";  // impulse, square, sine, constant, none
+  std::string load = "square";  // impulse, square, sine, chirp, ramp, constant, none
+  SignalShape shape;            // of the load: --frequency, --sweep, --load-duration
   std::string at;               // vertex or selector; with force; else the model's default load
-  std::string force;            // "X,Y,Z" in N, shared by the vertices
+  std::string force;            // "X,Y,Z" in N, shared by the vertices, on a face by area
   std::string signal;           // CSV of the load's course in time; it takes the place of `load`
   double scale = 1.0;
   std::string deflect;  // "5%": the load is scaled until the motion is so large; empty: it is not
   std::string start;    // start_state.h; empty: at rest
   double alpha = 0.0, beta = 0.0;
+  std::string damping_ratio;  // "F1:Z1,F2:Z2": alpha and beta follow; empty: as they are
   double newmark_beta = 0.25, newmark_gamma = 0.5;
   std::string split = "default";
   double safety = 0.9;

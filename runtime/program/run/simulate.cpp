@@ -181,7 +181,6 @@ void tell_nearest(const RunOptions& options, const Model& model) {
 
 Result<RunInput> prepare_run(const RunOptions& options) {
   if (Status status = check_run(options); !status) return status.error();
-  if (Status status = keep_run_apart(options); !status) return status.error();
   const Result<Model::Pointer> model = load_model(options);
   if (!model) return model.error();
   tell_nearest(options, **model);

@@ -87,6 +87,10 @@ Result<Ear> Ear::create(const std::string& listen, const Model& model, double ra
   Eigen::VectorXd along = Eigen::VectorXd::Zero(model.modes());
   for (const VertexId vertex : *vertices) {
     const auto at = find_vertex(model.surface().vertex_ids, vertex);
+    if (!at && static_cast<std::size_t>(vertex) >= model.vertex_count())
+      return content_error(
+          fmt::format("--wav: the model has no vertex {}; it has {}, counted from 0", vertex,
+                      model.vertex_count()));
     if (!at)
       return content_error(fmt::format(
           "--wav: vertex {} is inside, and sound comes from the surface: say where to --listen",

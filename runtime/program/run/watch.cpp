@@ -157,7 +157,7 @@ Status Watch::finish() {
   if (options_->plot && report_->signal == 0)
     if (Status s = plot_run({options_->integrator, csv}, options_->out, report_->files); !s)
       return s;
-  return remove_leftovers(options_->out, report_->files);
+  return Success{};
 }
 
 }  // namespace tremolo

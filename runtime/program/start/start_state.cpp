@@ -1,5 +1,6 @@
 #include "runtime/program/start/start_state.h"
 
+#include <filesystem>
 #include <vector>
 
 #include "formats/file/whole_file.h"
@@ -47,6 +48,11 @@ Result<State> start_state(const std::string& text, const Model& model,
     return State{*q, zero};
   }
   const StartRow row = start_row(text);
+  std::error_code ignored;
+  if (!std::filesystem::exists(row.path, ignored) && text.find('=') != std::string::npos)
+    return told(
+        usage_error("expected VERTEX|SELECTOR=X,Y,Z, three finite numbers in m, static, or "
+                    "a file of rows; there is no such file"));
   const Result<std::string> csv = read_whole_file(row.path);
   if (!csv) return csv.error();
   return parse_state_row(*csv, row.path, row.time, model.modes());

@@ -124,6 +124,13 @@ class TetsRun {
   TetsJson json() const;
   void print() const;
   const TetsEnding& ending() const { return ending_; }
+  // Paths of all that was written.
+  std::vector<std::string> files() const {
+    std::vector<std::string> files;
+    for (const TetsLog& log : logs_)
+      files.insert(files.end(), log.report().files.begin(), log.report().files.end());
+    return files;
+  }
 
  private:
   void look_at_start();
@@ -302,20 +309,21 @@ void TetsRun::print() const {
   }
 }
 
-// Refuses a run that would write over its own input.
-Status keep_tets_apart(const TetScene& scene) {
-  if (scene.outputs.out.empty()) return Success{};
-  const std::filesystem::path out(scene.outputs.out);
-  std::vector<std::string> outputs{(out / kReportName).string()};
-  for (const TetSceneBody& body : scene.bodies) {
-    outputs.push_back((out / body.name / kTableName).string());
-    outputs.push_back((out / body.name / kFramesName).string());
-  }
-  return keep_apart(outputs, inputs_of(scene));
+// What a run of the scene writes.
+RunOutputs tets_outputs(const TetScene& scene) {
+  const std::string& out = scene.outputs.out;
+  RunOutputs outputs;
+  std::vector<std::string> names;
+  for (const TetSceneBody& body : scene.bodies) names.push_back(body.name);
+  outputs.add_folder(out, names);
+  outputs.add_files(out, {kReportName});
+  for (const std::string& name : names)
+    if (!out.empty())
+      outputs.add_files((std::filesystem::path(out) / name).string(), {kTableName, kFramesName});
+  return outputs;
 }
 
 Result<TetsRun> run_tets(const TetScene& scene) {
-  if (Status s = keep_tets_apart(scene); !s) return s.error();
   Result<TetsBodies> bodies = make_tets_bodies(scene);
   if (!bodies) return bodies.error();
   std::vector<TetsLog> logs;
@@ -335,14 +343,19 @@ std::vector<NamedFile> inputs_of(const TetScene& scene) {
   std::vector<NamedFile> inputs{{scene.path, "the scene"}};
   for (const TetSceneBody& body : scene.bodies)
     inputs.push_back({body.model, "a file of tetrahedra"});
+  for (const std::string& csv : scene.files) inputs.push_back({csv, "a CSV file of the scene"});
   return inputs;
 }
 
 int run_tets_command(const TetScene& scene, bool json) {
+  const std::vector<NamedFile> inputs = inputs_of(scene);
+  const RunOutputs outputs = tets_outputs(scene);
+  if (Status s = outputs.check(inputs); !s) return report_error(s.error());
+  const GuardedInputs guard(inputs);
   const Result<TetsRun> run = run_tets(scene);
   if (!run) return report_error(run.error());
   run->print();
-  return end_scene_run(scene.outputs, run->json(), run->ending(), json);
+  return end_scene_run(scene.outputs, outputs, run->files(), run->json(), run->ending(), json);
 }
 
 }  // namespace tremolo

@@ -140,6 +140,7 @@ Status TetsLog::write_frame(double time, const std::vector<Eigen::Vector3d>& ver
   drawn.normals = normals;
   drawn.triangles = surface_->rest().triangles;
   drawn.uvs = surface_->rest().uvs;
+  drawn.sources = surface_->rest().sources;
   drawn.object_of.assign(drawn.triangles.size(), 0);
   drawn.material_of.assign(drawn.triangles.size(), 0);
   drawn.objects = {"body"};
@@ -195,7 +196,7 @@ Status TetsLog::finish() {
     if (Status s = write_file(list, list_); !s) return s;
     report_.files.push_back(list);
   }
-  return remove_leftovers(folder_, report_.files);
+  return Success{};
 }
 
 }  // namespace tremolo

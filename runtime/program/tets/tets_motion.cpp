@@ -27,6 +27,7 @@ AnimatedShape tets_shape(const TetsKind& kind) {
   surface.vertices = drawn.vertices;
   surface.triangles = drawn.triangles;
   surface.uvs = drawn.uvs;
+  surface.sources = drawn.sources;
   surface.object_of.assign(surface.triangles.size(), 0);
   surface.material_of.assign(surface.triangles.size(), 0);
   surface.objects = surface.materials = {shape.name};
@@ -137,6 +138,12 @@ class TetsMotion : public MotionSource {
   std::vector<std::string> names() const override {
     std::vector<std::string> names;
     for (const TetSceneBody& body : scene_.bodies) names.push_back(body.name);
+    return names;
+  }
+
+  std::vector<std::string> scenery() const override {
+    std::vector<std::string> names;
+    for (const SceneCollider& collider : scene_.colliders) names.push_back(collider.name);
     return names;
   }
 

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "common/larger.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/program/output/plot.h"
 #include "runtime/program/run/run_body.h"
@@ -18,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kStepsBetweenShapes = 10;
+constexpr std::size_t kMostOpen = 64;  // files of one run
 
 const std::vector<std::string> kFurther = {"load",
                                            "support",
@@ -113,23 +115,14 @@ Result<RecordedColumns> columns_of(const RunOptions& options, const Model& model
 
 }  // namespace
 
-Status check_outputs(const SceneFile& file, const SceneWorld& world, std::size_t body) {
-  const SceneBody& known = world.scene().bodies[body];
-  const std::unique_ptr<RunOptions> options = options_of(file, known);
+Status check_columns(const SceneFile& file, const SceneWorld& world, std::size_t body) {
+  const std::unique_ptr<RunOptions> options = options_of(file, world.scene().bodies[body]);
   const Result<RecordedColumns> columns = columns_of(*options, world.body(body).model());
-  if (!columns) return columns.error();
-  for (const SceneLoad& load : known.loads) {
-    options->at = load.at;
-    if (Status s = keep_run_apart(*options); !s) return s;
-  }
-  for (const SceneHand& hand : file.scene.hands) {
-    options->at = hand.body == known.name ? hand.at : "";
-    if (Status s = keep_run_apart(*options); !s) return s;
-  }
-  return keep_run_apart(*options);
+  return columns ? Status(Success{}) : Status(columns.error());
 }
 
-Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, std::size_t body) {
+Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, std::size_t body,
+                                SharedLooks& shared) {
   std::unique_ptr<RunOptions> options = options_of(file, world.scene().bodies[body]);
   const Model& model = world.body(body).model();
   const Result<RecordedColumns> columns = columns_of(*options, model);
@@ -141,10 +134,15 @@ Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, 
     if (error) return system_error(options->out + ": cannot create: " + error.message());
     csv = (fs::path(options->out) / kTableName).string();
   }
-  Result<Recorder> recorder = Recorder::create(model, *columns, csv);
+  Result<Recorder> recorder = Recorder::create(model, *columns, csv, world.size() > kMostOpen);
   if (!recorder) return value_error(recorder.error());
   const std::int64_t steps = std::llround(file.scene.duration / file.scene.step);
-  BodyLog log(body, std::move(options), std::move(*recorder), model, steps);
+  const auto looks = shared.looks.find(&model);
+  const ShapeLooks& first =
+      looks != shared.looks.end()
+          ? looks->second
+          : shared.looks.try_emplace(&model, model, kStepsBetweenShapes, steps).first->second;
+  BodyLog log(body, std::move(options), std::move(*recorder), first, steps, shared);
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& x : model.surface().rest) box.extend(x);
   log.report_.size = box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
@@ -153,21 +151,22 @@ Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, 
 }
 
 BodyLog::BodyLog(std::size_t body, std::unique_ptr<RunOptions> options, Recorder recorder,
-                 const Model& model, std::int64_t steps)
+                 const ShapeLooks& looks, std::int64_t steps, SharedLooks& shared)
     : body_(body),
       options_(std::move(options)),
       recorder_(std::move(recorder)),
       frames_(*options_, steps),
-      shape_looks_(model, kStepsBetweenShapes, steps) {}
+      shape_looks_(looks),
+      shared_(&shared) {}
 
 Result<bool> BodyLog::observe(const SceneWorld& world) {
   const Body& body = world.body(body_);
   look_at(body, moment_);
   const EnergyAccount account = world.account(body_);
   report_.account = account;
-  report_.energy_max = std::max(report_.energy_max, account.total());
-  report_.remainder_max = std::max(report_.remainder_max, std::abs(account.remainder()));
-  report_.turnover_max = std::max(report_.turnover_max, turnover(account));
+  report_.energy_max = larger(report_.energy_max, account.total());
+  report_.remainder_max = larger(report_.remainder_max, std::abs(account.remainder()));
+  report_.turnover_max = larger(report_.turnover_max, turnover(account));
   if (shape_looks_.due(moment_.steps, moment_.state.q)) note_shape(world);
   // Where the points are deeper than ever the surface may be.
   if (world.penetration_max(body_) > deepest_) note_depth(world);
@@ -238,7 +237,7 @@ void BodyLog::note_depth(const SceneWorld& world) {
   // Where it sleeps it lies as it lay.
   if (world.asleep(body_)) return;
   report_.penetration_surface_max =
-      std::max(report_.penetration_surface_max, depth_.measure(world, body_));
+      std::max(report_.penetration_surface_max, depth_.measure(world, body_, shared_->near));
 }
 
 void BodyLog::give_up(const StepReport& step, double time) {
@@ -289,7 +288,7 @@ Status BodyLog::finish(const SceneWorld& world) {
   report_.files.push_back(csv);
   if (options_->plot)
     if (Status s = plot_run({options_->name, csv}, options_->out, report_.files); !s) return s;
-  return remove_leftovers(options_->out, report_.files);
+  return Success{};
 }
 
 }  // namespace tremolo

@@ -1,6 +1,7 @@
 // What a run of a world measures and writes of one body.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -61,15 +62,24 @@ struct BodyReport {
   double balance_error() const { return energy_max > 0.0 ? remainder_max / energy_max : 0.0; }
 };
 
-// Whether the body's columns are there and none of its files is one that is read. To be asked of
-// all bodies before anything is written. Errors: kUsage, kContent.
-Status check_outputs(const SceneFile& file, const SceneWorld& world, std::size_t body);
+// Whether the body's columns are there. It must be asked of all bodies before anything is written.
+// Errors: kUsage, kContent.
+Status check_columns(const SceneFile& file, const SceneWorld& world, std::size_t body);
+
+// What the logs of many bodies have in common. looks: of a model, as each body of it begins with
+// them.
+struct SharedLooks {
+  std::map<const Model*, ShapeLooks> looks;
+  NearBodies near;
+};
 
 class BodyLog {
  public:
   // Makes the body's folder, out/NAME, if there is an `out`. Errors: kUsage and kContent for
   // columns that the model does not have; kSystem.
-  static Result<BodyLog> create(const SceneFile& file, const SceneWorld& world, std::size_t body);
+  // shared: what the logs of all bodies have in common; it must outlive them.
+  static Result<BodyLog> create(const SceneFile& file, const SceneWorld& world, std::size_t body,
+                                SharedLooks& shared);
 
   // Takes the start and then every step. False: the orbit has left its energy bound, and the report
   // says so.
@@ -85,7 +95,7 @@ class BodyLog {
 
  private:
   BodyLog(std::size_t body, std::unique_ptr<RunOptions> options, Recorder recorder,
-          const Model& model, std::int64_t steps);
+          const ShapeLooks& looks, std::int64_t steps, SharedLooks& shared);
   void note_shape(const SceneWorld& world);
   void note_depth(const SceneWorld& world);
   void judge_balance(const std::string& method);
@@ -100,6 +110,7 @@ class BodyLog {
   std::vector<double> further_;
   BodyReport report_;
   SurfaceDepth depth_;
+  SharedLooks* shared_;
   Rebound rebound_;
 };
 

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -19,6 +20,7 @@
 #include "runtime/contact/solve/shape_reach.h"
 #include "runtime/program/output/json_values.h"
 #include "runtime/program/output/plot.h"
+#include "runtime/program/output/scene_places.h"
 #include "runtime/program/output/tell.h"
 #include "runtime/program/output/warnings.h"
 #include "runtime/program/run/interruption.h"
@@ -233,19 +235,19 @@ Json world_json(const SceneFile& file, const SceneWorld& world, const std::vecto
   return json;
 }
 
-// Refuses a run that would write over its own input.
-Status keep_world_apart(const SceneFile& file) {
-  const std::vector<NamedFile> inputs = inputs_of(file);
-  std::vector<std::string> outputs;
-  for (const std::string& output : {file.outputs.save, file.outputs.wav})
-    if (!output.empty()) outputs.push_back(output);
-  if (file.outputs.out.empty()) return keep_apart(outputs, inputs);
-  outputs.push_back((fs::path(file.outputs.out) / kReportName).string());
-  for (const SceneBody& body : file.scene.bodies)
-    for (const char* name :
-         {kTableName, kEnergyPageName, kPictureName, kFramesName, kMaterialsName})
-      outputs.push_back((fs::path(file.outputs.out) / body.name / name).string());
-  return keep_apart(outputs, inputs);
+// What a run of the scene writes.
+RunOutputs outputs_of(const SceneFile& file) {
+  const std::string& out = file.outputs.out;
+  RunOutputs outputs;
+  outputs.add(file.outputs.save);
+  outputs.add(file.outputs.wav);
+  std::vector<std::string> names;
+  for (const SceneBody& body : file.scene.bodies) names.push_back(body.name);
+  outputs.add_folder(out, names);
+  outputs.add_files(out, {kReportName});
+  for (const std::string& name : names)
+    if (!out.empty()) outputs.add_files((fs::path(out) / name).string(), body_files());
+  return outputs;
 }
 
 Result<bool> observe_all(const SceneWorld& world, std::vector<BodyLog>& logs) {
@@ -370,9 +372,11 @@ Status save_end(const SceneFile& file, const SceneWorld& world, const WorldEndin
   return Success{};
 }
 
+// written: paths.
 struct WorldRun {
   Json json;
   WorldEnding ending;
+  std::vector<std::string> written;
 };
 
 // The world of the scene, with as many steps a sample of --wav as its modes need where nobody named
@@ -392,16 +396,16 @@ Result<WorldRun> run_world(SceneFile file, unsigned threads) {
   Result<SceneWorld> world = make_world(file);
   if (!world) return error_of_file(file.path, value_error(world.error()));
   if (Status s = world->set_threads(threads); !s) return s.error();
-  if (Status s = keep_world_apart(file); !s) return s.error();
   if (Status s = begin_where_saved(file, *world); !s) return s.error();
   const auto told = [&](std::size_t i, const Error& error) {
     return Error{error.kind, file.path + ": body '" + world->name(i) + "': " + error.message};
   };
   for (std::size_t i = 0; i < world->size(); ++i)
-    if (Status s = check_outputs(file, *world, i); !s) return told(i, s.error());
+    if (Status s = check_columns(file, *world, i); !s) return told(i, s.error());
   std::vector<BodyLog> logs;
+  SharedLooks shared;
   for (std::size_t i = 0; i < world->size(); ++i) {
-    Result<BodyLog> log = BodyLog::create(file, *world, i);
+    Result<BodyLog> log = BodyLog::create(file, *world, i, shared);
     if (!log) return told(i, log.error());
     logs.push_back(std::move(*log));
   }
@@ -425,7 +429,7 @@ Result<WorldRun> run_world(SceneFile file, unsigned threads) {
        fs::path(file.path).stem().string(), world->size(), world->time(), file.scene.duration,
        world->step_size(), 1e6 * ending->seconds / static_cast<double>(ending->steps));
   print_bodies(file, *world, logs);
-  Warnings warnings;
+  Warnings warnings = keyframe_warnings(file.scene.bodies, file.scene.colliders);
   add_step_warnings(file.scene, *world, warnings);
   add_shape_warnings(file.scene, *world, warnings);
   add_spring_warnings(file.scene, *world, warnings);
@@ -434,25 +438,58 @@ Result<WorldRun> run_world(SceneFile file, unsigned threads) {
          sound_warnings(*world, 1.0 / (world->step_size() * file.outputs.sound_steps)))
       warnings.push_back(std::move(warning));
   print_warnings(warnings);
-  return WorldRun{world_json(file, *world, logs, *ending, warnings), *ending};
+  std::vector<std::string> written;
+  for (const BodyLog& log : logs)
+    written.insert(written.end(), log.report().files.begin(), log.report().files.end());
+  return WorldRun{world_json(file, *world, logs, *ending, warnings), *ending, std::move(written)};
 }
 
 }  // namespace
 
+std::vector<NamedFile> inputs_of(const Scene& scene) {
+  std::vector<NamedFile> inputs;
+  std::set<std::string> seen;
+  const auto add = [&](const std::string& path, const char* role) {
+    if (!path.empty() && seen.insert(path).second) inputs.push_back({path, role});
+  };
+  const auto add_ids = [&](const std::string& selector, const char* whose) {
+    if (selector.find("file:") != std::string::npos) add_ids_of(selector, whose, inputs);
+  };
+  for (const SceneBody& body : scene.bodies) {
+    add(body.model, "a basis file");
+    add(body.shape_file, "a body's shape");
+    for (const SceneLoad& load : body.loads) add_ids(load.at, "a load");
+    for (const std::string& probe : body.columns.probes) add_ids(probe, "a probe");
+  }
+  for (const SceneCollider& collider : scene.colliders) add(collider.file, "a collider file");
+  for (const SceneHand& hand : scene.hands) add_ids(hand.at, "a hand");
+  for (const SceneJoint& joint : scene.joints) {
+    add_ids(joint.at, "a joint");
+    add_ids(joint.to_at, "a joint");
+  }
+  return inputs;
+}
+
 std::vector<NamedFile> inputs_of(const SceneFile& file) {
-  std::vector<NamedFile> inputs{{file.path, "the scene"}};
-  if (!file.outputs.restore.empty()) inputs.push_back({file.outputs.restore, "--restore"});
+  std::vector<NamedFile> inputs = inputs_of(file.scene);
+  inputs.push_back({file.path, "the scene"});
+  inputs.push_back({file.outputs.restore, "--restore"});
   for (const std::string& csv : file.files) inputs.push_back({csv, "a CSV file of the scene"});
-  for (const SceneBody& body : file.scene.bodies) inputs.push_back({body.model, "a basis file"});
-  for (const SceneCollider& collider : file.scene.colliders)
-    if (!collider.file.empty()) inputs.push_back({collider.file, "a collider file"});
+  // BODY:SELECTOR or a selector alone, which may have a colon, too.
+  const std::string& listen = file.outputs.listen;
+  add_ids_of(listen, "--listen", inputs);
+  add_ids_of(listen.substr(listen.find(':') + 1), "--listen", inputs);
   return inputs;
 }
 
 int run_world_command(const SceneFile& file, unsigned threads, bool json) {
+  const std::vector<NamedFile> inputs = inputs_of(file);
+  const RunOutputs outputs = outputs_of(file);
+  if (Status s = outputs.check(inputs); !s) return report_error(s.error());
+  const GuardedInputs guard(inputs);
   const Result<WorldRun> run = run_world(file, threads);
   if (!run) return report_error(run.error());
-  return end_scene_run(file.outputs, run->json, run->ending, json);
+  return end_scene_run(file.outputs, outputs, run->written, run->json, run->ending, json);
 }
 
 }  // namespace tremolo

@@ -18,7 +18,8 @@ namespace tremolo {
 Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& told,
                    SceneFile& file);
 
-// The files that a run of the scene reads.
+// The files that a run of the scene reads; of the scene alone: those that its parts name.
+std::vector<NamedFile> inputs_of(const Scene& scene);
 std::vector<NamedFile> inputs_of(const SceneFile& file);
 
 // Runs the scene. threads: that step its bodies, 0: one a core. json: one object on stdout, also

@@ -47,11 +47,14 @@ bool SceneEnding::interrupted(int now, double time) {
   return true;
 }
 
-int end_scene_run(const SceneOutputs& outputs, const nlohmann::ordered_json& json,
+int end_scene_run(const SceneOutputs& outputs, const RunOutputs& files,
+                  std::vector<std::string> written, const nlohmann::ordered_json& json,
                   const SceneEnding& ending, bool print) {
   if (!outputs.out.empty()) {
     const std::string path = (std::filesystem::path(outputs.out) / kReportName).string();
     if (Status s = write_file(path, json_text(json)); !s) return report_error(s.error());
+    written.push_back(path);
+    if (Status s = files.remove_earlier(written); !s) return report_error(s.error());
   }
   if (ending.exit_code != 0) tell("tremolo: {}\n", ending.reason);
   if (print) print_json(json);

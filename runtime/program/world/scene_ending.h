@@ -3,10 +3,12 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "common/result.h"
+#include "runtime/program/run/run_files.h"
 #include "runtime/program/run/run_options.h"
 #include "runtime/scene_reader/scene_keys.h"
 
@@ -31,9 +33,11 @@ struct SceneEnding {
   bool interrupted(int now, double time);
 };
 
-// Writes report.json into the run's folder, tells why the run ended early, prints the JSON if the
-// user asked for it, and raises the signal again. Returns the program's exit code.
-int end_scene_run(const SceneOutputs& outputs, const nlohmann::ordered_json& json,
+// Writes report.json into the run's folder, removes what earlier runs left there, tells why the run
+// ended early, prints the JSON if the user asked for it, and raises the signal again. written: the
+// paths of all other files of the run. Returns the program's exit code.
+int end_scene_run(const SceneOutputs& outputs, const RunOutputs& files,
+                  std::vector<std::string> written, const nlohmann::ordered_json& json,
                   const SceneEnding& ending, bool print);
 
 }  // namespace tremolo

@@ -29,17 +29,25 @@ Ball ball_of(const Body& body) {
   return {body.pose() * points.centre, points.radius + deformed};
 }
 
-// Whether a joint holds two bodies that pass through each other.
-bool pass_through(const SceneWorld& world, std::size_t a, std::size_t b) {
-  const std::string &one = world.name(a), &two = world.name(b);
-  const auto& joints = world.scene().joints;
-  return std::any_of(joints.begin(), joints.end(), [&](const SceneJoint& joint) {
-    return !joint.options.touch &&
-           ((joint.body == one && joint.to == two) || (joint.body == two && joint.to == one));
-  });
+bool feels(const Body& body) {
+  return body.contact() != nullptr && body.contact()->feels();
 }
 
 }  // namespace
+
+std::span<const std::size_t> NearBodies::of(const SceneWorld& world, std::size_t body) {
+  if (steps_ != world.steps()) {
+    steps_ = world.steps();
+    balls_.clear();
+    for (std::size_t i = 0; i < world.size(); ++i) {
+      if (!feels(world.body(i))) continue;
+      const Ball ball = ball_of(world.body(i));
+      balls_.add(i, ball.centre, ball.radius);
+    }
+    balls_.sort();
+  }
+  return balls_.of(body);
+}
 
 double SurfaceDepth::behind_body(const Body& other, const Vector3d& x) {
   const ContactPoints& points = other.contact()->points();
@@ -48,9 +56,9 @@ double SurfaceDepth::behind_body(const Body& other, const Vector3d& x) {
   return -bent_distance(bent, pose.rotation.conjugate() * (x - pose.position));
 }
 
-double SurfaceDepth::measure(const SceneWorld& world, std::size_t body) {
+double SurfaceDepth::measure(const SceneWorld& world, std::size_t body, NearBodies& near) {
   const Body& own = world.body(body);
-  if (own.contact() == nullptr || !own.contact()->feels()) return 0.0;
+  if (!feels(own)) return 0.0;
   positions_.resize(3 * own.model().drawn().rest.size());
   if (!own.surface_positions(positions_)) return 0.0;
   const Eigen::Map<const Eigen::Matrix3Xd> places(positions_.data(), 3,
@@ -65,14 +73,10 @@ double SurfaceDepth::measure(const SceneWorld& world, std::size_t body) {
     for (const auto& x : places.colwise())
       depth = std::max(depth, -signed_distance(collider.shape, into(x)).distance);
   }
-  for (std::size_t i = 0; i < world.size(); ++i) {
+  for (const std::size_t i : near.of(world, body)) {
     const Body& other = world.body(i);
-    if (i == body || other.contact() == nullptr || other.contact()->shape() == nullptr ||
-        !other.contact()->feels())
-      continue;
+    if (other.contact()->shape() == nullptr || world.passes_through(body, i)) continue;
     const Ball its = ball_of(other);
-    if ((its.centre - ball.centre).norm() > its.radius + ball.radius) continue;
-    if (pass_through(world, body, i)) continue;
     other.contact()->points().displacement(other.state().q, displacement_);
     for (const auto& x : places.colwise()) {
       if ((x - its.centre).norm() > its.radius) continue;

@@ -3,21 +3,40 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "runtime/scene/near_balls.h"
 #include "runtime/scene/scene_world.h"
 
 namespace tremolo {
+
+// Which bodies are so near that they may touch, of a world after a step.
+class NearBodies {
+ public:
+  // The others that have a shape and feel contact, ascending; valid until the next call.
+  std::span<const std::size_t> of(const SceneWorld& world, std::size_t body);
+
+ private:
+  NearBalls balls_;
+  std::int64_t steps_ = -1;  // of the world when the balls were where they are
+};
 
 // Measures the vertices of the drawn surface of one body.
 class SurfaceDepth {
  public:
   // The deepest vertex at present, m; 0 where none is behind anything. Bodies that do not feel
-  // contact, or that a joint lets pass, are not looked at.
-  double measure(const SceneWorld& world, std::size_t body);
+  // contact, or that a joint lets pass, are not looked at. near: what is known of the world as it
+  // is; it is shared by all who measure.
+  double measure(const SceneWorld& world, std::size_t body, NearBodies& near);
+  double measure(const SceneWorld& world, std::size_t body) {
+    NearBodies near;
+    return measure(world, body, near);
+  }
 
  private:
   double behind_body(const Body& other, const Eigen::Vector3d& x);

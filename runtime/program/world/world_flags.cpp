@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/rayleigh.h"
 #include "runtime/integrator.h"
 #include "runtime/program/run/sound.h"
 #include "runtime/program/world/run_world.h"
@@ -28,6 +29,14 @@ Status apply_to_body(const RunOptions& flags, const std::function<bool(const cha
     options.beta = flags.beta;
     body.betas.clear();
   }
+  if (told("--damping-ratio")) {
+    const Result<RayleighDamping> damping = parse_damping_ratios(flags.damping_ratio);
+    if (!damping) return damping.error();
+    options.alpha = damping->alpha;
+    options.beta = damping->beta;
+    body.alphas.clear();
+    body.betas.clear();
+  }
   if (told("--newmark-beta")) options.newmark_beta = flags.newmark_beta;
   if (told("--newmark-gamma")) options.newmark_gamma = flags.newmark_gamma;
   if (told("--tolerance")) options.tolerance = flags.tolerance;
@@ -48,8 +57,8 @@ Status apply_to_body(const RunOptions& flags, const std::function<bool(const cha
 
 Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& told,
                    SceneFile& file) {
-  for (const char* flag :
-       {"--load", "--signal", "--at", "--force", "--scale", "--deflect", "--start"})
+  for (const char* flag : {"--load", "--signal", "--at", "--force", "--scale", "--deflect",
+                           "--start", "--frequency", "--sweep", "--load-duration", "--rescale"})
     if (told(flag))
       return usage_error(
           fmt::format("{} is of one body: say it in the scene, where {} has a table of its own",

@@ -20,7 +20,7 @@ Depth depth_in(const TetObstacle& obstacle, const Eigen::Vector3d& x) {
   return {-found.distance, obstacle.pose.rotation * found.normal};
 }
 
-// Force and stiffness of a touch: pressed is k <-d>, N, along g; speed the relative velocity.
+// Force and stiffness of a contact: pressed is k <-d>, N, along g; speed the relative velocity.
 void set_law(double friction, double creep, const Eigen::Vector3d& speed, TetTouch& touch) {
   const Eigen::Vector3d& g = touch.slope;
   const double length = g.norm();
@@ -105,8 +105,8 @@ void TetContact::find_partner(std::uint32_t p, const Eigen::Vector3d& place, std
   touch.stiffness = own * other.stiffness / (own + other.stiffness);
 }
 
-// True if neither the body nor a partner has moved since places were found; notes who is where for
-// the next time.
+// True if neither the body nor a partner has moved since positions were found; stores their states
+// for the next call.
 bool TetContact::places_are_known() {
   const std::size_t count = partners_.size() + 1;
   bool known = known_.size() == count;

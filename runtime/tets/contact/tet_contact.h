@@ -1,18 +1,18 @@
-// A body of tetrahedra touches solids that stand still and other bodies, at points of its surface
+// Contact of a body of tetrahedra with fixed solids and other bodies, at points of its surface
 // (tet_points.h). With the signed distance d of a solid at the point and its outward normal n,
 //   f = k <-d> n  -  mu k <-d> v_t / sqrt(|v_t|^2 + v_0^2),     v_t = v - (v.n) n,
-// <a> = max(a, 0), v the point's velocity against the solid. The first part has the potential
-// 1/2 k <-d>^2, the second only takes energy, and below v_0 is a creep. What sticks is as stiff as
-// mu k <-d> / (v_0 h) for a step h: a larger v_0 is easier to solve. A penalty: under a load F a
-// point is F/k deep.
+// <a> = max(a, 0), and v is the point's velocity relative to the solid. The first part has the
+// potential 1/2 k <-d>^2. The second only dissipates, and below v_0 it permits creep. A sticking
+// point has the stiffness mu k <-d> / (v_0 h) for a step h: a larger v_0 is easier to solve. This
+// is a penalty: under a load F a point penetrates by F/k.
 //
-// The distance d of another body is its distance at rest, phi, at the place X that its bent
-// elements put at the point (tet_tree.h): x = sum_I B_I(X) x_I, so that with F = dx/dX
+// For another body, d is its distance at rest, phi, at the point X that its deformed elements map
+// to the contact point (tet_tree.h): x = sum_I B_I(X) x_I, so that with F = dx/dX
 //   d phi = g . (dx - sum_I B_I dx_I),     g = F^-T grad phi,
-// and f = -k phi g pushes the point, -B_I f the other body's control points: the slope of
-// 1/2 k phi^2 exactly, at one place, so that momentum and angular momentum are kept. Where two
-// points press on each other k is that of both in a row. Changes of g are left out of the
-// stiffness, which is then k g g^T, never negative.
+// and f = -k phi g acts on the point, -B_I f on the other body's control points. This is the exact
+// slope of 1/2 k phi^2, at one position, so that momentum and angular momentum are conserved. Where
+// two points press on each other, k is that of both springs in series. Changes of g are left out of
+// the stiffness, which is then k g g^T, never negative.
 #pragma once
 
 #include <array>
@@ -32,16 +32,16 @@
 
 namespace tremolo {
 
-// What bodies of one kind touch with and are touched by. grid: distances at rest; without it the
-// points of others go through. stiffness: the mean of the points', N/m.
+// The contact surface that all bodies of one kind have.
 struct TetHull {
   TetHull(TetModelPointer of, std::vector<TetPoint> with, std::optional<DistanceGrid> distances);
 
   TetModelPointer model;
   std::vector<TetPoint> points;
+  // Distances at rest; without it the points of other bodies pass through.
   std::optional<DistanceGrid> grid;
   TetTree tree;
-  double stiffness = 0.0;
+  double stiffness = 0.0;  // mean of the points' stiffness, N/m
 
   std::size_t bytes() const;
 };
@@ -49,42 +49,40 @@ using TetHullPointer = std::shared_ptr<const TetHull>;
 // The hull of the mesh's boundary, without distances.
 TetHullPointer boundary_hull(TetModelPointer model);
 
-// friction: mu of the pair.
+// A fixed obstacle.
 struct TetObstacle {
   Collider shape;
   Pose pose;
-  double friction = 0.3;
+  double friction = 0.3;  // mu of the pair
 };
 
-inline constexpr double kTetCreep = 1e-3;  // v_0 unless told, m/s
+inline constexpr double kTetCreep = 1e-3;  // default of v_0, m/s
 
 class TetContact;
 
-// Another body that is near. member: its number in the island (tet_island.h). s, v: its control
-// points where forces are taken. friction: of the pair.
+// Another body nearby.
 struct TetPartner {
-  std::uint32_t member = 0;
+  std::uint32_t member = 0;  // its number in the island (tet_island.h)
   const TetContact* contact = nullptr;
-  const Eigen::VectorXd* s = nullptr;
-  const Eigen::VectorXd* v = nullptr;
-  double friction = 0.3;
+  const Eigen::VectorXd* s = nullptr;  // its control points where forces are evaluated, m
+  const Eigen::VectorXd* v = nullptr;  // their velocities, m/s
+  double friction = 0.3;               // of the pair
 };
 
 inline constexpr std::uint32_t kNoPartner = ~std::uint32_t{0};
 
-// A point that touches. partner: which, kNoPartner of what stands still, which is then `obstacle`;
-// nodes, values: the partner's control points there. slope: g. stiffness: k, N/m. force: on the
-// point, N. place, speed: -df/dx and -df/dv between point and partner. energy: of the penalty, J.
+// A point in contact.
 struct TetTouch {
   std::uint32_t point = 0;
-  std::uint32_t partner = kNoPartner;
-  std::uint32_t obstacle = 0;
-  std::array<std::uint32_t, kMostNodes> nodes{};
-  std::array<double, kMostNodes> values{};
+  std::uint32_t partner = kNoPartner;             // kNoPartner for a fixed obstacle
+  std::uint32_t obstacle = 0;                     // without a partner
+  std::array<std::uint32_t, kMostNodes> nodes{};  // the partner's control points there
+  std::array<double, kMostNodes> values{};        // their weights
+  // depth: m. stiffness: k, N/m. energy: of the penalty, J.
   double depth = 0.0, stiffness = 0.0, energy = 0.0;
-  Eigen::Vector3d slope;
-  Eigen::Vector3d force;
-  Eigen::Matrix3d place, speed;
+  Eigen::Vector3d slope;         // g
+  Eigen::Vector3d force;         // on the point, N
+  Eigen::Matrix3d place, speed;  // -df/dx and -df/dv between point and partner
 };
 
 class TetContact {
@@ -93,35 +91,35 @@ class TetContact {
   TetContact(TetHullPointer hull, std::vector<TetObstacle> obstacles, double creep = kTetCreep);
 
   const TetHull& hull() const { return *hull_; }
-  // Who is near, in an order that is kept. Bodies without distances are passed over.
+  // The bodies nearby, in a fixed order. Bodies without distances are skipped.
   void clear_partners() { partners_.clear(); }
   void add_partner(const TetPartner& partner) { partners_.push_back(partner); }
   std::span<const TetPartner> partners() const { return partners_; }
 
-  // The boxes of the body's elements at x: before anything is looked for.
+  // Fits the boxes of the body's elements to x; call it before any search.
   void fit(const Eigen::VectorXd& x);
   const TetTree::Box& box() const { return boxes_.front(); }
 
-  // Finds what the points touch at places s with velocities v; it and its partners have been
-  // fitted. Where none of them has moved since the last time, as between the end of a step and the
-  // beginning of the next, places are those that were found. May be called for several bodies at
-  // once.
+  // Finds the contacts of the points at positions s with velocities v; the body and its partners
+  // have been fitted. If none of them has moved since the last call, as between the end of a step
+  // and the start of the next, the positions in the partners are reused. May be called for several
+  // bodies at once.
   void find(const Eigen::VectorXd& s, const Eigen::VectorXd& v);
   std::span<const TetTouch> touches() const { return touches_; }
 
-  // f += the forces on the body's own control points, not folded.
+  // f += the forces on the body's own control points, not condensed.
   void add_forces(Eigen::VectorXd& f) const;
-  // f += what its touches of one partner do to that.
+  // f += the forces of its contacts with one partner on that partner.
   void add_partner_forces(std::uint32_t partner, Eigen::VectorXd& f) const;
 
-  // What was found last: what the penalty stores, J; the depth of the deepest point, m; how many
-  // touch.
+  // Statistics of the last search.
   struct Look {
+    // energy: of the penalty, J. depth: of the deepest point, m.
     double energy = 0.0, depth = 0.0;
-    std::size_t touching = 0;
+    std::size_t touching = 0;  // number of points in contact
   };
   Look look() const;
-  // Looks likewise at what stands still alone, at places x.
+  // The same for fixed obstacles alone, at positions x.
   Look look(const Eigen::VectorXd& x) const;
   std::size_t bytes() const;
 
@@ -142,10 +140,10 @@ class TetContact {
   std::vector<TetPartner> partners_;
   std::vector<TetTree::Box> boxes_;
   std::vector<TetTouch> touches_;
-  std::vector<std::uint8_t> near_;  // of the obstacles, which the body's box reaches
-  Eigen::VectorXd fitted_;          // x of fit()
-  std::uint64_t times_ = 0;         // how often that was another one
-  std::vector<Fitted> known_;       // itself and its partners, when places were found
+  std::vector<std::uint8_t> near_;  // the obstacles that the body's box reaches
+  Eigen::VectorXd fitted_;          // x of the last fit()
+  std::uint64_t times_ = 0;         // number of fits with another x
+  std::vector<Fitted> known_;       // the body and its partners when positions were last found
 };
 
 }  // namespace tremolo

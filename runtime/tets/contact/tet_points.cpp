@@ -43,7 +43,7 @@ double surface_area(const TetsSurface& surface) {
   return 0.5 * twice;
 }
 
-// Vertices no two of which are nearer than `apart`.
+// Vertices of which no two are nearer than `apart`.
 std::vector<std::size_t> spread(const std::vector<Eigen::Vector3d>& vertices, double apart) {
   std::vector<std::size_t> kept;
   for (std::size_t v = 0; v < vertices.size(); ++v) {
@@ -55,7 +55,7 @@ std::vector<std::size_t> spread(const std::vector<Eigen::Vector3d>& vertices, do
   return kept;
 }
 
-// Control points whose polynomial is not zero at a place of an element; of an edge's also its ends.
+// Control points whose polynomial is not zero at a point of an element; for an edge also its ends.
 TetPoint hanging_point(const TetModelElement& element, const Eigen::Vector4d& w) {
   const auto values = polynomials_at(2, {w[0], w[1], w[2], w[3]});
   std::array<bool, kMostNodes> used{};

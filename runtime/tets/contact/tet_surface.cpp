@@ -12,10 +12,10 @@
 namespace tremolo {
 namespace {
 
-// Three numbers and one more, which means nothing.
+// Three numbers and an unused one.
 typedef double Place __attribute__((vector_size(32)));
 
-// The kernel reads and writes these. elements: of each vertex.
+// Input and output of the kernel. elements: one per vertex.
 struct PlaceRows {
   std::size_t count;
   const double* x;
@@ -50,7 +50,7 @@ void place_rows(const PlaceRows& g) {
   }
 }
 
-// Two tangents with t x s = n; zero where the normal is.
+// Two tangents with t x s = n; zero if the normal is zero.
 std::pair<Eigen::Vector3d, Eigen::Vector3d> tangents_of(const Eigen::Vector3d& n) {
   if (!(n.squaredNorm() > 0.0)) return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   const Eigen::Vector3d t = n.unitOrthogonal();

@@ -12,7 +12,7 @@ namespace tremolo {
 namespace {
 
 constexpr int kMostInverseSteps = 12;
-// Newton's error squares: below rounding after a step of this size.
+// Newton's error squares: it is below rounding after a step of this size.
 constexpr double kLastInverseStep = 1e-8;
 constexpr double kNearInverse = 0.25;
 
@@ -51,7 +51,7 @@ TetTree::TetTree(TetModelPointer model) : model_(std::move(model)) {
   middles_.shrink_to_fit();
 }
 
-// Halves along the longest side of the middles' box.
+// Divides along the longest side of the midpoints' box.
 void TetTree::split(std::vector<std::uint32_t>& elements, std::size_t begin, std::size_t end) {
   const std::size_t at = items_.size();
   items_.push_back({0, elements[begin], end - begin == 1});
@@ -103,9 +103,9 @@ std::optional<TetPlace> TetTree::solve(std::uint32_t index, const Eigen::VectorX
                                    (found.gradient.inverse() * (place - reached));
     found.weights += change;
     const double length = change.cwiseAbs().maxCoeff();
-    // An element that bends moves the answer by less than its own size.
+    // The curvature of an element moves the solution by less than the element's size.
     if (!(length < 1e3) || (step > 1 && found.weights.minCoeff() < -1.0)) return std::nullopt;
-    // Newton's error squares: what is to come is less than this change was.
+    // Newton's error squares: the remaining change is less than this one.
     if (step > 0 && length < kNearInverse && found.weights.minCoeff() < least - 2.0 * length)
       return std::nullopt;
     if (length > kLastInverseStep) continue;

@@ -8,10 +8,10 @@
 namespace tremolo {
 namespace {
 
-// A column of three and one number more, which means nothing.
+// A column of three numbers and an unused one.
 typedef double Column __attribute__((vector_size(32)));
 
-// in, out: nine numbers a block, by columns; r: nine numbers of R by columns.
+// in, out: nine numbers per block, by columns; r: nine numbers of R by columns.
 TREMOLO_CLONES
 void turn_nines(const double* r, double factor, const double* in, double* out, std::size_t count) {
   const Column r0 = {factor * r[0], factor * r[1], factor * r[2], 0.0};

@@ -1,4 +1,4 @@
-// Blocks of a symmetric element matrix, turned from the element's frame into space.
+// Rotates blocks of a symmetric element matrix from the element's frame into space.
 #pragma once
 
 #include <span>
@@ -7,7 +7,7 @@
 
 namespace tremolo {
 
-// out_k = factor R in_k R^T for as many blocks as `in` has; out may be in. Allocates nothing.
+// out_k = factor R in_k R^T for all blocks of `in`; out may be in. Allocates nothing.
 void turn_blocks(const Eigen::Matrix3d& rotation, double factor,
                  std::span<const Eigen::Matrix3d> in, Eigen::Matrix3d* out);
 

@@ -13,7 +13,7 @@ typedef double Lane __attribute__((vector_size(8 * kElementLanes)));
 typedef decltype(Lane{} < Lane{}) LaneMask;
 
 constexpr int kMostLaneSteps = 10;
-// Newton's error squares: what is left after a step of this size is rounding.
+// Newton's error squares: it is below rounding after a step of this size.
 constexpr double kLastLaneStep = 2e-8;
 constexpr double kLongestLaneStep = 0.5;
 constexpr double kMostLaneStrain = 0.5;
@@ -27,8 +27,8 @@ struct LaneMatrix {
   LANE_INLINE const Lane& operator()(int i, int j) const { return a[3 * j + i]; }
 };
 
-// The kernel reads and writes these. x: by control points. gradients: by corners. good: all bits
-// where the shape was found.
+// Input and output of the kernel. x: by control points. gradients: by corners. good: all bits set
+// if the shape was found.
 struct LaneGroup {
   Lane x[3 * kMostNodes];
   Lane gradients[12];
@@ -36,7 +36,7 @@ struct LaneGroup {
   LaneMatrix rotation;
   LaneMatrix seen[4], stress[4], mean;
   Lane b[3];
-  LaneMatrix hessian, turned;  // by a turn of the shape that was found; lower triangles
+  LaneMatrix hessian, turned;  // by a rotation of the found shape; lower triangles
   LaneMask good;
 };
 
@@ -92,7 +92,7 @@ LANE_INLINE void find_gradients(const LaneGroup& g, LaneMatrix* at, LaneMatrix& 
 // Adds weight sym([e_i] S) : C sym([e_j] S) to the lower triangle of `turned`.
 LANE_INLINE void add_turned(const LaneGroup& g, Lane weight, const LaneMatrix& s,
                             LaneMatrix& turned) {
-  Lane strain[3][3][3];  // the upper triangle of each
+  Lane strain[3][3][3];  // upper triangle of each
   Lane trace[3];
   axial_of(s, trace);
   for (int j = 0; j < 3; ++j) {
@@ -119,8 +119,8 @@ LANE_INLINE void add_turned(const LaneGroup& g, Lane weight, const LaneMatrix& s
     }
 }
 
-// Gradient and lower triangles of the Hessian of the energy by a turn and of `of_turned`, its part
-// that is positive (element_turn.h).
+// Gradient and lower triangles of the Hessian of the energy by a rotation, and of `of_turned`, its
+// positive part (element_turn.h).
 LANE_INLINE void find_turn(const LaneGroup& g, Lane* gradient, LaneMatrix& h,
                            LaneMatrix& of_turned) {
   const Lane weight = 0.25 * g.volume;
@@ -175,7 +175,7 @@ LANE_INLINE void find_step(const LaneMatrix& h, const Lane* gradient, Lane* w, L
   w[2] = scale * (c20 * gradient[0] + c21 * gradient[1] + c22 * gradient[2]);
 }
 
-// R <- R Q, Q the turn of the quaternion (1, w/2), which is exp([w]) to second order.
+// R <- R Q, Q the rotation of the quaternion (1, w/2), which is exp([w]) to second order.
 LANE_INLINE void turn_lanes_by(const Lane* w, LaneMatrix& r) {
   const Lane x = 0.5 * w[0], y = 0.5 * w[1], z = 0.5 * w[2];
   const Lane s = 2.0 / (1.0 + x * x + y * y + z * z);
@@ -192,7 +192,7 @@ LANE_INLINE void turn_lanes_by(const Lane* w, LaneMatrix& r) {
   r = product(r, q);
 }
 
-// R <- R (3 - R^T R) / 2: what products have rounded off.
+// R <- R (3 - R^T R) / 2: corrects the rounding errors of products.
 LANE_INLINE void mend_rotation(LaneMatrix& r) {
   LaneMatrix square = transposed_times(r, r);
   for (int k = 0; k < 9; ++k) square.a[k] *= -0.5;
@@ -232,8 +232,9 @@ void search_in_lanes(LaneGroup& g) {
     find_turn(g, gradient, g.hessian, g.turned);
     find_step(g.hessian, gradient, w, g.good);
     const Lane square = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
-    g.good &= square < kLongestLaneStep * kLongestLaneStep;  // false of what is not a number
-    // Lanes that are found, or lost, keep what they have.
+    // False for a value that is not a number.
+    g.good &= square < kLongestLaneStep * kLongestLaneStep;
+    // Lanes that have finished, found or not, keep their values.
     for (int i = 0; i < 3; ++i) w[i] = (g.good & ~done) != 0 ? w[i] : Lane{};
     turn_lanes_by(w, g.rotation);
     see(at, mean, g);

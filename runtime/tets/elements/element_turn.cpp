@@ -15,7 +15,7 @@ Eigen::Matrix3d symmetric(const Eigen::Matrix3d& a) {
   return 0.5 * (a + a.transpose());
 }
 
-// [e_j] S: rows of S, one of them gone.
+// [e_j] S: rows of S, one of them removed.
 Eigen::Matrix3d unit_turn(int j, const Eigen::Matrix3d& s) {
   const int k = (j + 1) % 3, l = (j + 2) % 3;
   Eigen::Matrix3d turned = Eigen::Matrix3d::Zero();
@@ -24,7 +24,7 @@ Eigen::Matrix3d unit_turn(int j, const Eigen::Matrix3d& s) {
   return turned;
 }
 
-// A^-1 x for a Newton step: downhill also where A is not positive definite.
+// A^-1 x for a Newton step: a descent direction also where A is not positive definite.
 Eigen::Vector3d downhill(const Eigen::Matrix3d& a, const Eigen::Vector3d& gradient) {
   const double determinant = a.determinant();
   const bool positive = a(0, 0) > 0.0 && a(0, 0) * a(1, 1) - a(0, 1) * a(1, 0) > 0.0 &&
@@ -98,7 +98,7 @@ void turn_shape(const TetElement& element, const Elasticity& elasticity, const E
 
 void find_least_energy(const TetElement& element, const Elasticity& elasticity, TetShape& shape) {
   constexpr int kMostSteps = 40;
-  // Newton's error squares: what is left after a step of this size is below rounding.
+  // Newton's error squares: it is below rounding after a step of this size.
   constexpr double kLastStep = 1e-9;
   constexpr double kLongestStep = 0.5;
   constexpr double kSurelyNear = 1e-5;
@@ -110,7 +110,7 @@ void find_least_energy(const TetElement& element, const Elasticity& elasticity, 
     if (!std::isfinite(length)) break;
     if (length > kLongestStep) w *= kLongestStep / length;
     const TetShape before = shape;
-    // Near the minimum the energy's digits no longer tell; there Newton's step is good.
+    // Near the minimum the energy has too few digits; Newton's step is accurate there.
     bool lower = false;
     for (int halving = 0; halving < 20 && !lower; ++halving, w *= 0.5) {
       shape = before;
@@ -127,8 +127,8 @@ void find_least_energy(const TetElement& element, const Elasticity& elasticity, 
 }
 
 Eigen::Matrix3d bounded_inverse(const Eigen::Matrix3d& a) {
-  // The least eigenvalue of a positive matrix is at least det / tr^2: then nothing is bounded, and
-  // cofactors lose no more than six digits.
+  // The least eigenvalue of a positive matrix is at least det / tr^2: then no bound applies, and
+  // cofactors lose at most six digits.
   const double trace = a.trace(), determinant = a.determinant();
   if (a(0, 0) > 0.0 && a(0, 0) * a(1, 1) - a(0, 1) * a(1, 0) > 0.0 &&
       determinant > 1e-6 * trace * trace * trace)

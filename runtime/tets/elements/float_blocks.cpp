@@ -10,7 +10,7 @@ using std::size_t;
 
 typedef float Sixteen __attribute__((vector_size(64), may_alias));
 
-// The shares of the mass, one a place of a block, zero behind the last.
+// Weights of the mass, one per block, zero after the last.
 struct MassShares {
   alignas(64) float quadratic[kQuadraticPlaces] = {};
   alignas(64) float linear[kLinearPlaces] = {};
@@ -29,7 +29,7 @@ const MassShares& mass_shares() {
   return shares;
 }
 
-// Blocks of an element are not in groups.
+// Blocks of an element are not grouped.
 constexpr size_t kLocalBlock = 12;
 
 [[gnu::always_inline]] inline QuadBlock& block_at(float* blocks, size_t place) {
@@ -53,7 +53,7 @@ constexpr size_t kLocalBlock = 12;
     add_quads(transposed(block), block_at(local, node_block(c, r)));
 }
 
-// B <- E^T B E: rows and columns of linear edges go half and half to their ends.
+// B <- E^T B E: rows and columns of linear edges are added half and half to their ends.
 [[gnu::always_inline]] inline void fold_local(unsigned linear, float* local) {
   for (size_t e = 0; e < 6; ++e) {
     if ((linear >> e & 1U) == 0) continue;
@@ -99,7 +99,7 @@ constexpr size_t kLocalBlock = 12;
     }
 }
 
-// Sixteen blocks R K R^T plus shares times the mass, of entries that lie `stride` apart.
+// Sixteen blocks R K R^T plus weights times the mass; the entries are `stride` apart.
 [[gnu::always_inline]] inline void turn_sixteen(const float* k, size_t stride, const float* r,
                                                 float factor, float mass, const float* shares,
                                                 float* out) {
@@ -129,7 +129,7 @@ constexpr size_t kLocalBlock = 12;
   }
 }
 
-// r: R by columns. factors: of the stiffness, of the mass.
+// r: R by columns. factors: of the stiffness and of the mass.
 struct TurnedBlocks {
   const float* stiffness;
   float r[9];

@@ -11,8 +11,8 @@ namespace {
 using std::size_t;
 
 // An element in its own frame. weighted: a sample's volume times its stress less its couple, the
-// force that turns with the shape. of_p: a sample's share of [p_j] m for each axis. lambda, mu:
-// times a sample's volume. shares: of the samples in the corners' sums, by samples.
+// force that rotates with the shape. of_p: a sample's weight of [p_j] m for each axis. lambda, mu:
+// times a sample's volume. shares: weights of the samples in the corners' sums, by samples.
 struct FloatShape {
   size_t nodes, samples;
   QuadBlock seen[4], weighted[4], of_p[3];
@@ -41,7 +41,7 @@ template <int j>
   return out;
 }
 
-// Forces on the nodes of corners' sums (gradient_field.h), turned into space.
+// Forces on the nodes from corners' sums (gradient_field.h), rotated into space.
 [[gnu::always_inline]] inline void put_forces(const FloatShape& g, const QuadBlock* at,
                                               size_t column, float* left) {
   const auto put = [&](size_t node, Quad force) {
@@ -129,7 +129,7 @@ FloatShape float_shape(const TetElement& element, const Elasticity& elasticity,
   return g;
 }
 
-// Any material: the parts in double precision are turned and rounded.
+// For any material: the parts in double precision, rotated and rounded.
 void convert_parts(const TangentParts& from, const Eigen::Matrix3d& rotation, FloatParts& parts) {
   for (Eigen::Index i = 0; i < from.gradients.cols(); ++i)
     for (size_t first = 0; first < kRanks; first += 3) {

@@ -1,5 +1,5 @@
-// The parts of an element's exact tangent beside R K R^T, in single precision and turned into
-// space, for matrices that are added up in floats (float_blocks.h).
+// The parts of an element's exact tangent in addition to R K R^T, in single precision and rotated
+// into space, for matrices that are summed in floats (float_blocks.h).
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,8 @@
 
 namespace tremolo {
 
-// With the letters of TangentParts (tet_element.h): of each node R slopes_I, three columns, and
-// R turned_I, three more, which only a damped tangent has; `right` are these times their middle
+// With the symbols of TangentParts (tet_element.h): for each node R slopes_I, three columns, and R
+// turned_I, three more, which only a damped tangent has. `right` are these times their middle
 // matrices. gradient: R g_I. Each column is four floats, the last one zero.
 inline constexpr std::size_t kRanks = 6;
 struct FloatParts {

@@ -5,12 +5,12 @@ namespace tremolo {
 
 typedef float Quad __attribute__((vector_size(16), may_alias));
 
-// By columns; the fourth numbers are zero.
+// Three columns; the fourth number of each is zero.
 struct QuadBlock {
   Quad column[3];
 };
 
-// Columns a, b, c of four numbers become four columns of three.
+// Converts columns a, b, c of four numbers to four columns of three.
 [[gnu::always_inline]] inline void turn_quads(Quad a, Quad b, Quad c, Quad* out) {
   const Quad zero = {};
   const Quad ab = __builtin_shufflevector(a, b, 0, 4, 1, 5);

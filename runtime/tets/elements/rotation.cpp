@@ -9,12 +9,12 @@
 namespace tremolo {
 namespace {
 
-// Newton's iteration; false where A is too flat for it.
+// Newton's iteration; false if A is too flat for it.
 bool newton_polar(const Eigen::Matrix3d& a, Eigen::Matrix3d& rotation) {
   Eigen::Matrix3d x = a;
   for (int step = 0; step < 12; ++step) {
     const double determinant = x.determinant();
-    // Below, the inverse has lost half its digits.
+    // Below this the inverse has lost half its digits.
     const double square = x.squaredNorm();
     if (!(determinant > 1e-8 * square * std::sqrt(square))) return false;
     Eigen::Matrix3d cofactors;

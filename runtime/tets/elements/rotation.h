@@ -1,11 +1,11 @@
-// Rotations in three dimensions: the one nearest to a matrix, small turns, axial vectors.
+// Rotations in three dimensions: the one nearest to a matrix, small rotations, axial vectors.
 //
 // The nearest rotation R of A maximises tr(R^T A) over all rotations, and so minimises |A - R|_F.
-// The rotation of A = U S V^T with U, V rotations and S = diag(s_1 >= s_2 >= |s_3|), s_3 with the
-// sign of det A, is U V^T: what is turned inside out is mended along its thinnest direction. Where
-// det A > 0 it is the factor of the polar decomposition, found by Newton's iteration (Higham 1986)
+// For A = U S V^T with rotations U, V and S = diag(s_1 >= s_2 >= |s_3|), s_3 with the sign of det
+// A, it is U V^T: an inverted matrix is corrected along its thinnest direction. Where det A > 0 it
+// is the factor of the polar decomposition, found by Newton's iteration (Higham 1986)
 //   X <- (g X + X^-T / g) / 2,    g = (|X^-1|_F / |X|_F)^1/2,
-// which fails for flat and inverted A; those take the singular value decomposition.
+// which fails for flat and inverted A; for those the singular value decomposition is used.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,12 +14,12 @@
 
 namespace tremolo {
 
-// Always a rotation to rounding, whatever A: of a matrix that is flat to rounding, or whose two
-// smallest singular values cancel (s_2 + s_3 = 0), it is one of several that are as near; of zero
-// and of what is not finite it is the identity.
+// Always a rotation to rounding, for any A. For a matrix that is flat to rounding, or whose two
+// smallest singular values cancel (s_2 + s_3 = 0), it is one of several equally near rotations; for
+// zero and for values that are not finite it is the identity.
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& a);
 
-// exp([w]): the turn by |w| radians about w.
+// exp([w]): the rotation by |w| radians about w.
 Eigen::Matrix3d rotation_by(const Eigen::Vector3d& w);
 
 // ax(A)_k = sum_ij eps_kij A_ij, so that tr([w] A) = w . ax(A) and ax([w]) = -2 w.

@@ -5,7 +5,8 @@
 namespace tremolo {
 namespace {
 
-// Values of a polynomial's polar form at two places: the polynomial's own where they are one.
+// Values of a polynomial's polar form at two points: the polynomial's own where the points are
+// equal.
 SmoothFields polar_fields(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   SmoothFields values{};
   values[0] = 1.0F;

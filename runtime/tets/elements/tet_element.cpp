@@ -13,15 +13,15 @@ Eigen::Matrix3d strain_part(const Eigen::Matrix3d& a) {
   return 0.5 * (a + a.transpose());
 }
 
-// The rotation before anything is minimised.
+// The rotation before the minimisation.
 Eigen::Matrix3d first_rotation(const TetElement& element, RotationLaw law, const NodeVectors& x,
                                const Eigen::Matrix3d& mean) {
   if (law == RotationLaw::kLeastEnergy || x.cols() == 4) return nearest_rotation(mean);
   return nearest_rotation(x.leftCols<4>() * element.geometry.gradients.transpose());
 }
 
-// Forces of the body stresses `stress` (Pa, one a sample) and the couple `couple` (J) in the
-// element's frame, turned into space.
+// Forces of the body stresses `stress` (Pa, one per sample) and the couple `couple` (J) in the
+// element's frame, rotated into space.
 NodeVectors turned_forces(const TetElement& element, const TetShape& shape,
                           const std::array<Eigen::Matrix3d, 4>& stresses,
                           const Eigen::Vector3d& couple) {
@@ -34,8 +34,8 @@ NodeVectors turned_forces(const TetElement& element, const TetShape& shape,
   return shape.rotation * piola.forces(element.geometry);
 }
 
-// With Y_j the rigid turn about axis j of the shape, in the element's frame: turned_j = K' Y_j, and
-// slopes_j = df/dw_j = e_j x f - K' Y_j with the body's forces f turned about it.
+// With Y_j the rigid rotation of the shape about axis j, in the element's frame: turned_j = K' Y_j,
+// and slopes_j = df/dw_j = e_j x f - K' Y_j, with the body's forces f rotated about it.
 void find_turn_columns(const TetElement& element, const Elasticity& elasticity,
                        const TetShape& shape, TangentParts& columns) {
   const double share = 1.0 / shape.samples;
@@ -88,7 +88,8 @@ TetElement make_tet_element(const std::array<Eigen::Vector3d, 4>& corners,
                             const Elasticity& elasticity, double density) {
   TetElement element;
   element.geometry = element_geometry(corners);
-  // Row sums of magnitudes bound the eigenvalues; of isotropic materials they reach them.
+  // Row sums of magnitudes bound the eigenvalues; for isotropic materials they are equal to the
+  // largest.
   const double largest = elasticity.tensor.cwiseAbs().rowwise().sum().maxCoeff();
   element.couple = 0.5 * largest * element.geometry.volume;
   element.mass = density * element.geometry.volume;
@@ -99,7 +100,8 @@ TetShape tet_shape(const TetElement& element, const Elasticity& elasticity, Rota
                    const NodeVectors& x) {
   TetShape shape;
   shape.order = x.cols() == 4 ? 1 : 2;
-  // From the first corner, so that a body far from the origin loses no more digits than its place.
+  // Relative to the first corner, so that a body far from the origin loses no more digits than its
+  // position.
   const Eigen::Vector3d corner = x.col(0);
   const GradientField field =
       gradient_field(element.geometry, shape.order, [&](int node) { return x.col(node) - corner; });

@@ -1,15 +1,15 @@
 // One corotated tetrahedron, linear or quadratic (docs/tets.md).
 //
 // x: control points in space, F = sum_I x_I (grad B_I)^T the deformation gradient, R a rotation of
-// the element, S = R^T F what it sees, e = sym S - 1, sigma = C e, b = ax(mean of S), m = mu_c V.
-// The element's energy is that of linear elasticity in the turned frame and a couple that ties R to
-// the mean deformation,
+// the element, S = R^T F the deformation in the rotated frame, e = sym S - 1, sigma = C e, b =
+// ax(mean of S), m = mu_c V. The element's energy is that of linear elasticity in the rotated frame
+// plus a couple that ties R to the mean deformation,
 //   W(x, R) = integral 1/2 e : C e  +  m/2 |b|^2,         W(x) = min over R,
 // so that with the R of the minimum
 //   f = dW/dx = R (K (R^T x - X) + couple)                (R's own change costs nothing there)
-// is a gradient, and its torque, the derivative of W along turns of x, is zero. At rest the minimum
-// over R takes the couple away: the tangent is K exactly, whatever mu_c. Without the couple W would
-// not determine R at rest, where K is blind to turns.
+// is a gradient, and its torque, the derivative of W along rotations of x, is zero. At rest the
+// minimum over R removes the couple: the tangent is K exactly, for any mu_c. Without the couple W
+// would not determine R at rest, because K does not depend on rotations.
 //
 // For linear elements of isotropic material R is the polar factor of F at any mu_c, and the couple
 // is zero: this is the usual corotated element. mu_c = half the largest row sum of |C| (3/2 lambda
@@ -28,58 +28,56 @@
 
 namespace tremolo {
 
-// Where an element's rotation comes from. kLeastEnergy: W above. kCorners: the polar factor of the
-// corners' deformation alone, no couple, and the force leaves dR/dx out, as in the published
-// method: for quadratic elements that force is no gradient and has a torque.
+// Definition of an element's rotation. kLeastEnergy: W above. kCorners: the polar factor of the
+// corners' deformation alone, without a couple, and the force leaves out dR/dx, as in the published
+// method. For quadratic elements that force is not a gradient and has a torque.
 enum class RotationLaw { kLeastEnergy, kCorners };
 
-// Which derivative of the force. kFrozen: R K R^T, symmetric and never negative. kExact: with
-// dR/dx; symmetric, and where an element is squeezed it may be indefinite. For kCorners both are
-// R K R^T.
+// Derivative of the force. kFrozen: R K R^T, symmetric and never negative. kExact: with dR/dx;
+// symmetric, and indefinite where an element is compressed enough. For kCorners both are R K R^T.
 enum class TangentKind { kFrozen, kExact };
 
-// Coordinates of an element's control points, or what they do: 3 x 4 or 3 x 10, a column a node.
+// Coordinates of an element's control points, or forces on them: 3 x 4 or 3 x 10, one column per
+// node.
 using NodeVectors = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMostNodes>;
 
-// What of an element does not change. couple: m = mu_c V, J. mass: rho V, kg.
+// Constants of an element.
 struct TetElement {
   ElementGeometry geometry;
-  double couple = 0.0;
-  double mass = 0.0;
+  double couple = 0.0;  // m = mu_c V, J
+  double mass = 0.0;    // rho V, kg
 };
 TetElement make_tet_element(const std::array<Eigen::Vector3d, 4>& corners,
                             const Elasticity& elasticity, double density);
 
-// An element at given control points. samples: how many strain samples (1 or 4). seen: S at each.
-// stress: sigma at each, Pa. mean: of S. couple: m b, J; zero for kCorners. converged: R makes the
-// energy stationary to rounding, so that force and energy belong together. has_turn: hessian and
-// turned are those of turn_derivatives() (element_turn.h) already.
+// An element at given control points.
 struct TetShape {
   int order = 1;
-  int samples = 1;
+  int samples = 1;  // number of strain samples, 1 or 4
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  std::array<Eigen::Matrix3d, 4> seen;
-  std::array<Eigen::Matrix3d, 4> stress;
-  Eigen::Matrix3d mean;
-  Eigen::Vector3d couple = Eigen::Vector3d::Zero();
+  std::array<Eigen::Matrix3d, 4> seen;               // S at each sample
+  std::array<Eigen::Matrix3d, 4> stress;             // sigma at each sample, Pa
+  Eigen::Matrix3d mean;                              // of S
+  Eigen::Vector3d couple = Eigen::Vector3d::Zero();  // m b, J; zero for kCorners
+  // R makes the energy stationary to rounding, so that force and energy are consistent.
   bool converged = true;
-  bool has_turn = false;
-  Eigen::Matrix3d hessian, turned;
+  bool has_turn = false;            // hessian and turned are set
+  Eigen::Matrix3d hessian, turned;  // of turn_derivatives() (element_turn.h)
 };
 
-// x: finite. Never NaN, also of flat and inverted elements. Allocates nothing.
+// x: finite. Never NaN, also for flat and inverted elements. Allocates nothing.
 TetShape tet_shape(const TetElement& element, const Elasticity& elasticity, RotationLaw law,
                    const NodeVectors& x);
 
 double tet_energy(const TetElement& element, const TetShape& shape);  // J
 
-// dW/dx, N, one column a node; what acts on the nodes is its negative.
+// dW/dx, N, one column per node; the force on the nodes is its negative.
 NodeVectors tet_force(const TetElement& element, const TetShape& shape);
 
-// The force of stiffness-proportional damping over its factor beta: the derivative by v of
+// The force of stiffness-proportional damping divided by its factor beta: the derivative by v of
 //   1/2 zdot : K' zdot,   zdot = R^T (v - w x x),
-// with the w that minimises it, K' = K + couple: a rigid motion of the shape as it is costs
-// nothing, and force and torque add up to zero. v: m/s. For kCorners it is R K R^T v.
+// with the w that minimises it, K' = K + couple: a rigid motion of the present shape is not damped,
+// and force and torque add up to zero. v: m/s. For kCorners it is R K R^T v.
 NodeVectors tet_damping_force(const TetElement& element, const Elasticity& elasticity,
                               RotationLaw law, const TetShape& shape, const NodeVectors& v);
 
@@ -93,18 +91,18 @@ constexpr std::size_t node_block(std::size_t i, std::size_t j) {
 // The blocks of K, rest_stiffness of an element: 10 of a linear one, 55 of a quadratic one.
 std::size_t pack_stiffness(const ElementStiffness& stiffness, std::span<Eigen::Matrix3d> blocks);
 
-// What tet_tangent() sums: position times dforce/dx plus velocity times ddamping/dv.
+// Factors in tet_tangent(): position times dforce/dx plus velocity times ddamping/dv.
 struct TangentFactors {
   double position = 1.0;
   double velocity = 0.0;
   TangentKind kind = TangentKind::kFrozen;
 };
 
-// The parts of the exact tangent beside both sums of K, in the element's frame:
+// The parts of the exact tangent in addition to both multiples of K, in the element's frame:
 //   A_IJ = (position + velocity) (K_IJ + couple [g_I]^T [g_J])
 //        - position slopes_I of_slopes slopes_J^T - velocity turned_I of_turned turned_J^T.
-// gradients: g, of the polynomials' means, 1/m, a column a node. slopes_I is made of the three
-// columns' node I. of_slopes and of_turned have their factors in them, couple has both.
+// gradients: g, of the polynomials' means, 1/m, one column per node. slopes_I consists of node I of
+// the three columns. of_slopes and of_turned include their factors; couple includes both.
 struct TangentParts {
   std::array<NodeVectors, 3> slopes, turned;
   Eigen::Matrix3d of_slopes, of_turned;

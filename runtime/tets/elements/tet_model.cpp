@@ -14,7 +14,7 @@ std::array<Eigen::Vector3d, 4> tet_corners(const TetMesh& mesh, const Tetrahedro
   return corners;
 }
 
-// The mean of the ends, whatever a file said: elements are straight at rest.
+// The mean of the ends, regardless of the file: elements are straight at rest.
 Status make_quadratic(TetMesh& mesh) {
   if (mesh.edge_points.empty())
     if (Status status = add_edge_points(mesh); !status) return status;
@@ -106,7 +106,7 @@ Status TetModel::make_pattern() {
             element.nodes[i] < element.nodes[j]};
     add_masses(element);
   }
-  // A vertex of no tetrahedron has no mass, and stays where it is.
+  // A vertex without a tetrahedron has no mass, and does not move.
   for (std::size_t i = 0; i < nodes(); ++i)
     if (masses_[pattern_->diagonal(i)] == 0.0) held_[i] = 1;
   return Success{};

@@ -1,11 +1,11 @@
-// A tetrahedral mesh with its materials, made ready for corotated elements of degree two: what all
-// bodies of one kind share and nothing changes.
+// A tetrahedral mesh with its materials, prepared for corotated elements of degree two: the
+// constant data shared by all bodies of one kind.
 //
 // Control points are the mesh's vertices in their order, then one for each edge in the order of
-// mesh_edges(): x_ab, of which the place of the edge's middle is (x_a + 2 x_ab + x_b) / 4. Elements
-// are straight at rest. An edge is quadratic, its control point free, or linear, its control point
-// the mean of its ends; both kinds live in one pattern of 3 x 3 blocks, that of the fully quadratic
-// mesh.
+// mesh_edges(): x_ab. The midpoint of the edge is at (x_a + 2 x_ab + x_b) / 4. Elements are
+// straight at rest. An edge is quadratic, with a free control point, or linear, with its control
+// point at the mean of its ends. Both kinds use one pattern of 3 x 3 blocks, that of the fully
+// quadratic mesh.
 #pragma once
 
 #include <array>
@@ -27,25 +27,25 @@ namespace tremolo {
 
 inline constexpr std::size_t kLinearBlocks = 10;  // node_block() of four nodes
 
-// An element among others. nodes: control points, corners first, edges as kTetEdges. stiffness: the
-// blocks of K for degree two, linear_stiffness: for degree one.
+// An element of the model.
 struct TetModelElement {
   TetElement element;
   std::uint32_t material = 0;
+  // Control points, corners first, edges as kTetEdges.
   std::array<std::uint32_t, kMostNodes> nodes{};
   std::array<BlockPlace, kMostBlocks> places{};
-  NodeBlocks stiffness;
-  std::array<Eigen::Matrix3d, kLinearBlocks> linear_stiffness;
+  NodeBlocks stiffness;                                         // the blocks of K for degree two
+  std::array<Eigen::Matrix3d, kLinearBlocks> linear_stiffness;  // for degree one
 };
 
 struct SmoothSpace;  // smooth_modes.h
 
 class TetModel {
  public:
-  // mesh: linear, or quadratic with straight edges; it has passed check_mesh. held: vertices that
-  // do not move, and with them the edges between them, in any order. Errors (kContent): no
-  // tetrahedron; an element whose volume is not above zero, by its number; a held vertex that is
-  // not there; a material that check_material refuses.
+  // mesh: linear, or quadratic with straight edges; it has passed check_mesh. held: fixed vertices,
+  // and with them the edges between them, in any order. Errors (kContent): no tetrahedron; an
+  // element whose volume is not above zero, by its number; a fixed vertex that does not exist; a
+  // material that check_material refuses.
   static Result<std::shared_ptr<const TetModel>> create(TetMesh mesh,
                                                         const MaterialTable& materials,
                                                         std::span<const VertexId> held);
@@ -69,7 +69,7 @@ class TetModel {
   const BlockPatternPointer& pattern() const { return pattern_; }
   // rho times the integral of B_I B_J for each block of the pattern, kg.
   std::span<const double> masses() const { return masses_; }
-  std::span<const std::uint8_t> held() const { return held_; }  // a flag a control point
+  std::span<const std::uint8_t> held() const { return held_; }  // one flag per control point
   double mass() const { return mass_; }                         // kg
   const Eigen::VectorXd& rest() const { return rest_; }         // 3 nodes(), m
   BoundingBox rest_box() const { return box_; }

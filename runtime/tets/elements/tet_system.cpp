@@ -22,8 +22,9 @@ void add_to(NodeBlocks& blocks, std::size_t r, std::size_t c, const Eigen::Matri
     blocks[node_block(c, r)] += block.transpose();
 }
 
-// B <- E^T B E of one quadratic element: rows and columns of linear edges' control points go half
-// and half to their ends. linear: a bit an edge. What is folded away means nothing afterwards.
+// B <- E^T B E for one quadratic element: rows and columns of linear edges' control points are
+// added half and half to their ends. linear: one bit per edge. Condensed entries are undefined
+// afterwards.
 void fold_blocks(unsigned linear, NodeBlocks& b) {
   for (std::size_t e = 0; e < 6; ++e) {
     if ((linear >> e & 1U) == 0) continue;
@@ -160,8 +161,8 @@ Eigen::Matrix3d TetSystem::mean_rotation() const {
 }
 
 std::size_t TetSystem::inverted() const {
-  // Gradients are linear in the place: each corner's is its sample's less `far` times their sum,
-  // but for a positive factor.
+  // Gradients are linear in the position: each corner's is its sample's less `far` times their sum,
+  // up to a positive factor.
   const auto points = sample_points(2, 2);
   const double far = std::min(points[0].lambda[0], points[0].lambda[1]);
   std::size_t count = 0;
@@ -184,7 +185,8 @@ double TetSystem::energy() const {
   return sum;
 }
 
-// A linear element's forces as those of the quadratic one that it is, which fold back to them.
+// Converts a linear element's forces to those of the equivalent quadratic one, which condense back
+// to them.
 void TetSystem::scatter(const TetModelElement& element, const NodeVectors& force,
                         Eigen::VectorXd& f) const {
   const auto at = [&](std::size_t i) { return f.segment<3>(at_node(element.nodes[i])); };

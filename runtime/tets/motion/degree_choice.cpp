@@ -7,15 +7,15 @@
 namespace tremolo {
 namespace {
 
-// An edge becomes linear below this part of the energy above which it becomes quadratic: at 0.4 of
-// the distance.
+// An edge becomes linear below this fraction of the energy above which it becomes quadratic, that
+// is at 0.4 of the distance.
 constexpr double kCalmer = 0.16;
 
 Eigen::Index degree_at(std::size_t node) {
   return static_cast<Eigen::Index>(3 * node);
 }
 
-// What an edge's control point is off the mean of its ends.
+// Displacement of an edge's control point from the mean of its ends.
 Eigen::Vector3d off_mean(const MeshEdge& edge, const Eigen::VectorXd& x) {
   return x.segment<3>(degree_at(edge.point)) -
          0.5 * (x.segment<3>(degree_at(edge.a)) + x.segment<3>(degree_at(edge.b)));
@@ -49,7 +49,7 @@ DegreeChoice::DegreeChoice(const TetModel& model, const DegreeOptions& options)
     : options_(options),
       stiffness_(model.edges(), 0.0),
       mass_(model.edges(), 0.0),
-      age_(model.edges(), options.least_steps),  // what never changed need not wait
+      age_(model.edges(), options.least_steps),  // edges that never changed need not wait
       wanted_(model.edges(), 2) {
   for (const TetModelElement& element : model.elements())
     for (std::size_t i = 4; i < kMostNodes; ++i)

@@ -12,14 +12,14 @@
 namespace tremolo {
 namespace {
 
-// Rounding of a residual, over the stiffness times the places.
+// Rounding error of a residual, over the stiffness times the positions.
 constexpr double kRounding = 4e-15;
-// Below so many directions of conjugate gradients no factorisation is thought of.
+// With fewer directions of conjugate gradients no factorisation is tried.
 constexpr int kManyDirections = 100;
-// A direction takes so many for each block of the matrix.
+// Multiplications in a direction for each block of the matrix.
 constexpr double kDirectionMultiplications = 18.0;
-// An edge's row of the residual is not noise where it is so many times its part of what a step may
-// leave.
+// An edge's row of the residual counts as more than noise above this multiple of its part of the
+// residual that a step may leave.
 constexpr double kNoise = 4.0;
 constexpr std::size_t kMostFactorBytes = std::size_t{256} << 20;
 
@@ -38,7 +38,7 @@ Status check_range(const char* name, double value, double least, bool open) {
                        (open ? "above " : "at least ") + std::to_string(least));
 }
 
-// The factor of a slender body, whose matrix costs no more than so many directions to factor.
+// The factor of a slender body, whose matrix costs no more to factor than this many directions.
 std::optional<BlockCholesky> slender_factor(const BlockPatternPointer& pattern) {
   const double search =
       kManyDirections * kDirectionMultiplications * static_cast<double>(pattern->blocks());
@@ -89,7 +89,7 @@ TetBody::TetBody(TetModelPointer model, const TetBodyOptions& options)
     v->setZero(size);
   for (const std::uint8_t flag : model->held()) held_ = held_ || flag != 0;
   freedom_ = rigid_freedom(*model);
-  // A place's rounding times this is the rounding of a force.
+  // A position's rounding error times this is the rounding error of a force.
   double squared = 0.0;
   for (const TetModelElement& element : model->elements())
     squared += std::pow(element.element.couple, 2) *
@@ -192,7 +192,7 @@ void TetBody::add_hand_force() {
               hand_->damping * (hand_->velocity - hand_->of(velocity_)));
 }
 
-// A force on the place that the hand holds.
+// A force on the grabbed point.
 void TetBody::add_to_held(const Eigen::Vector3d& force) {
   for (std::size_t k = 0; k < hand_->nodes.size(); ++k)
     force_.segment<3>(body_at(hand_->nodes[k])) += hand_->shares[k] * force;
@@ -212,7 +212,7 @@ Status TetBody::set_hand(const std::optional<TetHand>& hand) {
     if (!finite || !hand->point.allFinite() || !hand->velocity.allFinite())
       return usage_error("a hand's place, point or velocity is not finite");
   }
-  // A hand that goes on is not there anew: its force at the step's beginning was that of before.
+  // A continuing grab is not a new one: its force at the start of the step was that of before.
   const bool same = hand && hand_ && hand->nodes == hand_->nodes && hand->shares == hand_->shares &&
                     hand->stiffness == hand_->stiffness && hand->damping == hand_->damping;
   hand_ = hand;
@@ -224,7 +224,7 @@ Status TetBody::set_hand(const std::optional<TetHand>& hand) {
 Eigen::Matrix3d TetBody::give_at(const TetHand& place) {
   constexpr double kGiveTolerance = 1e-6;
   constexpr int kGiveIterations = 2000;
-  // Edges that choose their degree become quadratic under a pull.
+  // Edges with an adaptive degree become quadratic under a grab.
   const std::vector<std::uint8_t> degrees(system_.degrees().begin(), system_.degrees().end());
   if (options_.degree.kind == DegreeKind::kAdaptive) {
     system_.set_degrees(std::vector<std::uint8_t>(degrees.size(), 2));
@@ -250,7 +250,7 @@ Eigen::Matrix3d TetBody::give_at(const TetHand& place) {
   return give;
 }
 
-// r = E^T (M g^2 (d - d_a) - F); not folded, it stays in force_.
+// r = E^T (M g^2 (d - d_a) - F); the uncondensed vector stays in force_.
 double TetBody::close_residual() {
   force_ = inertia_ - force_;
   residual_ = force_;
@@ -292,7 +292,7 @@ bool TetBody::factor_pays() const {
   if (!factor_ || search_iterations_ < kManyDirections) return false;
   const auto nodes = static_cast<double>(solve_.active_nodes());
   const auto then = static_cast<double>(search_nodes_);
-  // With many more or fewer control points it is searched for again.
+  // With many more or fewer control points the search is tried again.
   if (nodes < 0.8 * then || nodes > 1.25 * then) return false;
   const double share = nodes / static_cast<double>(model().nodes());
   const double direction =
@@ -309,8 +309,8 @@ bool TetBody::solve_by_factor() {
   return true;
 }
 
-// The rigid motions in the residual, which no elastic force balances, are taken out exactly; where
-// something holds the body they are no longer free.
+// Removes the rigid motions in the residual exactly, because no elastic force balances them; they
+// are not free in a body with fixed points.
 void TetBody::balance_momenta() {
   if (held_ || hand_) return;
   for (int pass = 0; pass < 3; ++pass) {
@@ -333,7 +333,7 @@ void TetBody::end() {
   has_before_ = true;
 }
 
-// a = M^-1 F at the beginning.
+// a = M^-1 F at the start.
 void TetBody::find_acceleration() {
   stage_.rate = 0.0;
   stage_.from = now_.x;
@@ -341,7 +341,7 @@ void TetBody::find_acceleration() {
   find_forces();
   close_residual();
   if (options_.alpha > 0.0 || options_.drag > 0.0 || options_.beta > 0.0 || hand_) {
-    // With a rate of zero the velocity was zero: damping of the state's own comes on top.
+    // With a rate of zero the velocity was zero: damping of the state's own velocity is added.
     force_.setZero();
     velocity_.setZero();
     add_mass_damping(now_.x, now_.v, velocity_);

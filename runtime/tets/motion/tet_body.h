@@ -1,6 +1,6 @@
-// A body of corotated tetrahedra that moves: its state, its degrees, its step.
+// A moving body of corotated tetrahedra: its state, its degrees, its step.
 //
-// A step is found by Newton's method, by itself or together with bodies that it touches
+// Newton's method solves a step, for one body or together with the bodies in contact with it
 // (tet_island.h).
 #pragma once
 
@@ -21,12 +21,13 @@
 
 namespace tremolo {
 
-// What becomes of a step that max_iterations do not solve (tet_island.h).
+// Handling of a step that max_iterations do not solve (tet_island.h).
 enum class UnsolvedStep {
-  kCut,         // it is cut
-  kTake,        // it is taken as it is, which is reported
-  kTakeContact  // kCut where nothing touches; a step in contact is a few corrections of
-                // implicit-euler, which is cut where it would add energy
+  kCut,   // it is subdivided
+  kTake,  // it is accepted, which is reported
+  // As kCut without contact; in contact a few corrections of implicit-euler, subdivided if they
+  // add energy.
+  kTakeContact
 };
 
 struct TetBodyOptions {
@@ -35,51 +36,46 @@ struct TetBodyOptions {
   TangentKind tangent = TangentKind::kExact;
   double step = 1.0 / 60.0;                           // s
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // m/s^2
-  // 1/s. Damps the motion relative to the nearest rigid one that the fixed points allow, with the
-  // force -alpha M (v - rigid_part(v)): it keeps momentum and angular momentum.
+  // 1/s. Damps the motion relative to the nearest rigid motion that the fixed points allow, with
+  // the force -alpha M (v - rigid_part(v)): it conserves momentum and angular momentum.
   double alpha = 0.0;
   double beta = 0.0;  // s; damping proportional to the stiffness
-  double drag = 0.0;  // 1/s; damps the whole motion, with -drag M v, as a resting medium does
+  double drag = 0.0;  // 1/s; damps the whole motion with -drag M v, like a resting medium
   double tolerance =
-      1e-6;  // of the residual over the weight and the forces at the step's beginning
-  double linear_tolerance = 1e-3;  // of a correction's equation
-  int max_iterations = 20;         // corrections of a step
+      1e-6;  // of the residual over the weight and the forces at the start of the step
+  double linear_tolerance = 1e-3;  // of a correction's linear system
+  int max_iterations = 20;         // corrections in a step
   UnsolvedStep unsolved = UnsolvedStep::kCut;
-  bool guard =
-      true;  // steps of midpoint and newmark that would add energy are taken in another way
+  bool guard = true;  // repeats steps of midpoint and newmark that would add energy
   DegreeOptions degree;
 };
-// Errors (kContent) name the value: a step, tolerance or damping out of range, thresholds the wrong
-// way round.
+// Errors (kContent) name the value: a step, tolerance or damping out of range, thresholds in the
+// wrong order.
 Status check(const TetBodyOptions& options);
 
-// converged: a step was made. iterations: Newton's; linear: those of conjugate gradients. parts:
-// how many steps it took. linearised: each of them is one correction, no solution was found.
-// unsolved: one of them was taken as it was. guarded: so many of them would have
-// added energy.
-// switched: edges that changed their degree. energy_of_switch: J, what they took out of the body.
-// jump: the largest way of an end or a middle of an edge in that, over the edge's length.
+// Report of a step.
 struct TetStepReport {
-  bool converged = true;
-  int iterations = 0;
-  int linear = 0;
-  int parts = 1;
-  bool linearised = false;
-  bool unsolved = false;
-  int guarded = 0;
-  std::size_t switched = 0;
-  double energy_of_switch = 0.0;
+  bool converged = true;          // the step succeeded
+  int iterations = 0;             // of Newton's method
+  int linear = 0;                 // of conjugate gradients
+  int parts = 1;                  // number of steps that it was divided into
+  bool linearised = false;        // each of them is one correction; no solution was found
+  bool unsolved = false;          // at least one of them was accepted without a solution
+  int guarded = 0;                // number of them that would have added energy
+  std::size_t switched = 0;       // edges that changed their degree
+  double energy_of_switch = 0.0;  // energy that this took from the body, J
+  // Largest displacement of an end or a middle of an edge by it, over the edge's length.
   double jump = 0.0;
 };
 
 class TetContact;
 class TetIsland;
 
-// Energy that midpoint or newmark has added. known: `energy`, J, is that of the state as it is.
-// gained: J, since as much was last taken. largest: kinetic and elastic energy, J, that there was
-// at most.
+// Energy added by midpoint or newmark.
 struct TetGuard {
-  bool known = false;
+  bool known = false;  // `energy` is that of the present state
+  // energy: J. gained: since as much was last lost, J. largest: largest kinetic plus elastic
+  // energy, J.
   double energy = 0.0, gained = 0.0, largest = 0.0;
 };
 
@@ -89,7 +85,7 @@ class TetBody {
   TetBody& operator=(TetBody&&) noexcept;
   ~TetBody();
 
-  // At rest in the mesh's place. Errors: those of check().
+  // Makes a body at rest at the mesh's position. Errors: those of check().
   static Result<TetBody> create(TetModelPointer model, const TetBodyOptions& options);
 
   const TetModel& model() const { return system_.model(); }
@@ -100,30 +96,31 @@ class TetBody {
   double time() const { return time_; }
   std::int64_t steps() const { return steps_; }
 
-  // Control points of linear edges are put at the mean of their ends, held ones move as told.
-  // Errors (kContent): another length; a value that is not finite.
+  // Sets positions and velocities. Control points of linear edges are moved to the mean of their
+  // ends; fixed ones move to the given values. Errors (kContent): another length; a value that is
+  // not finite.
   Status set_state(const Eigen::VectorXd& x, const Eigen::VectorXd& v);
-  // 1 or 2 for each edge; positions and velocities are projected (degree_choice.h). The energy that
-  // it took, J.
+  // Sets 1 or 2 for each edge; positions and velocities are projected (degree_choice.h). Returns
+  // the energy that this took, J.
   double set_degrees(std::span<const std::uint8_t> degrees);
 
-  // What pulls at the body from the next step on; nothing: no hand. Errors (kUsage), and nothing is
-  // changed: control points that are none, a stiffness or damping that is negative, what is not
+  // Sets the grab of the body from the next step on; empty: none. Errors (kUsage), with nothing
+  // changed: control points that do not exist, a negative stiffness or damping, a value that is not
   // finite.
   Status set_hand(const std::optional<TetHand>& hand);
   const std::optional<TetHand>& hand() const { return hand_; }
-  // By how much a force on a place of a body that is held moves it at rest where it is now, m/N.
+  // Compliance of a supported body at a point: displacement at rest per force there, m/N.
   Eigen::Matrix3d give_at(const TetHand& place);
 
-  // Makes a step by itself. contact: what it touches; null: nothing. Where it fails, the state is
-  // as before.
+  // Takes a step of this body alone. contact: its contact; null: none. On failure the state is as
+  // before.
   TetStepReport step(TetContact* contact = nullptr);
-  // Velocities and what is carried from step to step become zero.
+  // Sets velocities and the method's state to zero.
   void stop();
-  // A step passes in which the body does not move.
+  // Advances the time by a step without motion.
   void skip_step();
 
-  // Where forces are taken in a step, for partners of a contact (tet_contact.h).
+  // Positions at which forces are evaluated in a step, for partners of a contact (tet_contact.h).
   const Eigen::VectorXd& trial_places() const { return s_; }
   const Eigen::VectorXd& trial_velocities() const { return velocity_; }
 
@@ -133,52 +130,52 @@ class TetBody {
   double gravity_energy() const;
   Eigen::Vector3d momentum() const { return system_.momentum(now_.v); }
   Eigen::Vector3d angular_momentum() const { return system_.angular_momentum(now_.x, now_.v); }
-  std::size_t bytes() const;  // of the body; the model's come once
+  std::size_t bytes() const;  // of the body, without the shared model
 
  private:
-  friend class TetIsland;  // which takes the following in turn
+  friend class TetIsland;  // it calls the following functions
 
   TetBody(TetModelPointer model, const TetBodyOptions& options);
   void keep_state();
-  void restore_state();  // all of it
-  void rewind();         // to where the step began, without what came before
-  void keep_part();      // x and v, where a part of a step begins
+  void restore_state();  // the complete state
+  void rewind();         // to the start of the step, without the step before it
+  void keep_part();      // x and v, at the start of a part of a step
   void rewind_part();
-  // Energy of the state, and of its contact with what is at rest, J.
+  // Energy of the state, and of its contact with fixed obstacles, J.
   double guarded_energy(const TetContact* contact);
-  // Takes `excess` J of the kinetic energy relative to the nearest rigid motion, or all there is.
-  // Returns what it took.
+  // Removes up to `excess` J of the kinetic energy relative to the nearest rigid motion. Returns
+  // the energy removed.
   double take_internal_energy(double excess);
-  // Momentum and angular momentum become those of `before`, and what gravity added in the time that
-  // passed, s. Only of a body that nothing else acts on.
+  // Sets momentum and angular momentum to those of `before` plus the contribution of gravity in the
+  // time `passed`, s. Only for a body without other forces.
   void restore_momenta(const TetMotion& before, double passed);
   void begin(TetMethod method, double h);
-  void guess(bool stay);  // the way to begin with; stay: none, where the body is
-  // The forces at way_, without contact, go to force_, and then become the residual.
+  void guess(bool stay);  // initial displacement; stay: zero
+  // Computes the forces at way_, without contact, in force_; they then become the residual.
   void find_forces();
   void add_hand_force();
-  // deceleration += the part of damping that is proportional to the mass, over the mass, m/s^2, at
-  // positions x and velocities v.
+  // deceleration += the mass-proportional part of damping, divided by the mass, m/s^2, at positions
+  // x and velocities v.
   void add_mass_damping(const Eigen::VectorXd& x, const Eigen::VectorXd& v,
                         Eigen::VectorXd& deceleration);
   // c of the part c M of Newton's matrix; g is the stage's rate.
   double mass_factor() const {
     return stage_.rate * (stage_.rate + options_.alpha + options_.drag);
   }
-  // Newton's matrix has alpha M for alpha (M - M rigid_part): what that leaves out of the
-  // correction's rigid part.
+  // Newton's matrix has alpha M instead of alpha (M - M rigid_part); this corrects the rigid part
+  // of the correction.
   void free_rigid_correction();
   void add_to_held(const Eigen::Vector3d& force);
   double close_residual();  // |r|^2
   double stop_size(double tolerance) const;
   void assemble(TangentKind tangent, bool single);
-  void take_preconditioner(bool single);  // of what was assembled last, without touches
-  // Of a body that touches nothing: how many directions its last search took, and whether a
-  // factorisation has fewer multiplications. Its memory, of the fully quadratic pattern, is taken
-  // when the body is made, and only of slender ones: of others it is more than the body's.
+  void take_preconditioner(bool single);  // of the last assembled matrix, without contacts
+  // For a body without contact: stores the number of directions of its last search, and checks
+  // whether a factorisation has fewer multiplications. Memory of the fully quadratic pattern is
+  // allocated with the body, and only for slender ones: for others it is larger than the body's.
   void note_search(int iterations);
   bool factor_pays() const;
-  bool solve_by_factor();  // correction_ = matrix_^-1 residual_; false where it is not positive
+  bool solve_by_factor();  // correction_ = matrix_^-1 residual_; false if it is not positive
   void balance_momenta();
   void end();
   void find_acceleration();

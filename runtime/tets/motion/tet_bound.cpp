@@ -3,7 +3,7 @@
 namespace tremolo {
 namespace {
 
-// A body that moves by less than this part of its size in a step is at rest but for rounding.
+// A body that moves by less than this fraction of its size in a step is at rest up to rounding.
 constexpr double kRoundingWay = 1e-9;
 
 }  // namespace

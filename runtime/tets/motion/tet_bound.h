@@ -1,8 +1,9 @@
-// Whether the energy of bodies of tetrahedra can still be what was put in (runtime/energy_bound.h).
+// Checks that the energy of bodies of tetrahedra is compatible with the energy put in
+// (runtime/energy_bound.h).
 //
-// What deforms and moves all bodies together, and what is stored where they are pressed, is
-// compared with what there was at the start and what gravity has given since. Bodies push each
-// other, so that only the sum is bounded.
+// The energy of deformation and motion of all bodies together, plus that of contact, is compared
+// with the energy at the start and the work of gravity since. Bodies do work on each other, so that
+// only the sum is bounded.
 #pragma once
 
 #include "runtime/energy_bound.h"
@@ -12,10 +13,10 @@ namespace tremolo {
 
 class TetBound {
  public:
-  // Looks at the bodies as they are: at the start, then after every step. False: there is more than
-  // kEnergyBound times what was put in, or it is not a number. No hand may pull.
+  // Checks the present energy: at the start, then after every step. False: it is above kEnergyBound
+  // times the energy put in, or not a number. Not for bodies with a grab.
   bool look(TetGroup& group);
-  double energy() const { return energy_; }  // J, that was found last
+  double energy() const { return energy_; }  // J, at the last check
 
  private:
   EnergyBound bound_;

@@ -5,12 +5,14 @@
 #include <numeric>
 #include <string>
 
+#include "common/thread_limit.h"
+
 namespace tremolo {
 namespace {
 
-// Boxes nearer than this share of a body's size overlap.
+// Boxes nearer than this fraction of a body's size overlap.
 constexpr double kBoxMargin = 0.02;
-// Bodies of a heap press on some hundred points each.
+// Bodies of a heap have some hundred contact points each.
 constexpr std::size_t kTouchesOfBody = 256;
 constexpr std::size_t kMostNeighbours = 32;
 
@@ -23,7 +25,8 @@ Status check(const TetGroupOptions& options) {
   if (!(options.sleep_time >= 0.0 && std::isfinite(options.sleep_time)))
     return content_error("sleep time is " + std::to_string(options.sleep_time) +
                          " s, expected at least 0");
-  if (options.threads < 1) return content_error("threads: expected at least 1");
+  if (options.threads < 1 || options.threads > kMostThreads)
+    return content_error("threads: expected 1 to " + std::to_string(kMostThreads));
   return Success{};
 }
 
@@ -37,7 +40,7 @@ TetGroup::TetGroup(std::vector<TetBody> bodies, std::vector<TetContact> contacts
       island_(pool_.get()) {
   const std::size_t count = bodies_.size();
   boxes_.resize(count);
-  // Each body's box meets a few others; a heap in which more do lets the list grow.
+  // Each body's box meets a few others; in a dense heap the list grows.
   pairs_.reserve(std::min(count * count / 2, kMostNeighbours * count));
   by_place_.resize(count);
   std::iota(by_place_.begin(), by_place_.end(), std::uint32_t{0});
@@ -88,7 +91,7 @@ void TetGroup::find_boxes() {
   });
 }
 
-// All pairs of boxes that meet and of which one is awake, in order: a sweep along x.
+// Finds all pairs of boxes that meet and of which one is awake, in order: a sweep along x.
 void TetGroup::find_pairs() {
   pairs_.clear();
   const auto low = [this](std::uint32_t i) { return boxes_[i].min().x(); };
@@ -107,7 +110,7 @@ void TetGroup::find_pairs() {
   std::sort(pairs_.begin(), pairs_.end());
 }
 
-// Whether a point of one is in the other as they are now.
+// True if a point of one body is in the other at the present positions.
 bool TetGroup::touches(std::uint32_t a, std::uint32_t b) {
   for (const auto& [one, other] : {Pair{a, b}, Pair{b, a}}) {
     TetContact& contact = contacts_[one];
@@ -152,7 +155,7 @@ Status TetGroup::set_hand(std::size_t i, const std::optional<TetHand>& hand) {
   return Success{};
 }
 
-// Until no body that moves touches one that sleeps.
+// Repeats until no moving body is in contact with a sleeping one.
 void TetGroup::wake() {
   bool woke = true;
   while (woke) {
@@ -166,7 +169,7 @@ void TetGroup::wake() {
   }
 }
 
-// order_: bodies that move, island by island; starts_: where each begins.
+// order_: moving bodies, island by island; starts_: index of each island's first body.
 void TetGroup::join_islands() {
   std::iota(roots_.begin(), roots_.end(), 0U);
   for (const auto& [a, b] : pairs_) {
@@ -177,7 +180,7 @@ void TetGroup::join_islands() {
   order_.clear();
   for (std::uint32_t i = 0; i < bodies_.size(); ++i)
     if (asleep_[i] == 0) order_.push_back(i);
-  // By the smallest body of an island, and then by number.
+  // Sorted by the smallest body of an island, and then by number.
   std::sort(order_.begin(), order_.end(), [this](std::uint32_t a, std::uint32_t b) {
     return std::pair(root(a), a) < std::pair(root(b), b);
   });
@@ -215,7 +218,7 @@ bool TetGroup::step(std::span<TetStepReport> reports) {
   join_islands();
   for (TetContact& contact : contacts_) contact.clear_partners();
   std::fill(reports.begin(), reports.end(), TetStepReport{});
-  // Bodies by themselves are shared among the threads, bodies of an island within it.
+  // Threads divide single bodies among themselves; the bodies of an island are divided within it.
   pool_->run(starts_.size() - 1, [&](std::size_t k, unsigned) {
     if (starts_[k + 1] - starts_[k] > 1) return;
     const std::uint32_t i = order_[starts_[k]];
@@ -233,7 +236,7 @@ bool TetGroup::step(std::span<TetStepReport> reports) {
 
 void TetGroup::fall_asleep() {
   if (!(options_.sleep_speed > 0.0)) return;
-  // Who touches whom, among those that move.
+  // Joins moving bodies in contact.
   for (const std::uint32_t i : order_) roots_[i] = i;
   wide_awake_.assign(bodies_.size(), 0);
   for (const auto& [a, b] : pairs_) {

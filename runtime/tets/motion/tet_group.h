@@ -1,11 +1,11 @@
-// Bodies of tetrahedra that touch each other and what stands still: who is near whom, islands of
-// those, sleep.
+// Bodies of tetrahedra in contact with each other and with fixed obstacles: neighbours, islands,
+// sleep.
 //
-// Bodies whose boxes, with the way of a step, overlap are an island and take a step together
-// (tet_island.h). Bodies that touch each other, directly or through others, and all of which have
-// been slower than `sleep_speed` for `sleep_time` fall asleep: their velocities become zero, what
-// is taken from the energy is told, and they cost nothing but a look at their box. They wake
-// together when one that moves touches one of them.
+// Bodies whose boxes, extended by the path of a step, overlap form an island and take a step
+// together (tet_island.h). Bodies in contact, directly or through others, fall asleep when all of
+// them have been slower than `sleep_speed` for `sleep_time`. Their velocities become zero, the
+// energy taken is reported, and they cost only a check of their box. They wake together when a
+// moving body touches one of them.
 #pragma once
 
 #include <cstddef>
@@ -19,20 +19,19 @@
 
 namespace tremolo {
 
-// sleep_speed: root of the mean square over a body's mass, m/s; 0: nothing sleeps. sleep_time: s.
-// threads: at least 1.
+// Options of a group.
 struct TetGroupOptions {
-  double sleep_speed = 0.005;
-  double sleep_time = 0.5;
-  unsigned threads = 1;
+  double sleep_speed = 0.005;  // root of the mean square over a body's mass, m/s; 0: no body sleeps
+  double sleep_time = 0.5;     // s
+  unsigned threads = 1;        // at least 1
 };
 // Errors (kContent) name the value.
 Status check(const TetGroupOptions& options);
 
 class TetGroup {
  public:
-  // One contact and one friction a body; all bodies have the same step. Throws std::system_error
-  // where the system gives no threads.
+  // One contact and one friction per body; all bodies have the same step. Throws std::system_error
+  // if the system provides no threads.
   TetGroup(std::vector<TetBody> bodies, std::vector<TetContact> contacts,
            std::vector<double> frictions, const TetGroupOptions& options);
 
@@ -42,19 +41,20 @@ class TetGroup {
   const TetContact& contact(std::size_t i) const { return contacts_[i]; }
   bool asleep(std::size_t i) const { return asleep_[i] != 0; }
   std::size_t sleeping() const;
-  // Whether a point of the body pressed on something in the last step, or something on it.
+  // True if a point of the body had a contact force in the last step, or a point on the body had
+  // one.
   bool touched(std::size_t i) const;
-  // J, what falling asleep has taken so far.
+  // Energy taken by falling asleep so far, J.
   double energy_of_sleep() const { return energy_of_sleep_; }
 
-  // As TetBody::set_hand of a body, which wakes with all that sleep with it and stays awake as long
-  // as it is held.
+  // Same as TetBody::set_hand of a body. The body wakes with its sleeping island, and stays awake
+  // as long as the grab lasts.
   Status set_hand(std::size_t i, const std::optional<TetHand>& hand);
 
-  // Takes all bodies one step further; one report a body. False where a body's step could not be
-  // made: the bodies of its island are then as before, the others have moved.
+  // Takes one step of all bodies; one report per body. False: a body's step failed. The bodies of
+  // its island are then as before; the others have moved.
   bool step(std::span<TetStepReport> reports);
-  // Finds what touches as the bodies are now, for contact(i).look(): before the first step.
+  // Finds contacts of the present positions, for contact(i).look(): before the first step.
   void find_touches();
   std::size_t bytes() const;
   ThreadPool& pool() { return *pool_; }
@@ -77,7 +77,7 @@ class TetGroup {
   TetGroupOptions options_;
   std::unique_ptr<ThreadPool> pool_;
   TetIsland island_;
-  std::vector<TetTree::Box> boxes_;      // with the way of a step
+  std::vector<TetTree::Box> boxes_;      // extended by the path of a step
   std::vector<Pair> pairs_;              // near each other, ascending
   std::vector<std::uint32_t> by_place_;  // all bodies, by the low x of their boxes
   std::vector<std::uint32_t> roots_, order_, starts_, naps_, local_;

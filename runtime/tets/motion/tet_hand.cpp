@@ -11,10 +11,10 @@
 namespace tremolo {
 namespace {
 
-constexpr double kShareOfWay = 0.8;    // that a held body goes under a slow pull
-constexpr double kFreePull = 2.0;      // Hz, with which a free body swings about the hand
-constexpr double kDampingShare = 0.5;  // of the critical one
-// The share of its mass with which a bar that is held at one end moves at the other (Rayleigh).
+constexpr double kShareOfWay = 0.8;    // of a supported body under a slow pull
+constexpr double kFreePull = 2.0;      // Hz, frequency of a free body about the grab
+constexpr double kDampingShare = 0.5;  // of critical damping
+// The fraction of its mass with which a bar with one fixed end moves at the other (Rayleigh).
 constexpr double kMovingShare = 33.0 / 140.0;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A hand: a spring and a damper from a place of a body to a point that moves.
+// A grab: a spring and a damper from a point of a body to a moving point.
 #pragma once
 
 #include <array>
@@ -13,18 +13,18 @@ namespace tremolo {
 
 class TetBody;
 
-// With x = sum_I B_I x_I the place, v its velocity, p the point when a step takes its forces (at
-// its end; of midpoint in its middle) and w the point's velocity: f = k (p - x) + d (w - v) on the
-// place. A step that is cut has them so in each part. nodes: the control points of an element;
-// shares: B_I. stiffness: k, N/m. damping: d, N s/m. point: p, m. velocity: w, m/s.
+// The force on the grabbed point is f = k (p - x) + d (w - v). x = sum_I B_I x_I is its position
+// and v its velocity; p and w are those of the moving point when a step evaluates its forces (at
+// its end; for midpoint in its middle). Each part of a subdivided step uses the same p and w.
 struct TetHand {
-  std::array<std::uint32_t, kMostNodes> nodes{};
-  std::array<double, kMostNodes> shares{};
-  double stiffness = 0.0;
-  double damping = 0.0;
+  std::array<std::uint32_t, kMostNodes> nodes{};  // the control points of an element
+  std::array<double, kMostNodes> shares{};        // B_I
+  double stiffness = 0.0;                         // k, N/m
+  double damping = 0.0;                           // d, N s/m
+  // p, m, and w, m/s.
   Eigen::Vector3d point = Eigen::Vector3d::Zero(), velocity = Eigen::Vector3d::Zero();
 
-  // The sum of the shares of a vector of all control points.
+  // The weighted sum of a vector of all control points.
   Eigen::Vector3d of(const Eigen::VectorXd& x) const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (std::size_t k = 0; k < nodes.size(); ++k)
@@ -33,13 +33,13 @@ struct TetHand {
   }
 };
 
-// A hand at a vertex of the drawn surface of the model's file: its control points and shares; it
-// pulls by nothing. vertex: one of the surface's.
+// Makes a grab at a vertex of the drawn surface of the model's file: its control points and
+// weights, without stiffness. vertex: one of the surface's.
 TetHand hand_at(const TetModel& model, const TetsSurface& surface, std::size_t vertex);
 
-// Stiffness and damping that suit a place: so stiff that a held body goes four fifths of the hand's
-// way under a slow pull, and a free one swings about the hand with 2 Hz; so damped, by half of what
-// is critical, that the pull does not ring. Errors (kUsage): the place is fixed.
+// Sets a stiffness and damping that suit the grabbed point. A supported body moves four fifths of
+// the grab's path under a slow pull; a free one oscillates about the grab with 2 Hz. Half of
+// critical damping prevents ringing. Error (kUsage): the point is fixed.
 Status suit_springs(TetBody& body, TetHand& hand);
 
 }  // namespace tremolo

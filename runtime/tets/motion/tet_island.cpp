@@ -7,22 +7,23 @@
 namespace tremolo {
 namespace {
 
-// How often a correction is shortened before it is given up.
+// Number of times that a correction is shortened before it is given up.
 constexpr int kMostHalvings = 12;
-// Tolerance of a step that is one correction: its error is one of the momenta.
+// Tolerance of a step of one correction: its error is an error of the momenta.
 constexpr double kLinearStepTolerance = 1e-10;
-// A step ends at a kink of the bodies' touches after so many corrections none of which halved the
-// residual, where it is below this share of what the touches press with.
+// A step ends at a kink of the bodies' contacts after this many corrections of which none halved
+// the residual, if it is below this fraction of the contact forces.
 constexpr int kSlowCorrections = 3;
 constexpr double kKinkShare = 1e-3;
-// Where no correction is left, below this share: what is cut instead is solved no better.
+// The same fraction after the last correction: a divided step is not solved better.
 constexpr double kLastKinkShare = 1e-2;
-// A watched body may gain this part of the largest energy that it had, since it last lost as much.
+// A checked body may gain this fraction of its largest energy, since it last lost as much.
 constexpr double kMostGain = 0.02;
 constexpr double kGuardRounding = 1e-12;
 constexpr int kMostParts = 8;
-// A step in contact is at most so many corrections, none after the residual is below this tolerance
-// (TetBodyOptions), each to this tolerance of its equation; it may add this part of the energy.
+// A step in contact has at most this many corrections, none after the residual is below this
+// tolerance (TetBodyOptions), each solved to this linear tolerance; it may add this fraction of the
+// energy.
 constexpr int kContactCorrections = 2;
 constexpr int kContactParts = 4;
 constexpr double kContactTolerance = 0.01;
@@ -47,7 +48,7 @@ SearchSizes sum_of(const std::vector<SearchSizes>& values) {
 }  // namespace
 
 void TetIsland::reserve(std::size_t bodies, std::size_t touches) {
-  couplings_.reserve(touches + bodies);  // a hand a body
+  couplings_.reserve(touches + bodies);  // one grab per body
   ends_.reserve(2 * touches + bodies);
   first_coupling_.reserve(bodies + 1);
   first_end_.reserve(bodies + 1);
@@ -66,7 +67,7 @@ void TetIsland::for_each(std::size_t count, const Body& body) {
     for (std::size_t i = 0; i < count; ++i) body(i);
 }
 
-// |r| of all bodies at their trial ways.
+// r| of all bodies at their trial displacements.
 double TetIsland::find_residual() {
   for_each(members_.size(), [this](std::size_t i) {
     const auto& [body, contact] = members_[i];
@@ -79,7 +80,7 @@ double TetIsland::find_residual() {
     contact->find(body->s_, body->velocity_);
     contact->add_forces(body->force_);
   });
-  // Pairs follow one after the other, in an order that is always the same.
+  // Pairs follow one after the other, always in the same order.
   for (const auto& [body, contact] : members_)
     if (contact != nullptr)
       for (std::uint32_t p = 0; p < contact->partners().size(); ++p)
@@ -100,8 +101,8 @@ std::span<const TetTouch> TetIsland::touches_of(std::size_t member) const {
   return contact != nullptr ? contact->touches() : std::span<const TetTouch>();
 }
 
-// Where each body's couplings and ends begin, and which ends a coupling has: a body's own touches
-// and its hand come first, then the touches of others with it, in their order.
+// Indices of each body's first coupling and end, and the ends of each coupling: a body's own
+// contacts and its grab are first, then the contacts of others with it, in their order.
 void TetIsland::number_ends() {
   const std::size_t count = members_.size();
   first_coupling_.assign(count + 1, 0);
@@ -138,7 +139,7 @@ void TetIsland::number_ends() {
   }
 }
 
-// The spring and the damper of a body's hand, which hang on nothing else.
+// The spring and the damper of a body's grab, which act on this body alone.
 void TetIsland::find_hand_end(std::uint32_t member) {
   TetBody& body = *members_[member].body;
   const TetHand& hand = *body.hand_;
@@ -151,7 +152,7 @@ void TetIsland::find_hand_end(std::uint32_t member) {
   ends_[couplings_[c].own].point = body.solve_.folded(hand.nodes, shares);
 }
 
-// The ends of a body's own touches, on both sides, and of its hand.
+// The ends of a body's own contacts, on both sides, and of its grab.
 void TetIsland::find_ends(std::uint32_t member) {
   const auto& [body, contact] = members_[member];
   if (body->hand_) find_hand_end(member);
@@ -184,8 +185,8 @@ void TetIsland::find_couplings() {
   });
 }
 
-// Adds what the touches and the hand of a body do to the image of the direction; both bodies of a
-// touch find it by themselves.
+// Adds the terms of the contacts and the grab of a body to the image of the direction. Each body of
+// a contact computes it for itself.
 void TetIsland::add_images(std::uint32_t member) {
   ActiveSolve& solve = members_[member].body->solve_;
   for (std::uint32_t e = first_end_[member]; e < first_end_[member + 1]; ++e) {
@@ -198,7 +199,7 @@ void TetIsland::add_images(std::uint32_t member) {
   }
 }
 
-// Conjugate gradients over all bodies; false where the matrix is not positive.
+// Conjugate gradients over all bodies; false if the matrix is not positive.
 bool TetIsland::search(double tolerance) {
   std::size_t most = 0;
   for (const TetMember& member : members_)
@@ -233,16 +234,15 @@ bool TetIsland::search(double tolerance) {
   return true;
 }
 
-// Newton's correction of each body. exact: with each body's own tangent, as long as that is
-// positive. tolerance: of the linear system. The matrices cannot be those
-// of the correction before: R K R^T of another R has stiffness against turns, which nothing in the
-// residual bounds.
+// Newton's correction of each body. exact: uses each body's own tangent while that is positive.
+// tolerance: of the linear system. The matrices of the previous correction cannot be used: R K R^T
+// of another R has stiffness against rotations, which nothing in the residual bounds.
 void TetIsland::find_correction(bool exact, double tolerance) {
   for_each(members_.size(),
            [this](std::size_t i) { members_[i].body->residual_ = -members_[i].body->residual_; });
   const bool single = tolerance >= kSingleTolerance;
   const bool pressed = touching();
-  // The factor is of the body's own matrix, without what couples it to others or to a hand.
+  // The factor is that of the body's own matrix, without coupling to others or to a grab.
   TetBody* alone =
       members_.size() == 1 && !pressed && !members_[0].body->hand_ ? members_[0].body : nullptr;
   bool by_factor = false;
@@ -266,7 +266,7 @@ void TetIsland::find_correction(bool exact, double tolerance) {
     TetBody& body = *members_[i].body;
     if (!by_factor) body.solve_.finish(body.correction_);
     body.system_.follow_ends(body.correction_);
-    // What touches is held by that, not by its inertia.
+    // Contacts constrain a body in contact, not its inertia.
     if (!pressed && !body.hand_) body.free_rigid_correction();
   });
 }
@@ -277,7 +277,7 @@ bool TetIsland::touching() const {
   });
 }
 
-// Goes along the correction until the residual no longer points back. size: |r| at the end.
+// Follows the correction until the residual no longer points back. size: |r| at the end.
 bool TetIsland::take_correction(double& size) {
   double slope = 0.0;
   for (const TetMember& member : members_) {
@@ -301,18 +301,18 @@ bool TetIsland::take_correction(double& size) {
   return false;
 }
 
-// The whole correction: a shorter one of all bodies would stop those in the air where one meets
-// another.
+// Takes the whole correction: a shorter one of all bodies would stop those in the air where one
+// meets another.
 void TetIsland::take_whole(double& size) {
   for_each(members_.size(),
            [this](std::size_t i) { members_[i].body->way_ += members_[i].body->correction_; });
   size = find_residual();
 }
 
-// Whether |r| is no more than what the forces between bodies may jump by. A touch pulls on the
-// other body along F^-T grad phi, and where its place crosses from one element or cell of the
-// distances to the next this jumps: a body may come to rest where the residual has no zero, only a
-// change of sign.
+// True if |r| is within the jumps of the forces between bodies. A contact force on the other body
+// is along F^-T grad phi, which jumps where its position crosses from one element or cell of the
+// distances to the next. A body may come to rest where the residual has no zero, only a change of
+// sign.
 bool TetIsland::at_kink(double size, double share) const {
   double squared = 0.0;
   for (const TetMember& member : members_)
@@ -363,7 +363,7 @@ bool TetIsland::solve_stage() {
   if (!std::isfinite(size)) return false;
   if (!small_enough() && !bounded_ && !kink && !at_kink(size, kLastKinkShare)) return false;
   report_.unsolved = report_.unsolved || !small_enough();
-  // What touches changes its forces when it is moved: those that touch nothing can be balanced.
+  // Moving a body changes its contact forces; only bodies without contact can be balanced.
   if (members_.size() == 1 &&
       (members_[0].contact == nullptr || members_[0].contact->touches().empty()))
     members_[0].body->balance_momenta();
@@ -389,8 +389,8 @@ bool TetIsland::make_step(TetMethod method, double h) {
   return true;
 }
 
-// One correction with R K R^T, which is positive, from where the step begins (implicit-euler,
-// linearised): it needs no solution to be near.
+// One correction with R K R^T, which is positive, from the start of the step (linearised
+// implicit-euler). It does not need a solution nearby.
 bool TetIsland::make_linear_step(double h) {
   for (const TetMember& member : members_) {
     begin_stage(TetMethod::kImplicitEuler, h, member.body->now_, nullptr, member.body->stage_);
@@ -408,8 +408,8 @@ bool TetIsland::make_linear_step(double h) {
   return finite;
 }
 
-// The body whose energy is watched: one by itself, whose method may add energy, without a hand,
-// which would put some in.
+// The body whose energy is checked: it has no partners, its method may add energy, and it has no
+// grab, which would do work.
 TetBody* TetIsland::watched(TetMethod method) const {
   if (members_.size() > 1) return nullptr;
   TetBody* body = members_.front().body;
@@ -417,7 +417,7 @@ TetBody* TetIsland::watched(TetMethod method) const {
   return may && body->options_.guard && !body->hand_ ? body : nullptr;
 }
 
-// Whether the energy of the watched body may be what it is now; if so, it is noted.
+// True if the present energy of the checked body is allowed; it is then stored.
 bool TetIsland::energy_is_good(TetBody& body) {
   TetGuard& guard = body.guard_;
   const double now = body.guarded_energy(members_.front().contact);
@@ -429,10 +429,9 @@ bool TetIsland::energy_is_good(TetBody& body) {
   return true;
 }
 
-// Takes a step again by a method that damps what the step is too long for: half by midpoint and
-// half by bdf2, or else by implicit-euler. Of a free body that touches nothing the momenta that
-// this loses are restored. What is too much even then is taken from the velocities relative to the
-// nearest rigid motion.
+// Repeats a step by a method that damps motion too fast for the step: half by midpoint and half by
+// bdf2, or else by implicit-euler. The momenta that a free body without contact loses are restored.
+// Remaining excess energy is taken from the velocities relative to the nearest rigid motion.
 bool TetIsland::make_damped_step(TetBody& body, double h) {
   ++report_.guarded;
   for (const bool halves : {true, false}) {
@@ -459,7 +458,7 @@ bool TetIsland::make_damped_step(TetBody& body, double h) {
   return false;
 }
 
-// A step, or a part of one, whose energy is watched.
+// A step, or a part of one, whose energy is checked.
 bool TetIsland::make_watched_step(TetMethod method, double h) {
   TetBody* body = watched(method);
   if (body == nullptr) {
@@ -477,7 +476,7 @@ bool TetIsland::make_watched_step(TetMethod method, double h) {
   return energy_is_good(*body) || make_damped_step(*body, h);
 }
 
-// Whether steps in contact are a few corrections.
+// True if steps in contact are a few corrections.
 bool TetIsland::contact_is_taken() const {
   return std::all_of(members_.begin(), members_.end(), [](const TetMember& member) {
     const TetBodyOptions& options = member.body->options_;
@@ -486,7 +485,7 @@ bool TetIsland::contact_is_taken() const {
   });
 }
 
-// Energy of the bodies at their trial places, where touches were found, J.
+// Energy of the bodies at their trial positions, at which contacts were found, J.
 double TetIsland::island_energy() const {
   double sum = 0.0;
   for (const auto& [body, contact] : members_)
@@ -495,8 +494,8 @@ double TetIsland::island_energy() const {
   return sum;
 }
 
-// One step of implicit-euler in contact, of a few corrections from where the bodies are. last: it
-// is taken whatever it adds to the energy. The energy is not asked for where a hand pulls.
+// One step of implicit-euler in contact: a few corrections from the present positions. last: it is
+// accepted whatever energy it adds. The energy is not checked where a grab acts.
 bool TetIsland::make_contact_step(double h, bool last) {
   for (const TetMember& member : members_) {
     member.body->begin(TetMethod::kImplicitEuler, h);
@@ -527,7 +526,7 @@ bool TetIsland::make_contact_step(double h, bool last) {
   return last || pulled || after - before <= kMostContactGain * moving;
 }
 
-// Where a part is not made, the bodies are anywhere.
+// If a part fails, the bodies' states are undefined.
 bool TetIsland::make_parts(int parts, PartKind kind) {
   const bool linear = kind == PartKind::kLinear;
   report_.parts = parts;
@@ -544,7 +543,7 @@ bool TetIsland::make_parts(int parts, PartKind kind) {
       made = make_watched_step(common_method(), h);
     touched = touched || touching();
   }
-  // The step before, which bdf2 needs, is this whole step; what is linearised is no start for it.
+  // The previous step, which bdf2 needs, is this whole step; a linearised step cannot serve as one.
   for (const TetMember& member : members_) {
     TetBody& body = *member.body;
     body.has_acceleration_ = false;

@@ -1,39 +1,43 @@
-// A step of several bodies that may touch each other, as one equation.
+// A step of several bodies that may be in contact, solved as one equation.
 //
-// Each body's equation is M g^2 (d - d_a) = F(x_v + d, g d) (tet_stage.h), F with the forces of its
-// contact. Newton's matrix is block-diagonal,
-//   M (g^2 + (alpha + drag) g) + dforce/dx + beta g ddamping/dv    of each body,
-// and the touches and hands (tet_hand.h): with w the shares of a touch in the control points of
-// both its sides, w B w^T. They stay as they are and are multiplied one by one in conjugate
-// gradients, which run over all bodies at once, preconditioned by the diagonal's blocks; a body by
-// itself that takes too many directions, a slender one, is factored instead
-// (runtime/sparse/block_cholesky.h). First with the exact derivative; where that is indefinite,
-// with R K R^T. Each correction is shortened until the residual no longer points back. A step that
-// is not solved is cut into two, then eight of the same method; where even those have no solution
-// (an element goes through a flat shape and its rotation jumps), into eight of implicit-euler, of
-// one correction each with R K R^T; of a free body that touches nothing the momenta are restored.
+// Each body's equation is M g^2 (d - d_a) = F(x_v + d, g d) (tet_stage.h), where F includes the
+// contact forces. Newton's matrix has a diagonal block for each body,
+//  M (g^2 + (alpha + drag) g) + dforce/dx + beta g ddamping/dv,
+// and terms for contacts and grabs (tet_hand.h): w B w^T, with w the weights of a contact for the
+// control points of both its sides. They are kept separate and multiplied one by one in conjugate
+// gradients, which run over all bodies at once, preconditioned by the diagonal's blocks. A slender
+// body without partners that takes too many directions is factored instead
+// (runtime/sparse/block_cholesky.h).
 //
-// midpoint and newmark add energy where stiff elements turn in long steps. The energy of a body by
-// itself is therefore watched: a step in which it would have gained, since it last lost as much,
-// more than a fiftieth of the largest that it had is taken again, half by midpoint and half by
-// bdf2, which damps what is too fast for the step, and both momenta are restored.
+// The exact derivative is tried first; where it is indefinite, R K R^T is used. Each correction is
+// shortened until the residual no longer points back. A step that is not solved is divided into
+// two, then into eight steps of the same method. Where even those have no solution (an element
+// passes through a flat shape and its rotation jumps), it is divided into eight steps of
+// implicit-euler, of one correction each with R K R^T; the momenta of a free body without contact
+// are restored.
 //
-// A step also ends where the forces between bodies jump and no correction makes the residual
-// smaller, which is then a thousandth of them at most, a hundredth after the last correction; it is
-// told as unsolved.
+// midpoint and newmark add energy where stiff elements rotate in long steps. The energy of a body
+// without partners is therefore checked. A step in which it would have gained, since it last lost
+// as much, more than a fiftieth of its largest value is repeated: half by midpoint and half by
+// bdf2, which damps motion too fast for the step, and both momenta are restored.
 //
-// Where all bodies have UnsolvedStep::kTake, a step is max_iterations corrections at most, from
-// where the bodies are, none of them shortened: the linearly implicit step of real-time programs
-// for one, whose stiffness is positive; with two, what the first ran into is known to the second.
+// A step also ends where the forces between bodies jump and no correction lowers the residual. The
+// residual is then at most a thousandth of these forces, a hundredth after the last correction; the
+// step is reported as unsolved.
 //
-// Where all bodies have kTakeContact and a method that damps, implicit-euler or bdf2, a step in
-// which something touches is such a step of implicit-euler: two corrections with R K R^T. Solving
-// it to the end takes a hundred times as long, since the forces of touches have corners, and where
-// elements are crushed there may be no solution near. A step that adds to the energy more than a
-// twentieth of what there is then is cut into two, then four of the same kind.
+// If all bodies have UnsolvedStep::kTake, a step has at most max_iterations corrections from the
+// present positions, none of them shortened. One correction is the linearly implicit step of
+// real-time programs, with positive stiffness; with two, the second includes the contacts that the
+// first ran into.
 //
-// Bodies of one island take the same method, so that what one gives the other takes: where methods
-// differ, or not all have the step before that bdf2 needs, implicit-euler.
+// If all bodies have kTakeContact and a method that damps, implicit-euler or bdf2, a step with
+// contact is such a step of implicit-euler: two corrections with R K R^T. Solving it fully takes a
+// hundred times as long, because contact forces are not smooth, and where elements are crushed
+// there may be no solution near. A step that adds more than a twentieth of the present energy is
+// divided into two, then four steps of the same kind.
+//
+// Bodies of one island use the same method, so that their forces on each other are opposite. If
+// their methods differ, or not all have the previous step that bdf2 needs, it is implicit-euler.
 #pragma once
 
 #include <cstddef>
@@ -47,35 +51,36 @@
 
 namespace tremolo {
 
-// contact: null where a body touches nothing. Its partners are members of the island.
+// A body of the island.
 struct TetMember {
   TetBody* body = nullptr;
-  TetContact* contact = nullptr;
+  TetContact* contact = nullptr;  // null: no contact; its partners are members of the island
 };
 
 class TetIsland {
  public:
-  // pool: shares the bodies among threads; null: none. Must outlive it. What comes out does not
-  // depend on the number of threads.
+  // pool: divides the bodies among threads; null: no threads. It must outlive the island. Results
+  // do not depend on the number of threads.
   explicit TetIsland(ThreadPool* pool = nullptr) : pool_(pool) {}
-  // Takes memory for so many bodies and touches; more is taken when it is first needed.
+  // Reserves memory for this number of bodies and contacts; more is allocated when it is first
+  // needed.
   void reserve(std::size_t bodies, std::size_t touches);
 
-  // Takes all bodies one step further, which is the same for all; a report each. Where it fails
-  // (converged is false), all states are as before.
+  // Takes one step of all bodies, which have the same step; one report each. On failure (converged
+  // is false) all states are as before.
   void step(std::span<const TetMember> members, std::span<TetStepReport> reports);
 
  private:
-  // One side of a touch or a hand: its share in a body's control points. part: what the search's
-  // direction is there.
+  // One side of a contact or a grab.
   struct TouchEnd {
     std::uint32_t coupling = 0;
+    // Its weights in a body's control points.
     FoldedPoint point;
-    Eigen::Vector3d part;
+    Eigen::Vector3d part;  // the search direction there
   };
-  // A touch or a hand: its ends' numbers, other is kNoEnd of what stands still and of hands.
+  // A contact or a grab, by the numbers of its ends.
   struct Coupling {
-    std::uint32_t own = 0, other = kNoEnd;
+    std::uint32_t own = 0, other = kNoEnd;  // other is kNoEnd for fixed obstacles and for grabs
     Eigen::Matrix3d block;
   };
   static constexpr std::uint32_t kNoEnd = ~std::uint32_t{0};
@@ -113,15 +118,15 @@ class TetIsland {
 
   ThreadPool* pool_;
   std::span<const TetMember> members_;  // in a step
-  bool bounded_ = false;                // all take what max_iterations find
-  bool watch_contact_ = false;          // a stage is given up where something touches
-  bool met_contact_ = false;            // one was
+  bool bounded_ = false;                // all bodies take the result of max_iterations
+  bool watch_contact_ = false;          // a stage with contact is given up
+  bool met_contact_ = false;            // a stage was given up
   TetStepReport report_;
-  std::vector<Coupling> couplings_;  // body by body: touches, then the hand
+  std::vector<Coupling> couplings_;  // body by body: contacts, then the grab
   std::vector<TouchEnd> ends_;       // body by body
   std::vector<std::uint32_t> first_coupling_, first_end_, next_end_;
-  std::vector<double> squares_, stops_;  // |r|^2 and where to stop, of each body
-  std::vector<double> curvatures_;       // p.A p, of each body with the touches of its own points
+  std::vector<double> squares_, stops_;  // |r|^2 and its stopping value, of each body
+  std::vector<double> curvatures_;       // p.A p, of each body with the contacts of its own points
   std::vector<SearchSizes> sizes_;
 };
 

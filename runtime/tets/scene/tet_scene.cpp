@@ -34,8 +34,8 @@ Result<TetsKind> read_tets_kind(const TetSceneBody& body) {
   return kind;
 }
 
-// The rest shape at the body's pose, with its velocity and spin about the centre of mass; what is
-// held stands still.
+// The rest shape at the body's pose, with its velocity and spin about the centre of mass; fixed
+// points are at rest.
 Status place_tets_body(const TetSceneBody& wanted, TetBody& body) {
   const TetModel& model = body.model();
   const Eigen::Index size = model.rest().size();

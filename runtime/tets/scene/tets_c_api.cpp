@@ -11,13 +11,13 @@
 #include "runtime/tremolo_tets.h"
 
 // NOLINTBEGIN(readability-identifier-naming): the names of the C header
-// gravity, step: of all bodies, which get them when the world is made.
+// gravity, step: of all bodies, set when the world is made.
 struct tremolo_tets_scene {
   tremolo::TetBodiesScene scene;
   double step = 0.0;
   Eigen::Vector3d gravity = {0.0, 0.0, -9.81};
 };
-// vertices, normals, reports: room for what a call finds.
+// vertices, normals, reports: buffers for the results of a call.
 struct tremolo_tets_world {
   tremolo::TetsBodies bodies;
   std::vector<tremolo::TetStepReport> reports;
@@ -44,7 +44,7 @@ size_t bodies_of(const tremolo_tets_world* world) {
   return world == nullptr ? 0 : world->bodies.group->size();
 }
 
-// Runs action(world, body) -> Status; kUsage for a body that is not there.
+// Runs action(world, body) -> Status; kUsage if the body does not exist.
 template <class World, class Action>
 tremolo_status with_body(World* world, size_t body, const Action& action) noexcept {
   return with_all({{world, "the world of tetrahedra"}}, [&]() -> Status {
@@ -124,7 +124,7 @@ Result<tremolo::TetHand> hand_of(const tremolo_tets_world& world, size_t body, s
   return hand_at(*kind.model, kind.surface->rest(), vertex);
 }
 
-// The numbers of bodies whose step could not be made.
+// The numbers of bodies whose step failed.
 std::string not_made(std::span<const tremolo::TetStepReport> reports) {
   std::string numbers;
   for (size_t i = 0; i < reports.size(); ++i)

@@ -35,14 +35,14 @@ constexpr size_t kInverse = 12;  // three columns of four floats
   const Eight high = __builtin_shufflevector(c, d, 0, 1, 2, 3, 4, 5, 6, 7);
   return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
 }
-// In each vector of four: (a0, b0, a1, b1) and (a2, b2, a3, b3).
+// The vectors of four are (a0, b0, a1, b1) and (a2, b2, a3, b3).
 [[gnu::always_inline]] inline Sixteen low_pairs(Sixteen a, Sixteen b) {
   return __builtin_shufflevector(a, b, 0, 16, 1, 17, 4, 20, 5, 21, 8, 24, 9, 25, 12, 28, 13, 29);
 }
 [[gnu::always_inline]] inline Sixteen high_pairs(Sixteen a, Sixteen b) {
   return __builtin_shufflevector(a, b, 2, 18, 3, 19, 6, 22, 7, 23, 10, 26, 11, 27, 14, 30, 15, 31);
 }
-// In each vector of four: the sums of a, of b and of c.
+// Each vector of four: the sums of a, of b and of c.
 [[gnu::always_inline]] inline Sixteen sums_of_quads(Sixteen a, Sixteen b, Sixteen c) {
   const Sixteen zero = {};
   const Sixteen ab = low_pairs(a, b) + high_pairs(a, b);
@@ -71,7 +71,7 @@ struct FloatRows {
   float* q;
 };
 
-// q = A p and p.q, to which both triangles give the same. Row by row, ascending: a block's
+// q = A p and p.q, to which both triangles contribute equally. Rows are ascending: a block's
 // transpose adds to a row that has been set.
 TREMOLO_CLONES
 double multiply_rows(const FloatRows& g) {
@@ -190,7 +190,7 @@ void ActiveFloats::choose(const BlockPattern& pattern, std::span<const std::uint
       at_[k] = static_cast<std::uint32_t>(diagonal + column_.size());
       column_.push_back(rank[columns[k]]);
     }
-    // Blocks of zeros, whose images the row itself takes before it is set.
+    // Blocks of zeros; their images are added to the row itself before it is set.
     column_.resize(whole_groups(column_.size()), row);
     at_[pattern.diagonal(node)] = row;
   }

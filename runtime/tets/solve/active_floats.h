@@ -1,7 +1,7 @@
 // Conjugate gradients over active control points in single precision (active_solve.h), for
-// corrections of which two or three digits are asked: what takes the time is the matrix, read from
-// memory in every iteration: in floats, and only the blocks below the diagonal, each multiplied
-// with its transpose while it is there. Sums of products are in doubles.
+// corrections with two or three digits. Most of the time is spent reading the matrix from memory in
+// every iteration. Therefore it is in floats, and only the blocks below the diagonal are stored,
+// each multiplied with its transpose while it is loaded. Sums of products are in doubles.
 #pragma once
 
 #include <cstdint>
@@ -18,25 +18,25 @@ namespace tremolo {
 
 class ActiveFloats {
  public:
-  // All memory is taken here: for all nodes active. smooth: of its nodes.
+  // All memory is allocated here, for all nodes active. smooth: of its nodes.
   ActiveFloats(const BlockPattern& pattern, std::shared_ptr<const SmoothSpace> smooth);
 
-  // nodes: the active ones, ascending; rank: of each node its place among them, or kNoRank.
+  // nodes: the active ones, ascending; rank: index of each node among them, or kNoRank.
   static constexpr std::uint32_t kNoRank = ~std::uint32_t{0};
   void choose(const BlockPattern& pattern, std::span<const std::uint32_t> nodes,
               std::span<const std::uint32_t> rank);
 
-  // Sets the matrix to zero; elements are added where it says (float_blocks.h).
+  // Sets the matrix to zero; returns the target to which elements are added (float_blocks.h).
   FloatTarget begin();
   void take(const BlockMatrix& a);
   Eigen::Matrix3d diagonal(std::uint32_t node) const;  // by rank
 
-  // Takes the inverses of the diagonal's blocks and of A_c, r, and what starts from them: x = 0,
-  // p = z = P r. Returns r.z.
+  // Sets the inverses of the diagonal's blocks and of A_c, and r, and initializes x = 0, p = z = P
+  // r. Returns r.z.
   double start(const std::vector<Eigen::Matrix3d>& inverse, const SmoothMatrix& smooth_inverse,
                const std::vector<Eigen::Vector3d>& r);
   double multiply();  // q = A p; returns p.q
-  // x += length p, r -= length q, z = P r: r.r and r.z.
+  // x += length p, r -= length q, z = P r. Returns r.r and r.z.
   std::pair<double, double> advance(double length);
   void turn(double share);  // p = z + share p
 
@@ -51,17 +51,17 @@ class ActiveFloats {
   }
 
   std::size_t n_ = 0;
-  // Rows of the blocks below the diagonal, each filled up with zeros to whole groups: where each
-  // begins, and of each block its column.
+  // Rows of the blocks below the diagonal, each padded with zeros to whole groups: index of each
+  // row's first block, and column of each block.
   std::vector<std::uint32_t> first_, column_;
-  std::vector<std::uint32_t> at_;    // of the pattern's blocks: FloatTarget's
+  std::vector<std::uint32_t> at_;    // of the pattern's blocks: see FloatTarget
   AlignedFloats blocks_;             // the diagonal's, and then the rows', in groups
   AlignedFloats inverse_;            // three columns of four floats each
-  AlignedFloats x_, r_, z_, p_, q_;  // four floats a node; z_ without its smooth part
+  AlignedFloats x_, r_, z_, p_, q_;  // four floats per node; z_ without its smooth part
   std::shared_ptr<const SmoothSpace> smooth_;
   std::vector<SmoothFields> fields_;  // of the active nodes
   Eigen::Matrix<float, kSmoothModes, kSmoothModes> smooth_inverse_;
-  AlignedFloats smooth_part_;  // of z: four floats a field
+  AlignedFloats smooth_part_;  // of z: four floats per field
 };
 
 }  // namespace tremolo

@@ -89,7 +89,7 @@ void ActiveSolve::add_diagonal(const FoldedPoint& point, const Eigen::Matrix3d& 
       smooth_.block<3, 3>(3 * k, 3 * l) += (fields[k] * fields[l]) * block;
 }
 
-// A_c^-1; zero where there is none, or where it is not positive.
+// A_c^-1; zero if there is none, or if it is not positive.
 SmoothMatrix ActiveSolve::smooth_inverse() const {
   if (!has_smooth_) return SmoothMatrix::Zero();
   const Eigen::LLT<SmoothMatrix> factor(smooth_);
@@ -129,7 +129,7 @@ double ActiveSolve::multiply(const BlockMatrix& a) {
       q_[entries_[k].column].noalias() += block.transpose() * own;
     }
     q_[i] = diagonal + lower;
-    // Both triangles give the same to p.q.
+    // Both triangles contribute equally to p.q.
     product += own.dot(diagonal) + 2.0 * own.dot(lower);
   }
   return product;

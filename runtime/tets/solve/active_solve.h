@@ -1,7 +1,7 @@
-// A x = b over the active control points alone: conjugate gradients, preconditioned by the inverses
-// of the diagonal's blocks (Hestenes and Stiefel 1952). The pattern is that of the fully quadratic
-// mesh and stays; a list of what is active is made anew when edges change their degree, and blocks
-// of other rows and columns are never touched.
+// Solves A x = b over the active control points alone: conjugate gradients, preconditioned by the
+// inverses of the diagonal's blocks (Hestenes and Stiefel 1952). The pattern is that of the fully
+// quadratic mesh and constant. A list of the active nodes is made again when edges change their
+// degree; blocks of other rows and columns are never read.
 #pragma once
 
 #include <array>
@@ -16,19 +16,19 @@
 
 namespace tremolo {
 
-// residual: |b - A x| over |b|, as the recurrence has it. positive: no direction with d.A d <= 0
-// was met; where one was, x is what had been found before.
+// Result of a solve.
 struct ActiveReport {
   int iterations = 0;
-  double residual = 0.0;
+  double residual = 0.0;  // |b - A x| over |b|, from the recurrence
+  // No direction with d.A d <= 0 was met; otherwise x is the solution before it.
   bool positive = true;
 };
 
 inline constexpr std::size_t kMostFolded = 10;
-// Conjugate gradients that are asked for no less than this are in single precision.
+// At this or a larger tolerance conjugate gradients use single precision.
 inline constexpr double kSingleTolerance = 5e-4;
 
-// A sum of shares times vectors of nodes, which are numbered among the active.
+// A weighted sum of vectors of nodes, which are numbered among the active ones.
 struct FoldedPoint {
   std::uint32_t count = 0;
   std::array<std::uint32_t, kMostFolded> nodes{};
@@ -42,10 +42,10 @@ struct SearchSizes {
 
 class ActiveSolve {
  public:
-  // All memory is taken here: for all nodes active.
+  // All memory is allocated here, for all nodes active.
   ActiveSolve(BlockPatternPointer pattern, std::shared_ptr<const SmoothSpace> smooth);
 
-  // active: a flag a node.
+  // active: one flag per node.
   void choose(std::span<const std::uint8_t> active);
   std::size_t active_nodes() const { return nodes_.size(); }
 
@@ -54,19 +54,20 @@ class ActiveSolve {
   ActiveReport solve(const BlockMatrix& a, const Eigen::VectorXd& b, double tolerance,
                      int most_iterations, Eigen::VectorXd& x);
 
-  // The same in steps, for several systems that are coupled (tet_island.h). take_diagonal() and
-  // add_diagonal() before start(); then multiply(), what couples is added to q, advance(), turn().
+  // The same in steps, for several coupled systems (tet_island.h). Call take_diagonal() and
+  // add_diagonal() before start(); then repeat multiply(), add the coupling terms to q, advance(),
+  // turn().
   FoldedPoint folded(std::span<const std::uint32_t> nodes, std::span<const double> shares) const;
   void take_diagonal(const BlockMatrix& a);
-  // In single precision a matrix may instead be added up where it is multiplied: begin_single(),
-  // then take_diagonal(); start() does not take `a` then.
+  // In single precision a matrix may instead be summed where it is multiplied: begin_single(), then
+  // take_diagonal(); start() does not use `a` then.
   FloatTarget begin_single();
   void take_diagonal();
-  // The smooth part of the matrix, without touches (smooth_matrix()); after take_diagonal(), which
-  // leaves it out.
+  // Sets the smooth part of the matrix, without contacts (smooth_matrix()). Call it after
+  // take_diagonal(), which removes it.
   void take_smooth(const Eigen::Matrix3d& turn, double mass, double stiffness);
   void add_diagonal(const FoldedPoint& point, const Eigen::Matrix3d& block);
-  // x = 0, r = b, p = z = P r. single: what follows is in single precision.
+  // x = 0, r = b, p = z = P r. single: the following calls use single precision.
   SearchSizes start(const BlockMatrix& a, const Eigen::VectorXd& b, bool single);
   double multiply(const BlockMatrix& a);  // q = A p; returns p.q
   // x += length p, r -= length q, z = P r.
@@ -80,7 +81,7 @@ class ActiveSolve {
 
  private:
   struct Entry {
-    std::uint32_t column = 0;  // among the active
+    std::uint32_t column = 0;  // index among the active nodes
     std::uint32_t place = 0;
   };
   using Vectors = std::vector<Eigen::Vector3d>;
@@ -92,7 +93,7 @@ class ActiveSolve {
   std::shared_ptr<const SmoothSpace> smooth_space_;
   SmoothMatrix smooth_;
   bool has_smooth_ = false;
-  std::vector<std::uint32_t> nodes_, rank_, first_;  // active nodes; their number by node
+  std::vector<std::uint32_t> nodes_, rank_, first_;  // active nodes; their index by node
   std::vector<Entry> entries_;                       // below the diagonal, by rows
   std::vector<Eigen::Matrix3d> inverse_;
   Vectors x_, r_, z_, p_, q_;

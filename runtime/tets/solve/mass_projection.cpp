@@ -21,7 +21,7 @@ constexpr int kMostProjectionSteps = 60;
   return *reinterpret_cast<Lanes*>(list + MassProjection::kMassLanes * node);
 }
 
-// What products with the mass matrix need. linear: edges; a, b: of each edge's ends.
+// Data for products with the mass matrix. linear: edges; a, b: ends of each edge.
 struct MassRows {
   size_t nodes;
   const std::uint32_t *first, *column;
@@ -41,7 +41,7 @@ struct MassRows {
   }
 }
 
-// q = E^T M p for a p that follows already.
+// q = E^T M p for a p whose linear edges follow already.
 [[gnu::always_inline]] inline void mass_lanes(const MassRows& g, float* p, float* q) {
   for (size_t i = 0; i < g.nodes; ++i) {
     const Lanes own = lanes_at(p, i);
@@ -136,7 +136,7 @@ MassProjection::MassProjection(const TetModel& model)
   model.mass_times(Eigen::VectorXd::Ones(size), weight_);
 }
 
-// The linear edges, and one over the sums of the rows of E^T M E, which are E^T M 1.
+// Lists the linear edges; computes one over the sums of the rows of E^T M E, which are E^T M 1.
 void MassProjection::choose(const TetSystem& system) {
   const TetModel& model = system.model();
   linear_.clear();
@@ -148,7 +148,8 @@ void MassProjection::choose(const TetSystem& system) {
     inverse_[i] = system.active()[i] == 0 ? 0.0F : static_cast<float>(1.0 / rest_[mass_at(i)]);
 }
 
-// p takes what is left over, each vector over its largest entry, and the vectors follow their ends.
+// Sets p to the rests, each vector divided by its largest entry; the vectors then follow their
+// ends.
 void MassProjection::take_rests(const TetSystem& system,
                                 std::span<Eigen::VectorXd* const> vectors) {
   const size_t nodes = system.model().nodes();
@@ -169,7 +170,7 @@ void MassProjection::take_rests(const TetSystem& system,
   }
 }
 
-// Conjugate gradients for E^T M E x = r, each lane by itself.
+// Conjugate gradients for E^T M E x = r, each lane separately.
 int MassProjection::search(const TetSystem& system) {
   const MassRows g = mass_rows(system.model(), masses_, linear_, inverse_);
   // One E^T M rest, whose linear edges do not follow.

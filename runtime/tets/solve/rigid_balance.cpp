@@ -29,14 +29,15 @@ Eigen::Vector3d spin_of(const Eigen::Matrix3d& inertia, const Eigen::Vector3d& m
 }  // namespace
 
 RigidFreedom rigid_freedom(const TetModel& model) {
-  // Fixed points nearer to each other, or to a line, than this part of the mesh's size are one.
+  // Fixed points nearer to each other, or to a line, than this fraction of the mesh's size count as
+  // one.
   constexpr double kSamePlace = 1e-9;
   const double least = kSamePlace * model.rest_box().diagonal();
   RigidFreedom freedom;
   const auto place = [&](std::size_t i) { return model.rest().segment<3>(rigid_at(i)); };
   Eigen::Vector3d axis = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < model.vertices(); ++i) {
-    // A vertex of no tetrahedron is marked as fixed, too.
+    // A vertex without a tetrahedron is marked as fixed, too.
     if (model.held()[i] == 0 || model.masses()[model.pattern()->diagonal(i)] == 0.0) continue;
     switch (freedom.kind) {
       case RigidFreedom::Kind::kAll:

@@ -1,4 +1,4 @@
-// Rigid motions of a mesh: what restores momenta without bending anything.
+// Rigid motions of a mesh, with which momenta are restored without deformation.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,24 +15,24 @@ struct RigidInertia {
 // work: 3 nodes(), overwritten.
 RigidInertia rigid_inertia(const TetModel& model, const Eigen::VectorXd& x, Eigen::VectorXd& work);
 
-// The rigid motions that the fixed control points of a mesh leave free. axis_end: a second fixed
-// control point, away from `pivot`; both are numbers of control points.
+// The rigid motions that the fixed control points of a mesh permit.
 struct RigidFreedom {
   enum class Kind {
-    kAll,         // nothing is fixed
+    kAll,         // no point is fixed
     kAboutPoint,  // rotations about `pivot`
     kAboutAxis,   // rotations about the line from `pivot` to `axis_end`
     kNone         // fixed points span a triangle
   };
   Kind kind = Kind::kAll;
+  // Numbers of two fixed control points; axis_end is away from the pivot.
   std::size_t pivot = 0, axis_end = 0;
 };
 RigidFreedom rigid_freedom(const TetModel& model);
 
-// rigid = the free rigid motion at x that is nearest to the velocities v in kinetic energy: v -
-// rigid has no momentum, no angular momentum, and its kinetic energy is that of v less that of
-// rigid. Of fixed bodies this holds of what their freedom has. work: 3 nodes(), overwritten. x, v,
-// rigid and work are different vectors. Allocates nothing.
+// rigid = the permitted rigid motion at x that is nearest to the velocities v in kinetic energy: v
+// - rigid has neither momentum nor angular momentum, and its kinetic energy is that of v less that
+// of rigid. For bodies with fixed points this holds for the permitted motions. work: 3 nodes(),
+// overwritten. x, v, rigid and work are different vectors. Allocates nothing.
 void rigid_part(const TetModel& model, const RigidFreedom& freedom, const Eigen::VectorXd& x,
                 const Eigen::VectorXd& v, Eigen::VectorXd& work, Eigen::VectorXd& rigid);
 
@@ -40,8 +40,8 @@ void rigid_part(const TetModel& model, const RigidFreedom& freedom, const Eigen:
 void restore_spin(const TetModel& model, const Eigen::Vector3d& spin, const Eigen::VectorXd& x,
                   Eigen::VectorXd& v, Eigen::VectorXd& work);
 
-// A small rigid motion whose inertia rate M takes away the sum and the torque of the residual, to
-// first order. False where they are rounding already; `motion` is then undefined.
+// A small rigid motion whose inertia rate M removes the sum and the torque of the residual, to
+// first order. False, with `motion` undefined: they are rounding already.
 bool rigid_correction(const TetModel& model, const Eigen::VectorXd& x,
                       const Eigen::VectorXd& residual, double rate, Eigen::VectorXd& motion);
 

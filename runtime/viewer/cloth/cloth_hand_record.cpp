@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "runtime/cloth/cloth_model.h"
 #include "runtime/viewer/live/recorded_text.h"
 
 namespace tremolo {
@@ -13,7 +14,7 @@ void ClothHandRecord::before_step(const ClothWorld& world, std::size_t cloth, st
   if (!std::exchange(holds_, true)) {
     ClothHand taken;
     taken.cloth = scene.cloths[cloth].name;
-    taken.particle = particle;
+    taken.particle = world.model(cloth).parts().vertex_of_particle(particle);
     taken.from = world.time();
     taken.motion = hand_motion();
     add_hand_key(taken.motion, world.time(), Eigen::Vector3d::Zero());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <limits>
 #include <utility>
@@ -208,6 +209,10 @@ Status ClothScenes::record_hand() {
 Status ClothScenes::write_hand(const std::string& path) {
   const Shown& shown = shown_.front();
   record_.end(shown.world.time());
+  if (record_.hands().empty()) {
+    tell("tremolo: nothing was pulled: {} is not written\n", path);
+    return Success{};
+  }
   return write_recorded_cloth(path, shown.file, shown.world.scene(), record_.hands());
 }
 
@@ -260,15 +265,17 @@ Result<int> view_cloth(const ViewerOptions& options, const ViewFlags& flags) {
     return usage_error("--colour " + options.colour +
                        " is not of cloth, which has its own colours");
   std::vector<ClothFile> files;
+  std::vector<NamedFile> inputs;
   for (const std::string& path : {options.file, options.beside}) {
     if (path.empty()) continue;
     Result<ClothFile> file = read_cloth_file(path, flags);
     if (!file) return file.error();
+    for (NamedFile& input : inputs_of(*file)) inputs.push_back(std::move(input));
     files.push_back(std::move(*file));
   }
   Result<ClothScenes> scenes = ClothScenes::create(std::move(files));
   if (!scenes) return scenes.error();
-  return view_surfaces(options, *scenes);
+  return view_surfaces(options, inputs, *scenes);
 }
 
 }  // namespace
@@ -276,7 +283,10 @@ Result<int> view_cloth(const ViewerOptions& options, const ViewFlags& flags) {
 int view_cloth_command(const ViewerOptions& options, const ViewFlags& flags) {
   const Result<int> code = view_cloth(options, flags);
   if (!code) return report_error(code.error());
-  return flushed(*code);
+  const int printed = flushed(*code);
+  // Whoever started the program shall see that a signal ended it.
+  if (*code > 128) ::raise(*code - 128);
+  return printed;
 }
 
 }  // namespace tremolo

@@ -34,6 +34,10 @@ const char* signal_name(SignalKind kind) {
       return "square";
     case SignalKind::kSine:
       return "sine";
+    case SignalKind::kChirp:
+      return "chirp";
+    case SignalKind::kRamp:
+      return "ramp";
     case SignalKind::kConstant:
       return "constant";
     default:
@@ -64,6 +68,10 @@ Result<toml::table> table_of(const SceneBody& body, const std::string& start,
     if (load.signal.kind == SignalKind::kTable)
       return content_error("a recorded hand does not go with --signal: take a scene that says it");
     table.insert("load", signal_name(load.signal.kind));
+    if (load.signal.kind == SignalKind::kSine) table.insert("frequency", load.signal.frequency);
+    if (load.signal.kind == SignalKind::kChirp)
+      table.insert("sweep", toml::array{load.signal.frequency, load.signal.last_frequency});
+    if (load.signal.duration > 0.0) table.insert("load-duration", load.signal.duration);
     table.insert("scale", load.scale);
     if (load.at.empty()) continue;
     table.insert("at", load.at);

@@ -7,6 +7,7 @@
 
 #include "formats/file/whole_file.h"
 #include "runtime/program/run/run_body.h"
+#include "runtime/program/run/run_files.h"
 #include "runtime/program/start/start_text.h"
 #include "runtime/program/world/run_world.h"
 #include "runtime/scene_reader/csv_rows.h"
@@ -39,7 +40,7 @@ Result<std::vector<SceneLoad>> load_of(const RunOptions& options) {
     if (!table) return table.error();
     load.table = std::make_shared<const SignalTable>(std::move(*table));
     load.signal = {.kind = SignalKind::kTable};
-  } else if (Status s = take(load.signal, parse_signal(options.load)); !s) {
+  } else if (Status s = take(load.signal, shaped_signal(options)); !s) {
     return s.error();
   }
   if (load.signal.kind == SignalKind::kNone) return std::vector<SceneLoad>{};
@@ -51,6 +52,10 @@ Result<SceneBody> body_of(const RunOptions& options) {
     return usage_error(
         "--deflect is found by trial runs, which `tremolo run` makes: take the factor that it "
         "tells as --scale");
+  if (!options.rescale.empty())
+    return usage_error(
+        "--rescale is of `tremolo run` and `export`: write the model with `tremolo export MODEL "
+        "--rescale ... --rescaled FILE` and view that");
   if (Status s = check_run(options); !s) return s.error();
   SceneBody body;
   body.name = scene_name(options.name);
@@ -74,6 +79,7 @@ Result<ViewedScene> scene_of(const std::vector<RunOptions>& bodies, const std::s
     if (!body) return body.error();
     viewed.scene.bodies.push_back(std::move(*body));
     viewed.starts.push_back(options.start);
+    for (NamedFile& input : inputs_of(options)) viewed.inputs.push_back(std::move(input));
   }
   return viewed;
 }
@@ -117,7 +123,7 @@ Result<ViewedScene> read_viewed_scene(const std::string& file, const ViewFlags& 
   if (!read) return read.error();
   if (Status s = apply_flags(flags.flags, flags.told, *read); !s) return s.error();
   return ViewedScene{file, std::move(*text), read->scene,
-                     std::vector<std::string>(read->scene.bodies.size())};
+                     std::vector<std::string>(read->scene.bodies.size()), inputs_of(*read)};
 }
 
 ModelSource ModelCache::source() {

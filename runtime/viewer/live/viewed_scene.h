@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/result.h"
+#include "formats/file/output_guard.h"
 #include "runtime/program/run/run_options.h"
 #include "runtime/scene/scene.h"
 #include "runtime/scene/scene_world.h"
@@ -16,12 +17,13 @@
 namespace tremolo {
 
 // file: as the user named it. text: of the scene file, if it is a world. starts: of each body its
-// --start, mostly empty.
+// --start, mostly empty. inputs: all files that were or will be read.
 struct ViewedScene {
   std::string file;
   std::string text;
   Scene scene;
   std::vector<std::string> starts;
+  std::vector<NamedFile> inputs = {};
 };
 
 // The command line. flags: as they were parsed. told: which of them were given, by their long name.

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <memory>
 
@@ -68,7 +69,9 @@ class Photographer {
     Picture picture;
     for (int k = 0; k < options_.frames && shots.signal == 0; ++k) {
       const double t = options_.from + k / options_.rate;
-      if (Status s = go_to(t); !s) return s;
+      if (Status s = go_to(t, interruption); !s) return s;
+      shots.signal = interruption.signal();
+      if (shots.signal != 0) break;
       if (k == 0) shots.camera = first_camera_at(t);
       if (Status s = shoot(t, shots, picture); !s) return s;
       if (Status s = series.add(picture); !s) return s;
@@ -81,10 +84,11 @@ class Photographer {
   }
 
  private:
-  Status go_to(double t) {
+  // As far as no signal comes.
+  Status go_to(double t, const Interruption& interruption) {
     // Within a billionth of a step of a node it is that node.
     const double slack = 1e-9 * live_.world().step_size();
-    while (live_.now().time < t - slack)
+    while (live_.now().time < t - slack && interruption.signal() == 0)
       if (Status s = live_.step(); !s) return s;
     return Success{};
   }
@@ -206,7 +210,10 @@ Result<int> photograph(const ViewerOptions& options, const ViewedScene& viewed) 
 int offscreen_command(const ViewerOptions& options, const ViewedScene& viewed) {
   const Result<int> code = photograph(options, viewed);
   if (!code) return report_error(code.error());
-  return flushed(*code);
+  const int printed = flushed(*code);
+  // Whoever started the program shall see that a signal ended it.
+  if (*code > 128) ::raise(*code - 128);
+  return printed;
 }
 
 }  // namespace tremolo

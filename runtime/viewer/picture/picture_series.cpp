@@ -7,9 +7,29 @@
 
 #include <fmt/format.h>
 
+#include "formats/file/output_guard.h"
+
 namespace tremolo {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::string_view kPictureStart = "frame-", kPictureEnd = ".png";
+
+}  // namespace
+
+std::string picture_name(int number) {
+  return fmt::format("{}{:06}{}", kPictureStart, number, kPictureEnd);
+}
+
+bool is_picture_name(std::string_view name) {
+  if (!name.starts_with(kPictureStart) || !name.ends_with(kPictureEnd)) return false;
+  const std::size_t sides = kPictureStart.size() + kPictureEnd.size();
+  if (name.size() < sides + 6) return false;
+  return name.substr(kPictureStart.size(), name.size() - sides).find_first_not_of("0123456789") ==
+         std::string_view::npos;
+}
 
 Result<PictureSeries> PictureSeries::create(const std::string& folder, const std::string& video,
                                             double rate, int width, int height) {
@@ -32,7 +52,7 @@ Result<PictureSeries> PictureSeries::create(const std::string& folder, const std
 
 Status PictureSeries::add(const Picture& picture) {
   if (!folder_.empty()) {
-    const std::string path = (fs::path(folder_) / fmt::format("frame-{:06}.png", count_)).string();
+    const std::string path = (fs::path(folder_) / picture_name(count_)).string();
     if (Status s = write_png(path, picture); !s) return s;
     files_.push_back(path);
   }
@@ -41,6 +61,20 @@ Status PictureSeries::add(const Picture& picture) {
 }
 
 Status PictureSeries::finish() {
+  if (count_ == 0) {
+    video_.reset();
+    return Success{};
+  }
+  if (!folder_.empty()) {
+    const std::string last = picture_name(count_ - 1);
+    const auto is_behind = [&last](std::string_view name) {
+      return is_picture_name(name) &&
+             (name.size() > last.size() || (name.size() == last.size() && name > last));
+    };
+    for (const std::string& path : files_like(folder_, is_behind))
+      if (is_our_png(path))
+        if (Status s = remove_result(path); !s) return s;
+  }
   if (!video_) return Success{};
   if (Status s = video_->finish(); !s) return s;
   files_.push_back(video_path_);

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/result.h"
@@ -10,6 +11,10 @@
 #include "runtime/viewer/picture/video_file.h"
 
 namespace tremolo {
+
+// "frame-000012.png", and whether a name is such a one.
+std::string picture_name(int number);
+bool is_picture_name(std::string_view name);
 
 class PictureSeries {
  public:
@@ -20,6 +25,8 @@ class PictureSeries {
 
   // frame-000000.png, frame-000001.png ... Errors: those of write_png and VideoFile::add.
   Status add(const Picture& picture);
+  // Ends the film, of which there is none without a picture. Pictures of a longer series that this
+  // program wrote into the folder before are removed.
   Status finish();
   // Files of pictures, in order; of a film at the end.
   const std::vector<std::string>& files() const { return files_; }

@@ -1,5 +1,6 @@
 #include "runtime/viewer/picture/png_file.h"
 
+#include <fstream>
 #include <png.h>
 #include <string_view>
 
@@ -10,6 +11,33 @@ namespace tremolo {
 namespace {
 
 constexpr png_uint_32 kMostPixels = 16384;  // a side
+
+// A PNG begins with a signature of 8 bytes and a chunk IHDR of 25.
+constexpr std::size_t kChunksFrom = 33;
+constexpr std::string_view kMaker("tEXtSoftware\0tremolo view", 25);
+
+void append_number(std::string& bytes, std::uint32_t number) {
+  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(number >> shift);
+}
+
+// CRC-32 as PNG has it.
+std::uint32_t crc_of(std::string_view bytes) {
+  std::uint32_t crc = 0xFFFFFFFFU;
+  for (const char byte : bytes) {
+    crc ^= static_cast<std::uint8_t>(byte);
+    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ (0xEDB88320U & (0U - (crc & 1U)));
+  }
+  return ~crc;
+}
+
+// The chunk that names who wrote the file.
+std::string maker_chunk() {
+  std::string chunk;
+  append_number(chunk, static_cast<std::uint32_t>(kMaker.size() - 4));
+  chunk += kMaker;
+  append_number(chunk, crc_of(kMaker));
+  return chunk;
+}
 
 }  // namespace
 
@@ -24,7 +52,16 @@ Status write_png(const std::string& path, const Picture& picture) {
   if (png_image_write_to_memory(&image, bytes.data(), &size, 0, picture.pixels.data(), 0,
                                 nullptr) == 0)
     return system_error(path + ": the picture could not be packed: " + image.message);
-  return write_file(path, std::string_view(bytes).substr(0, size));
+  bytes.resize(size);
+  bytes.insert(kChunksFrom, maker_chunk());
+  return write_file(path, bytes);
+}
+
+bool is_our_png(const std::string& path) {
+  std::string head(kChunksFrom + 4 + kMaker.size(), '\0');
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+  return stream.good() && std::string_view(head).substr(kChunksFrom + 4) == kMaker;
 }
 
 Result<Picture> read_png(const std::string& path) {

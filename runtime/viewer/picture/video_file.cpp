@@ -14,6 +14,8 @@
 
 #include <fmt/format.h>
 
+#include "formats/file/output_guard.h"
+
 extern char** environ;
 
 namespace tremolo {
@@ -37,8 +39,14 @@ int start_encoder(std::vector<std::string> words, int input, pid_t& child) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+  // A group of its own: Ctrl-C on the terminal is for this program, which then ends the film.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  posix_spawnattr_setpgroup(&attributes, 0);
   const int result =
-      posix_spawnp(&child, arguments.front(), &actions, nullptr, arguments.data(), environ);
+      posix_spawnp(&child, arguments.front(), &actions, &attributes, arguments.data(), environ);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   return result;
 }
@@ -52,6 +60,7 @@ Result<VideoFile> VideoFile::create(const std::string& path, double rate, int wi
   if (width % 2 != 0 || height % 2 != 0)
     return content_error(
         fmt::format("{}: a film has an even width and height, not {}x{}", path, width, height));
+  if (const Status kept = check_replaceable(path); !kept) return kept.error();
   VideoFile video;
   video.path_ = path;
   video.width_ = width;
@@ -62,6 +71,7 @@ Result<VideoFile> VideoFile::create(const std::string& path, double rate, int wi
       ::open(video.temporary_.c_str(), O_CREAT | O_WRONLY | O_TRUNC | O_CLOEXEC, 0666);
   if (trial < 0) return system_error(path + ": cannot create: " + std::strerror(errno));
   ::close(trial);
+  video.partial_ = PartialOfChild(video.temporary_);
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0)
     return system_error(std::string("no pipe to ffmpeg: ") + std::strerror(errno));
@@ -98,6 +108,7 @@ Result<VideoFile> VideoFile::create(const std::string& path, double rate, int wi
 VideoFile::VideoFile(VideoFile&& other) noexcept
     : path_(std::move(other.path_)),
       temporary_(std::exchange(other.temporary_, {})),
+      partial_(std::move(other.partial_)),
       width_(other.width_),
       height_(other.height_),
       pipe_(std::exchange(other.pipe_, -1)),
@@ -150,6 +161,7 @@ Status VideoFile::finish() {
   if (code != 0)
     return system_error(fmt::format("{}: ffmpeg failed ({})", path_,
                                     code < 0 ? "a signal" : fmt::format("exit code {}", code)));
+  if (const Status kept = check_replaceable(path_); !kept) return kept;
   if (::rename(temporary_.c_str(), path_.c_str()) != 0)
     return system_error(path_ + ": cannot rename the finished film: " + std::strerror(errno));
   temporary_.clear();

@@ -6,6 +6,7 @@
 #include <sys/types.h>
 
 #include "common/result.h"
+#include "formats/file/atomic_file.h"
 #include "runtime/viewer/picture/png_file.h"
 
 namespace tremolo {
@@ -35,6 +36,7 @@ class VideoFile {
   int end_encoder();
 
   std::string path_, temporary_;
+  PartialOfChild partial_;
   int width_ = 0, height_ = 0;
   int pipe_ = -1;
   pid_t encoder_ = -1;

@@ -95,13 +95,19 @@ Result<std::vector<std::optional<Material>>> solids_of(const Scene& scene, bool 
   return solids;
 }
 
-Status check_numbers(const ViewerOptions& options) {
+// step: of the scene, s.
+Status check_numbers(const ViewerOptions& options, double step) {
   if (options.frames < 1 || options.frames > 999999)
     return content_error("--frames must be from 1 to 999999");
   if (!(options.from >= 0.0) || !std::isfinite(options.from))
     return content_error("--from must be finite and not negative (s)");
   if (!(options.rate > 0.0) || !std::isfinite(options.rate))
     return content_error("--rate must be positive and finite (Hz)");
+  constexpr double kMostSteps = 1e12;
+  const double last = options.from + (options.frames - 1) / options.rate;
+  if (options.offscreen && !(last / step <= kMostSteps))
+    return content_error(
+        "--from, --frames and --rate ask for more than 1e12 steps before the last picture");
   if (options.lights != 0 && (options.lights < 2 || options.lights > kMostLights))
     return content_error("--lights must be from 2 to " + std::to_string(kMostLights));
   if (!(options.moved_full >= 0.0) || !std::isfinite(options.moved_full))
@@ -122,7 +128,7 @@ Status check_numbers(const ViewerOptions& options) {
 
 Result<ViewSetup> make_setup(const ViewerOptions& options, const Scene& scene) {
   ViewSetup setup;
-  if (Status s = check_numbers(options); !s) return s.error();
+  if (Status s = check_numbers(options, scene.step); !s) return s.error();
   if (Status s = take(setup.size, parse_size(options.size)); !s) return s.error();
   if (Status s = take(setup.up, up_of(options.up, scene)); !s) return s.error();
   setup.camera = kUsualCamera;

@@ -84,7 +84,8 @@ class MovingSurfaces {
   virtual Status set_step_size(double step);
 
   // A hand is recorded from the beginning on, and written at the end as a scene that does the same
-  // again. Errors: kUsage where these scenes cannot be.
+  // again; where nothing was pulled nothing is written. Errors: kUsage where these scenes cannot
+  // be.
   virtual Status record_hand();
   virtual Status write_hand(const std::string& path);
 };

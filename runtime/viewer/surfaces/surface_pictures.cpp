@@ -51,8 +51,10 @@ Status shoot_all(const ViewerOptions& options, const ViewSetup& setup, MovingSur
   Picture picture;
   for (int k = 0; k < options.frames && shots.signal == 0; ++k) {
     const double due = options.from + k / options.rate;
-    while (scenes.time() < due - 1e-9 * scenes.step_size())
+    while (scenes.time() < due - 1e-9 * scenes.step_size() && interruption.signal() == 0)
       if (Status s = scenes.step(); !s) return s;
+    shots.signal = interruption.signal();
+    if (shots.signal != 0) break;
     shots.times.begin();
     stage.pose(scenes);
     const PictureLook look = look_of(options, setup, stage, kSurfaceLights);
@@ -79,6 +81,7 @@ Status shoot_all(const ViewerOptions& options, const ViewSetup& setup, MovingSur
 Scene names_of(const MovingSurfaces& scenes) {
   Scene names;
   names.gravity = scenes.gravity();
+  names.step = scenes.step_size();
   for (const ShownSheet& sheet : scenes.sheets()) names.bodies.emplace_back().name = sheet.name;
   for (const ShownSolid& solid : scenes.solids())
     if (solid.collider == nullptr) names.bodies.emplace_back().name = solid.name;

@@ -294,8 +294,6 @@ Result<int> show_surfaces(const ViewerOptions& options, MovingSurfaces& scenes) 
 }
 
 Status refuse_body_flags(const ViewerOptions& options, const std::string& kind) {
-  if (options.offscreen && !options.record_hand.empty())
-    return usage_error("--record-hand is of a window, not of --offscreen");
   if (!options.textures.empty())
     return usage_error("--texture is of bodies with a basis, not of " + kind);
   if (!options.offscreen && !(options.out.empty() && options.video.empty()))
@@ -304,7 +302,10 @@ Status refuse_body_flags(const ViewerOptions& options, const std::string& kind) 
   return Success{};
 }
 
-Result<int> view_surfaces(const ViewerOptions& options, MovingSurfaces& scenes) {
+Result<int> view_surfaces(const ViewerOptions& options, const std::vector<NamedFile>& inputs,
+                          MovingSurfaces& scenes) {
+  if (Status s = check_view_outputs(options, inputs); !s) return s.error();
+  const GuardedInputs guard(inputs);
   return options.offscreen ? photograph_surfaces(options, scenes) : show_surfaces(options, scenes);
 }
 

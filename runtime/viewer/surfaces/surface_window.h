@@ -2,7 +2,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "runtime/viewer/setup/view_outputs.h"
 #include "runtime/viewer/setup/viewer_options.h"
 #include "runtime/viewer/surfaces/moving_surfaces.h"
 
@@ -19,7 +21,9 @@ Result<int> show_surfaces(const ViewerOptions& options, MovingSurfaces& scenes);
 // kUsage for flags of the viewer of bodies that this one does not have. kind: of what is shown.
 Status refuse_body_flags(const ViewerOptions& options, const std::string& kind);
 
-// show_surfaces(), or with --offscreen photograph_surfaces().
-Result<int> view_surfaces(const ViewerOptions& options, MovingSurfaces& scenes);
+// show_surfaces(), or with --offscreen photograph_surfaces(). inputs: the scenes' files. Errors:
+// also those of check_view_outputs().
+Result<int> view_surfaces(const ViewerOptions& options, const std::vector<NamedFile>& inputs,
+                          MovingSurfaces& scenes);
 
 }  // namespace tremolo

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <limits>
 #include <utility>
 
@@ -183,9 +184,10 @@ Result<int> view_tets(const ViewerOptions& options, const ViewFlags& flags) {
   Result<TetScene> scene = parse_tets_scene(*text, options.file);
   if (!scene) return scene.error();
   if (Status s = apply_tets_flags(flags.flags, "", flags.told, *scene); !s) return s.error();
+  const std::vector<NamedFile> inputs = inputs_of(*scene);
   Result<TetsScenes> scenes = TetsScenes::create(std::move(*scene), options.colour == "degree");
   if (!scenes) return scenes.error();
-  return view_surfaces(options, *scenes);
+  return view_surfaces(options, inputs, *scenes);
 }
 
 }  // namespace
@@ -193,7 +195,10 @@ Result<int> view_tets(const ViewerOptions& options, const ViewFlags& flags) {
 int view_tets_command(const ViewerOptions& options, const ViewFlags& flags) {
   const Result<int> code = view_tets(options, flags);
   if (!code) return report_error(code.error());
-  return flushed(*code);
+  const int printed = flushed(*code);
+  // Whoever started the program shall see that a signal ended it.
+  if (*code > 128) ::raise(*code - 128);
+  return printed;
 }
 
 }  // namespace tremolo

@@ -137,8 +137,12 @@ class Viewer {
     const LiveWorld live = runner_->stop();
     if (!options_.record_hand.empty()) {
       const std::vector<SceneHand>& hands = runner_->hand_record().hands();
-      if (Status s = write_recorded_scene(options_.record_hand, live, hands); !s) return s;
-      tell("tremolo: recorded {} pulls: {}\n", hands.size(), options_.record_hand);
+      if (hands.empty()) {
+        tell("tremolo: nothing was pulled: {} is not written\n", options_.record_hand);
+      } else {
+        if (Status s = write_recorded_scene(options_.record_hand, live, hands); !s) return s;
+        tell("tremolo: recorded {} pulls: {}\n", hands.size(), options_.record_hand);
+      }
     }
     if (options_.measure) tell_costs(report);
     if (options_.json) print_json(json_of(report, live));

@@ -1,4 +1,4 @@
-// check_mesh FILE: what a mesh is worth to those who read it next. One line: tetrahedra, smallest
+// check_mesh FILE: the quality of a mesh for its next reader. One line: tetrahedra, smallest
 // dihedral angle in degrees, volume in m^3, parts. Exit code 3 and a message if they would refuse
 // it, or if an element is inverted.
 #include <cstdio>

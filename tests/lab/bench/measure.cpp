@@ -15,7 +15,7 @@
 
 namespace tremolo::bench {
 
-// What the store keeps of an entry.
+// The stored data of an entry.
 template <class Archive>
 void fields(Archive& archive, Entry& entry) {
   archive("step", entry.step, "error", entry.error, "below", entry.below_reference, "drift",

@@ -115,7 +115,7 @@ std::optional<Cost> cost_of_error(std::span<const Entry> curve, double target, d
     }
     const double before = error(curve[i - 1]), after = error(curve[i]);
     if (before <= target) continue;
-    // Where the longer step broke off, or was not timed, there is nothing to interpolate with.
+    // If the longer step failed, or was not timed, there is nothing to interpolate with.
     if (!std::isfinite(before) || !std::isfinite(curve[i - 1].cost())) {
       offer({curve[i].cost(), false});
       continue;

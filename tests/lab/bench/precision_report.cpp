@@ -40,7 +40,7 @@ Chart scene_chart(const Precision& precision, std::size_t i) {
   return chart;
 }
 
-// Geometric means over the square-load scenes up to 15 %, at each step where all runs came through.
+// Geometric means over the square-load scenes up to 15 %, at each step where all runs finished.
 Chart summary_chart(const Precision& precision, const std::string& load) {
   Chart chart = empty_chart("all models, up to 15 %, " + load + " load");
   for (const std::string& integrator : precision.integrators) {

@@ -14,7 +14,7 @@ inline constexpr double kTargets[] = {1e-2, 1e-3, 1e-4};
 // One row an entry, and one row a scene that was not measured.
 Table bench_table(const Precision& precision);
 
-// What is promised of ep4; empty if it was not run.
+// The criteria promised of ep4; empty if it was not run.
 std::vector<Criterion> precision_criteria(const Precision& precision);
 
 // For each target one sentence, computed from the standings.
@@ -23,7 +23,7 @@ std::vector<std::string> recommendations(const Precision& precision);
 // Sections of the report, with bench.csv, cost.csv and scenes.csv. Throws a Failure (kSystem).
 void report_precision(const Precision& precision, Report& report);
 
-// What precision_tables.cpp makes.
+// Made by precision_tables.cpp.
 std::string percent(double fraction);  // "0.1 %"
 
 Table scene_table(const Precision& precision);  // every scene: its load, how far references agree

@@ -1,4 +1,4 @@
-// Reference orbits, each computed by two methods that share only the potential.
+// Reference orbits, each computed by two methods that have only the potential in common.
 #pragma once
 
 #include <string>

@@ -9,7 +9,7 @@
 
 namespace tremolo::bench {
 
-// What the store keeps of a cell.
+// The stored data of a cell.
 template <class Archive>
 void fields(Archive& archive, StabilityCell& cell) {
   archive("scale", cell.scale, "step", cell.step, "outcome", cell.outcome, "reached", cell.reached,
@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kSampleInterval = 30e-3;  // s, wanted between two samples of the energy
+constexpr double kSampleInterval = 30e-3;  // s, requested between two samples of the energy
 
 // The multiple of the step next to kSampleInterval.
 double sample_of(double step) {

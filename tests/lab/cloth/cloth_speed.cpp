@@ -56,7 +56,7 @@ SpeedRow measure_speed(const SpeedCase& known) {
   NodalOptions options;
   options.step = kSpeedStep;
   options.solver = known.solver;
-  // An explicit method at four fifths of what it stands.
+  // An explicit method at four fifths of its stable step.
   if (std::isfinite(stability_number(known.method)))
     options.step = 0.8 * stable_step(known.method, model, model.parts().x);
   options.account = known.account;

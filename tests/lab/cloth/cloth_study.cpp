@@ -11,7 +11,7 @@
 namespace tremolo::cloth_study {
 namespace {
 
-constexpr double kFarAway = 1e3;     // m; who is there has exploded
+constexpr double kFarAway = 1e3;     // m; a particle there has exploded
 constexpr double kDisturbed = 1e-9;  // of the spacing
 constexpr double kGrown = 1e6;
 constexpr int kGrowthSteps = 4000;

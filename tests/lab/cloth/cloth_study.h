@@ -1,8 +1,8 @@
-// Every integrator of masses in space on one sheet: which step it stands, what it does to the
-// energy, how far it is from the truth, what it costs.
+// Every integrator of masses in space on one sheet: its longest stable step, its change of the
+// energy, its error, its cost.
 //
-// The sheet, 16 x 16 particles over 0.75 m, is held by two corners and let go from the level.
-// Errors are against Runge and Kutta's method at a step that is a small part of the fastest
+// The sheet, 16 x 16 particles over 0.75 m, is fixed at two corners and released from the level.
+// Errors are relative to Runge and Kutta's method at a step that is a small part of the fastest
 // oscillation.
 #pragma once
 
@@ -17,7 +17,8 @@
 namespace tremolo::cloth_study {
 
 // A sheet of so many particles along each edge. stiffness: of the structural springs, N/m; shear
-// and bend are a third and a hundredth of it. damping: N s/m, of all springs. held: by two corners.
+// and bend are a third and a hundredth of it. damping: N s/m, of all springs. held: fixed by two
+// corners.
 struct SheetSpec {
   std::size_t edge = 16;
   double width = 0.75;  // m

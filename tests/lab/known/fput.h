@@ -28,7 +28,7 @@ Model::Pointer fput_model();
 // x0 = (1,0,0), x1 = (1/omega,0,0), p = (1,0,0,1,0,0).
 State fput_start();
 
-// The Hamiltonian above, written out; shares no code with the model.
+// The Hamiltonian above, written out; has no code in common with the model.
 double fput_hamiltonian(const State& state);
 
 // I_1, I_2, I_3 at one time.
@@ -37,11 +37,11 @@ struct FputEnergies {
   double i[3] = {};
 };
 
-// What a run shows. second, third: the first time at a step's end when I2 > I1 and I3 > I1, s;
-// empty if never. lost: when I left [1/2, 2] of its start, s; what crosses later is no exchange but
+// Result of a run. second, third: the first time at a step's end when I2 > I1 and I3 > I1, s; empty
+// if never. lost: time when I left [1/2, 2] of its start, s; a later crossing is no exchange but
 // the method's own gain or loss, and does not count. lowest, highest: of I1 + I2 + I3.
 // energy_error: max |H - H0| / H0. reached: s; below kFputDuration if the solver gave up, or H
-// exceeded ten times its start ("left"). cut_steps: steps that were taken in parts.
+// exceeded ten times its start ("left"). cut_steps: subdivided steps.
 struct FputRun {
   std::string method;
   double step = 0.0;

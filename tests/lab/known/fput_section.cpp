@@ -12,7 +12,7 @@
 
 namespace tremolo::known {
 
-// What the store keeps of a run; its method and step are in the name.
+// The stored data of a run; its method and step are in the name.
 template <class Archive>
 void fields(Archive& archive, FputRun& run) {
   archive("second", run.second, "third", run.third, "lost", run.lost, "lowest", run.lowest,

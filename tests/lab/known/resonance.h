@@ -8,14 +8,14 @@
 //
 // Its map has the trace 2 cos(h omega) - (h k/omega) sin(h omega), of modulus above 2 just below
 // every h omega = n pi: the step resonates with the fast oscillation. A method whose fast part is
-// taken by the midpoint rule turns by less than pi a step, whatever h is, and cannot.
+// taken by the midpoint rule rotates by less than pi a step, for any h, and cannot.
 //
 // The others here are the integrators themselves. In a Model the quadratic part of V is one
 // diagonal, which the splitting methods put wholly on one side. So k comes from the quartic part:
 //
 //     V = 1/2 omega^2 q^2 + 1/2 k s^2 q^2
 //
-// with a slow coordinate s that stands at 1. Linearised there q obeys the equation above, s stays;
+// with a slow coordinate s that is at 1. Linearised there q obeys the equation above, s stays;
 // s is explicit and q implicit, and `imexv-linear` kicks with the k and takes the omega^2 by the
 // midpoint rule. One step from q = 1e-6 and one from p = 1e-6 give its 2 x 2 matrix; what is
 // neglected is of relative size 1e-12.

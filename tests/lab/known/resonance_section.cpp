@@ -43,7 +43,7 @@ std::vector<double> stored_radii(const Store& store, std::string_view method) {
   return radii;
 }
 
-// Where r-RESPA is unstable just below n pi.
+// Interval just below n pi in which r-RESPA is unstable.
 struct Tongue {
   double begin = 0.0;
   double radius = 1.0;

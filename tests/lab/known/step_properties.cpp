@@ -44,7 +44,7 @@ std::optional<Eigen::VectorXd> map_once(Integrator& integrator, const Eigen::Vec
   return scaled(state, sigma);
 }
 
-// Classical Runge-Kutta on q' = p, p' = -R(q): shares no code with the integrators.
+// Classical Runge-Kutta on q' = p, p' = -R(q): has no code in common with the integrators.
 State reference_orbit(const Model& model, State state, double duration, int steps) {
   const double h = duration / steps;
   const auto acceleration = [&](const Eigen::VectorXd& q) {

@@ -27,8 +27,8 @@ struct Promise {
 std::optional<Promise> promise_of(std::string_view method);
 
 // The derivative of a step map at `state`, in the scaled variables, 2r x 2r: central differences of
-// eighth order. The integrators compute in doubles, so the complex step is not to be had; the
-// closed-form Jacobian of Verlet tells how accurate this is. Empty if a solve fails.
+// eighth order. The integrators compute in doubles, so the complex step is not available; the
+// closed-form Jacobian of Verlet shows the accuracy. Empty if a solve fails.
 std::optional<Eigen::MatrixXd> step_jacobian(Integrator& integrator, const State& state,
                                              double sigma);
 

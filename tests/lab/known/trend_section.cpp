@@ -10,7 +10,7 @@
 
 namespace tremolo::known {
 
-// What the store keeps of a trend; method, tolerance and steps are in its name and key.
+// The stored data of a trend; method, tolerance and steps are in its name and key.
 template <class Archive>
 void fields(Archive& archive, EnergyTrend& trend) {
   archive("reached", trend.reached, "slope", trend.slope, "error", trend.standard_error, "largest",
@@ -67,7 +67,7 @@ std::vector<std::string> trend_row(const EnergyTrend& trend) {
           trend.failure};
 }
 
-// A method that keeps H is held to a bound; of the others the trend is shown.
+// A method that keeps H has a bound; for the others the trend is shown.
 Criterion judge(const EnergyTrend& trend, bool keeps) {
   if (keeps)
     return at_most(

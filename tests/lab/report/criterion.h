@@ -1,4 +1,4 @@
-// A stated bound beside the measured value.
+// A stated bound and the measured value.
 #pragma once
 
 #include <string>
@@ -20,7 +20,7 @@ struct Criterion {
   bool elsewhere = false;
 };
 
-// Met if measured is at most `bound`; never for not-a-number. who: what had that value, shown
+// Met if measured is at most `bound`; never for not-a-number. who: the run with that value, shown
 // behind it. bound_text: how the bound is written ("1/5"), empty for three digits.
 Criterion at_most(std::string what, double measured, double bound, const std::string& who = {},
                   const std::string& bound_text = {});

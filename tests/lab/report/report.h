@@ -14,7 +14,7 @@
 
 namespace tremolo {
 
-// Collects what a report says and writes its CSV files on the way. In texts, `code` stands between
+// Collects what a report says and writes its CSV files in between. In texts, `code` is between
 // backticks; nothing is read as HTML. What cannot be written is a Failure (kSystem).
 class Report {
  public:

@@ -113,7 +113,7 @@ std::vector<Criterion> criteria_of(const std::vector<LabelledRun>& runs, bool lo
            percent(change(loose.run.high_band)), false, false}};
 }
 
-// Why ep4's high band goes where it goes, as far as the numbers tell.
+// The reason for the course of ep4's high band, as far as the numbers show it.
 std::string high_band_text(const std::vector<LabelledRun>& runs) {
   const LabelledRun &ep4 = *find(runs, "ep4"), &half = *find(runs, kHalfStep),
                     &loose = *find(runs, kDefaultTolerance);

@@ -84,7 +84,7 @@ double mean_ratio(const EnergyFigure& figure, double alpha, const Orbits& orbits
   return mean_of("newmark") / mean_of("imexv");
 }
 
-// Why the mean energies differ, as far as the energy balance tells it.
+// The reason why the mean energies differ, as far as the energy balance shows it.
 std::string reason_text(const EnergyFigure& figure, double alpha, double ratio,
                         const Orbits& orbits) {
   if (figure.load == SignalKind::kSine)
@@ -103,7 +103,7 @@ std::string reason_text(const EnergyFigure& figure, double alpha, double ratio,
       100.0 * swing);
 }
 
-// How the panels of one row differ, by how much, and why.
+// The differences between the panels of one row, and their reason.
 std::string difference_text(const EnergyFigure& figure, double alpha, const Orbits& orbits) {
   const std::string start = fmt::format(" {}: ", alpha == 0.0 ? "Undamped" : "Damped");
   for (const char* method : {"imexv", "newmark"}) {

@@ -1,8 +1,8 @@
 // Experiment 3 of the thesis: one model after one impulse, free for millions of steps.
 //
-// The run is cut into segments of a fixed number of steps. At the start of each the body is made
-// anew from (q, p), whether or not the program was stopped there, so that a run that was stopped
-// and goes on gives the same bits as one that was not.
+// The run is divided into segments of a fixed number of steps. At the start of each the body is
+// made again from (q, p), whether or not the program was stopped there. A run that was stopped and
+// continued therefore gives the same bits as one that was not.
 #pragma once
 
 #include <cstdint>
@@ -18,15 +18,15 @@
 
 namespace tremolo::reproduce {
 
-// Means of a series that comes value by value, cut into windows of `length` values each, from the
-// first on, and, because the end need not fall on a window's, its last `length` values once more.
-// The whole has `count` values; an unfinished window at the end counts in `last` only. Plain data:
-// what is written here and read back goes on as if it had never stopped.
+// Means of a series that arrives value by value, cut into windows of `length` values each, from the
+// first on, and, because the end need not coincide with a window's, its last `length` values once
+// more. The whole has `count` values; an unfinished window at the end counts in `last` only. Plain
+// data: a series that is written here and read back continues as if it had never stopped.
 struct Windows {
   std::int64_t length = 1;
   std::int64_t count = 1;
   std::int64_t taken = 0;
-  double sum = 0.0;           // of the window under way
+  double sum = 0.0;           // of the unfinished window
   std::vector<double> means;  // of the finished ones
   std::vector<double> first;  // the values of the first window
   std::vector<double> last;   // the last `length` values of the whole
@@ -76,10 +76,10 @@ bool is_over(const LongRunSpec& spec, const LongRun& run);
 // One segment more, or what is left of it. A run that breaks off is over, no error.
 void advance(const LongRunSpec& spec, LongRun& run);
 
-// To the end. `checkpoint` holds the state, with `key`, and is written about every 20 s; a file
-// with another key or a damaged one is not used. It is left in place: whoever has stored the result
-// removes it. report: called after each writing. Throws a Failure as start_long_run, and kSystem
-// for an unwritable checkpoint.
+// Runs to the end. `checkpoint` stores the state, with `key`, and is written about every 20 s; a
+// file with another key or a damaged one is not used. It is not removed here: the caller removes it
+// after storing the result. report: called after each writing. Throws a Failure as start_long_run,
+// and kSystem for an unwritable checkpoint.
 LongRun run_to_end(const LongRunSpec& spec, const std::string& checkpoint,
                    const nlohmann::json& key, const std::function<void(const LongRun&)>& report);
 

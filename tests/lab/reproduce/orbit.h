@@ -55,7 +55,7 @@ Orbit run_orbit(const OrbitSpec& spec);
 // Seconds of `steps` calls of step() and of nothing else. Stops early where the solver gives up.
 double time_orbit(const OrbitSpec& spec, std::int64_t steps);
 
-// What the store keeps of an orbit.
+// The stored data of an orbit.
 template <class Archive>
 void fields(Archive& archive, Orbit& orbit) {
   archive("steps", orbit.steps, "reached", orbit.reached, "iterations_per_step",

@@ -14,7 +14,7 @@ std::string where_text(const RunName& run) {
                      run.alpha == 0.0 ? "no damping" : fmt::format("alpha = {:g}", run.alpha));
 }
 
-// Which runs of the thesis's method and of ours end elsewhere than the thesis says.
+// The runs of the thesis's method and of ours whose end differs from the thesis's.
 std::string reached_difference(const Session& session, const Orbits& orbits) {
   std::vector<std::string> parts;
   for (RunName run : thesis_runs(session.models, "imexv-thesis")) {
@@ -112,7 +112,7 @@ std::string table_note(int table) {
   return text + ".";
 }
 
-// Ours beside the thesis's over the six models, runs that reached 30 s in both.
+// Ours and the thesis's over the six models, runs that reached 30 s in both.
 std::string timing_difference(const Session& session, SignalKind load, double alpha,
                               const Orbits& orbits, const Timings& timings) {
   std::vector<double> ours, theirs, iterations, their_iterations;

@@ -61,7 +61,7 @@ Orbit one_orbit(const Session& session, const RunName& run) {
                                      [&] { return run_orbit(spec_of(session, run)); });
 }
 
-// Seconds of each of `names`, the smallest of several turns.
+// Seconds of each of `names`, the smallest of several rounds.
 Json seconds_by_turns(const Session& session, const std::vector<RunName>& names,
                       const std::vector<std::int64_t>& steps) {
   std::vector<double> best(names.size(), std::numeric_limits<double>::infinity());

@@ -1,4 +1,4 @@
-// All runs of one start of `tremolo reproduce`, from the store or made anew.
+// All runs of one start of `tremolo reproduce`, from the store or made again.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ struct Session {
 // The factor of the model's default load in the 36 runs. The thesis gives no forces.
 double load_factor(std::string_view model, SignalKind load);
 
-// load_multiple: a further factor of the load, beside load_factor.
+// load_multiple: a further factor of the load, besides load_factor.
 struct RunName {
   std::string model;
   std::string integrator;

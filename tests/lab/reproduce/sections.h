@@ -10,7 +10,7 @@
 
 namespace tremolo::reproduce {
 
-// How many of a method's runs reached the end, of how many: 36 with all models.
+// Number of a method's runs that reached the end, and of all: 36 with all models.
 struct Survivors {
   std::string method;
   int reached = 0;

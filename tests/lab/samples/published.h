@@ -10,7 +10,7 @@
 
 namespace tremolo {
 
-// Where the files are, seen from the top of the repository.
+// Location of the files, relative to the top of the repository.
 inline constexpr const char* kPublishedDirectory = "assets/published";
 
 // Reads one file: comments from # to the end of a line, a line of column names, then a record a
@@ -26,7 +26,7 @@ class PublishedTable {
   // `least`.
   std::string word(std::string_view what);
   double number(std::string_view what, double least = 0.0);
-  // Empty where `none` stands instead.
+  // Empty if the file has `none`.
   std::optional<double> number_or(std::string_view none, std::string_view what);
 
   // Throws: `problem` with the line of the value that was read last.

@@ -17,9 +17,9 @@
 namespace tremolo::reproduce {
 namespace {
 
-void check_names(const std::vector<std::string>& names) {
+void check_names(const std::vector<std::string>& names, bool own) {
   for (const std::string& name : names) {
-    if (std::ranges::find(thesis::kModels, name) == thesis::kModels.end())
+    if (!own && std::ranges::find(thesis::kModels, name) == thesis::kModels.end())
       throw Failure({ErrorKind::kUsage, fmt::format("unknown model '{}'; there are {}", name,
                                                     fmt::join(thesis::kModels, ", "))});
     if (std::ranges::count(names, name) > 1)
@@ -27,8 +27,20 @@ void check_names(const std::vector<std::string>& names) {
   }
 }
 
+constexpr std::string_view kBasisEnding = ".tremolo";
+
+// A name, or the path of a basis file.
 std::string path_of(const std::string& directory, std::string_view name) {
+  if (name.ends_with(kBasisEnding)) return std::string(name);
   return (std::filesystem::path(directory) / fmt::format("{}.tremolo", name)).string();
+}
+
+// Names that are none of the six.
+std::vector<std::string> own_ones(const std::vector<std::string>& names) {
+  std::vector<std::string> own;
+  for (const std::string& name : names)
+    if (std::ranges::find(thesis::kModels, name) == thesis::kModels.end()) own.push_back(name);
+  return own;
 }
 
 bool is_of_a_report(const std::filesystem::path& file) {
@@ -46,28 +58,35 @@ SampleModel load_one(const std::string& directory, std::string_view name) {
   if (model->default_load().vertices.empty())
     throw Failure(content_error(path + ": the model has no default load"));
   BasisReader reader = or_fail(BasisReader::open(path));
-  return {std::string(name), checksum(bytes), std::move(model), or_fail(reader.strain_gram())};
+  return {std::filesystem::path(path).stem().string(), checksum(bytes), std::move(model),
+          or_fail(reader.strain_gram())};
 }
 
 }  // namespace
 
 std::vector<SampleModel> load_sample_models(const std::string& directory,
-                                            const std::vector<std::string>& names) {
-  check_names(names);
+                                            const std::vector<std::string>& names, bool own) {
+  check_names(names, own);
   std::vector<SampleModel> models;
   for (const std::string_view name : thesis::kModels)
     if (names.empty() || std::ranges::find(names, name) != names.end())
       models.push_back(load_one(directory, name));
+  for (const std::string& name : own_ones(names)) models.push_back(load_one(directory, name));
   return models;
 }
 
 void keep_models_apart(const std::string& out, const std::string& directory,
-                       const std::vector<std::string>& names) {
+                       const std::vector<std::string>& names, const std::string& published) {
   namespace fs = std::filesystem;
   std::vector<NamedFile> inputs;
+  if (!published.empty())
+    for (const std::string& file : files_like(published, [](std::string_view) { return true; }))
+      inputs.push_back({file, "--published"});
   for (const std::string_view name : thesis::kModels)
     if (names.empty() || std::ranges::find(names, name) != names.end())
       inputs.push_back({path_of(directory, name), "a model"});
+  for (const std::string& name : own_ones(names))
+    inputs.push_back({path_of(directory, name), "a model"});
   std::vector<std::string> outputs;
   std::error_code error;
   for (fs::recursive_directory_iterator at(out, error), end; !error && at != end;

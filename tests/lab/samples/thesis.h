@@ -1,6 +1,6 @@
-// What the thesis prints: Huang 2011, "Preserving High-Frequency Vibration of Deformable Objects
-// Using the Implicit-Explicit Variational Integrator", tables 1, 3 and 5-10, experiment 3. The
-// numbers are in assets/published/thesis-*.csv.
+// Published values of the thesis: Huang 2011, "Preserving High-Frequency Vibration of Deformable
+// Objects Using the Implicit-Explicit Variational Integrator", tables 1, 3 and 5-10, experiment 3.
+// The numbers are in assets/published/thesis-*.csv.
 #pragma once
 
 #include <array>

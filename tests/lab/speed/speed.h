@@ -12,15 +12,15 @@
 
 namespace tremolo::bench {
 
-// One measured figure. value, baseline and limit share the unit; what was not measured or does not
+// One measured figure. value, baseline and limit have one unit; what was not measured or does not
 // apply is not-a-number or empty.
 struct SpeedRow {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::string what;             // "force + tangent + energy, r = 30"
   double value = kNone;         // of one operation
   std::string unit = "us";      // us, s, bytes
-  double baseline = kNone;      // the textbook way, measured in the same run by turns
-  double bytes = kNone;         // that one operation touches
+  double baseline = kNone;      // the textbook method, measured alternately in the same run
+  double bytes = kNone;         // that one operation uses
   double operations = kNone;    // floating-point operations of it, a multiply-add counts two
   double limit = kNone;         // the least that memory or arithmetic of this machine allows
   std::string limited_by = {};  // "FMA peak", "L2 bandwidth", ...
@@ -29,7 +29,7 @@ struct SpeedRow {
   double ratio() const { return value / baseline; }
 };
 
-// A row in microseconds of what took `seconds`, beside `baseline` seconds.
+// A row in microseconds of an operation of `seconds`, compared with `baseline` seconds.
 inline SpeedRow microseconds(std::string what, double seconds, double baseline = SpeedRow::kNone,
                              std::string note = {}) {
   return {.what = std::move(what),
@@ -57,7 +57,7 @@ struct MachineProbe {
 MachineProbe probe_machine();
 
 // Smallest processor time of one call of each, s: `calls` calls a window, `windows` windows. They
-// take turns, so that a noisy moment hits all.
+// take turns, so that a noisy time hits all.
 using Work = std::function<void()>;
 std::vector<double> by_turns(const std::vector<Work>& works, int calls, int windows);
 
@@ -76,8 +76,8 @@ struct Speed {
   std::vector<SpeedSection> sections;
 };
 
-// All sections, or the one that --only names: "hand", "frames". Takes two or three minutes and prints
-// each row on stderr. Throws as the sections do.
+// All sections, or the one that --only names: "hand", "frames". Takes two or three minutes and
+// prints each row on stderr. Throws as the sections do.
 Speed measure_speed(const Options& options);
 
 // One section, with speed.csv. Throws a Failure (kSystem).

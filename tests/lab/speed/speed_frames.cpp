@@ -1,4 +1,4 @@
-// What a frame that moves, freedom and contact add to a step.
+// The cost that a moving frame, free motion and contact add to a step.
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -46,7 +46,7 @@ void step_once(Body& body, std::span<const PlacedCollider> colliders = {}) {
   if (!report.converged) throw Failure({ErrorKind::kSolver, why_not_made(report, body.time())});
 }
 
-// Where a support is that shakes, and turns by `spin` (rad/s); its motion is known with it.
+// Moves a support that shakes, and rotates by `spin` (rad/s); its motion is known with it.
 void drive(Body& body, double size, const Vector3d& spin) {
   const double t = body.time() + 0.5 * kStep, rate = 2.0 * std::numbers::pi * 2.0;
   const double far = 0.02 * size;
@@ -71,7 +71,7 @@ void add_row(const std::string& what, double seconds, double fixed, double bound
   section.criteria.push_back(std::move(criterion));
 }
 
-// A fixed body by turns with a driven one whose frame moves, and moves and turns.
+// A fixed body alternately with a driven one whose frame moves, and moves and rotates.
 void add_driven(const std::string& name, const Options& options, SpeedSection& section) {
   const Model::Pointer model =
       or_fail(Model::load(fmt::format("{}/{}.tremolo", options.models_dir, name)));
@@ -106,7 +106,7 @@ void add_driven(const std::string& name, const Options& options, SpeedSection& s
           each * seconds[0], 1.15, section);
 }
 
-// The same basis held by nothing, tumbling, and as if its frame were bolted.
+// The same basis free, tumbling, and with a fixed frame.
 void add_free(const std::string& name, const Options& options, SpeedSection& section) {
   const std::string path = fmt::format("{}/{}.tremolo", options.models_dir, name);
   if (!std::filesystem::exists(path)) return;
@@ -153,8 +153,8 @@ PlacedCollider plane_below(Body& damped) {
   return plane;
 }
 
-// A body that rests on a plane which rises and sinks a little, beside the same that touches
-// nothing.
+// A body that rests on a plane which rises and sinks a little, compared with the same that is in
+// contact with nothing.
 void add_contact(const std::string& name, const Options& options, SpeedSection& section) {
   const Model::Pointer model =
       or_fail(Model::load(fmt::format("{}/{}.tremolo", options.models_dir, name)));

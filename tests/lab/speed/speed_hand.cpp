@@ -1,5 +1,5 @@
-// What somebody waits for who holds a body in the hand: the force on the hand, which a device wants
-// a thousand times a second, and what a ray meets.
+// Waiting times of a user who holds a body: for the force on the hand, which a device requests a
+// thousand times a second, and for the hit of a ray.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -42,7 +42,7 @@ VertexId highest(const Model& model) {
   return surface.vertex_ids[top - surface.rest.begin()];
 }
 
-// A collider that the body's lowest point touches.
+// A collider in contact with the body's lowest point.
 PlacedCollider below(const Model& model, bool sphere) {
   const Eigen::AlignedBox3d box = box_of(model);
   PlacedCollider placed;
@@ -58,12 +58,12 @@ PlacedCollider below(const Model& model, bool sphere) {
 
 struct HandRun {
   std::vector<double> times;  // us, ascending
-  double touching = 0.0;      // share of the steps
+  double touching = 0.0;      // fraction of the steps
   double largest = 0.0;       // N, of the force on the hand
 };
 
 // The hand goes round in a circle and up and down, so that the body is pressed on the collider,
-// slides over it and comes off.
+// slides over it and leaves it.
 HandRun run_hand(const Model::Pointer& model, FrameKind frame, const PlacedCollider& collider) {
   Body body =
       or_fail(Body::create(model, kDefaultIntegrator, {.step = kHandStep, .beta = 1e-3}, frame));
@@ -121,8 +121,8 @@ void add_hand(const Model::Pointer& model, FrameKind frame, bool sphere, SpeedSe
   }
 }
 
-// Rays from a ball around the solid to places in it, at a random bend of a tenth of its size;
-// beside looking at each triangle.
+// Rays from a ball around the solid to points in it, at a random bend of a tenth of its size;
+// compared with testing each triangle.
 void add_rays(const std::string& name, const Options& options, SpeedSection& section) {
   constexpr int kRays = 400;
   const Model::Pointer model =

@@ -1,4 +1,4 @@
-// What is saved by leaving out what a scene does not need: one row for each, with and without.
+// Savings by leaving out parts that a scene does not need: one row for each, with and without.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -47,7 +47,7 @@ BasisData dense_data(std::size_t r) {
   return data;
 }
 
-// What evaluates `want` of a model that outlives it.
+// Work that evaluates `want` of a model that outlives it.
 Work evaluation(const Model& model, unsigned want) {
   const Potential& potential = model.potential();
   return [&potential, want, q = Eigen::VectorXd::Constant(model.modes(), 1e-3).eval(),
@@ -92,8 +92,8 @@ void add_evaluation_rows(SpeedSection& section) {
              "derivatives");
 }
 
-// Bytes of the file that this process has touched: what the kernel says is mapped in. Zero where it
-// says nothing.
+// Bytes of the file that this process has read: those that the kernel reports as mapped in. Zero
+// where it says nothing.
 double touched_bytes(const std::string& path) {
   std::ifstream maps("/proc/self/smaps");
   const std::string name = std::filesystem::absolute(path).lexically_normal().string();
@@ -133,7 +133,7 @@ void add_loading_rows(const std::string& path, SpeedSection& section) {
   const BasisData data = or_fail(read_basis(path));
   const VertexId inside = data.interior.vertex_ids.empty() ? -1 : data.interior.vertex_ids[0];
 
-  // The reader has touched the head of the file; the model maps it a second time.
+  // The reader has read the head of the file; the model maps it a second time.
   const double before = touched_bytes(path);
   const Model::Pointer model = or_fail(Model::load(path));
   const double touched = touched_bytes(path) - before;

@@ -117,7 +117,7 @@ SpeedRow& add_row(SpeedSection& section, const std::string& what, const StepTest
   return section.rows.back();
 }
 
-// Times all methods by turns and adds their rows. runners: one a method.
+// Times all methods alternately and adds their rows. runners: one per method.
 void time_steps(const Model::Pointer& model, const State& start, std::vector<OurRunner>& runners,
                 StepTest& test, SpeedSection& section) {
   TextbookRunner newmark{Textbook(model->potential()), start, {}, kStep};

@@ -1,5 +1,5 @@
-// What u = U q costs: positions and normals of a surface, beside the row-by-row product in double
-// and beside what reading the rows takes.
+// Cost of u = U q: positions and normals of a surface, compared with the row-by-row product in
+// double and with the time for reading the rows.
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -102,8 +102,8 @@ void measure_size(int around, int along, Eigen::Index r, const MachineProbe& pro
        [&] { narrow.in_float(); }, [&] { wide.with_normals(); }, [&] { narrow.with_normals(); }},
       calls, 25);
   const double reals = rows * static_cast<double>(r);
-  // Rest positions and results beside the rows. For normals the results once more, the corners, the
-  // triangles' normals written and read three times, the lists of triangles, and the normals.
+  // Rest positions and results besides the rows. For normals the results once more, the corners,
+  // the triangles' normals written and read three times, the lists of triangles, and the normals.
   const double vertices = rows / 3.0, triangles = 2.0 * vertices;
   const double normals = 8 * rows + (12.0 + 4 * 16.0 + 12.0) * triangles + 4 * vertices + 4 * rows;
   const struct {

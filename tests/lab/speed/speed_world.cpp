@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::size_t kSleeping = 10000;
 
-// Smallest wall-clock time of each, s, by turns: what several threads are for. Two seconds long, so
-// that some moment has both cores free.
+// Smallest wall-clock time of each, s, alternately: the purpose of several threads. Two seconds
+// long, so that both cores are free at some time.
 std::vector<double> wall_by_turns(const std::vector<Work>& works) {
   std::vector<double> best(works.size(), std::numeric_limits<double>::infinity());
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(2);

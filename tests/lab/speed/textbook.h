@@ -1,7 +1,7 @@
-// The textbook way to evaluate a reduced StVK model, as a baseline: every reduced force and every
-// entry of the tangent is a polynomial of its own (Barbic and James 2005, section 4.2), kept as
-// dense tables over the monomials of degree one, two and three, and evaluated by BLAS matrix-vector
-// products.
+// The textbook method of evaluating a reduced StVK model, as a baseline: every reduced force and
+// every entry of the tangent is a polynomial of its own (Barbic and James 2005, section 4.2), kept
+// as dense tables over the monomials of degree one, two and three, and evaluated by BLAS
+// matrix-vector products.
 #pragma once
 
 #include <memory>

@@ -38,7 +38,7 @@ double bent_share(const TetModel& model, const Eigen::VectorXd& x) {
   return static_cast<double>(bent) / static_cast<double>(model.edges());
 }
 
-// One turn of a case; the first also keeps where its points are.
+// One round of a case; the first also stores the positions of its points.
 void run_once(const BodyCase& wanted, const TetModelPointer& model, const TetSurface& surface,
               BodyRun& run) {
   TetBody body = shape_body(wanted, model);

@@ -1,5 +1,5 @@
-// Shapes of tetrahedra, held at one end, that fall under their own weight, with linear, quadratic
-// and adaptive edges; several cases by turns, so that their times can be compared.
+// Shapes of tetrahedra, fixed at one end, that fall under their own weight, with linear, quadratic
+// and adaptive edges; several cases alternately, so that their times can be compared.
 //
 // Density 1000 kg/m^3, Poisson's ratio 0.4. Distance of two runs: the root mean square, over the
 // steps and over the shape's points, of the distance between them, over the shape's size.
@@ -17,8 +17,8 @@ namespace tremolo::tets {
 
 inline constexpr double kRunStep = 1.0 / 60.0;  // s
 inline constexpr int kRunSteps = 60;
-// An edge bends where its control point is off the mean of its ends by more than this share of its
-// length.
+// An edge bends where its control point is off the mean of its ends by more than this fraction of
+// its length.
 inline constexpr double kBentEdge = 0.001;
 
 // cells: m of the shape. young: Pa. error: of adaptive edges (degree_choice.h).
@@ -30,7 +30,7 @@ struct BodyCase {
   double error = 0.05;
 };
 
-// points: 3 for each point and step, m. seconds: processor time of all steps, one for each turn.
+// points: 3 for each point and step, m. seconds: processor time of all steps, one for each round.
 // share: of quadratic edges; bent: of edges that bend; both the mean over the steps.
 struct BodyRun {
   std::vector<double> points, seconds;
@@ -46,7 +46,7 @@ void fields(Archive& archive, BodyRun& run) {
           run.switch_energy, "failed", run.failed);
 }
 
-// Cases that were run by turns.
+// Cases that were run alternately.
 struct BodyRuns {
   std::vector<BodyRun> runs;
 };
@@ -63,7 +63,7 @@ void fields(Archive& archive, BodyRuns& group) {
 BodyRuns run_by_turns(const std::vector<BodyCase>& cases, int turns);
 
 double run_distance(const BodyRun& a, const BodyRun& b, double size);
-// The middle one of the turns' times, s; of the turns' ratios to another run.
+// The middle one of the rounds' times, s; of the rounds' ratios to another run.
 double middle_time(const BodyRun& run);
 double middle_ratio(const BodyRun& run, const BodyRun& to);
 

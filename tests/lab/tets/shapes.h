@@ -1,4 +1,4 @@
-// Bodies of tetrahedra for experiments: meshes of cells of six tetrahedra, all held at one end.
+// Bodies of tetrahedra for experiments: meshes of cells of six tetrahedra, all fixed at one end.
 //   bar       0.4 x 0.1 x 0.1 m, 4m x m x m cells, bends along all of its length;
 //   mushroom  a stem of 0.3 x 0.05 x 0.05 m and a cap of 0.1 x 0.15 x 0.15 m on its free end, cells
 //             of 0.05/m m: three quarters of the elements are the cap's, which does not bend;

@@ -13,7 +13,7 @@
 
 namespace tremolo {
 
-// wanted: 0 for all cores.
+// wanted: number of threads, 0 for all cores.
 inline unsigned thread_count(unsigned wanted) {
   return wanted > 0 ? wanted : std::max(1u, std::thread::hardware_concurrency());
 }

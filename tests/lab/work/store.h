@@ -15,7 +15,7 @@
 
 namespace tremolo {
 
-// A number that was stored; `otherwise` for null, which is how one that is not finite comes back.
+// A number that was stored; `otherwise` for null, which is stored for one that is not finite.
 double to_number(const nlohmann::json& value,
                  double otherwise = std::numeric_limits<double>::quiet_NaN());
 
@@ -25,11 +25,11 @@ class Store {
   static Result<Store> open(const std::string& directory);
 
   // The result of the piece of work `name` (letters, digits, '-', '+', '.'), made by `work` unless
-  // a file from an earlier start holds it under the same key. key: everything the result depends on
-  // (model checksum, options, version of the computation); a file with another key is made anew. A
-  // damaged file is made anew. Numbers that are not finite come back as null. Threads may ask at
-  // once for different names. Throws what `work` throws, and a Failure: kSystem for an unwritable
-  // file, kUsage for a name with other letters.
+  // a file from an earlier start has it under the same key. key: everything the result depends on
+  // (model checksum, options, version of the computation). A file that is damaged or has another
+  // key is made again. Numbers that are not finite return as null. Threads may call at once for
+  // different names. Throws what `work` throws, and a Failure: kSystem for an unwritable file,
+  // kUsage for a name with other letters.
   nlohmann::json get(const std::string& name, const nlohmann::json& key,
                      const std::function<nlohmann::json()>& work) const;
 

@@ -37,7 +37,7 @@ inline std::string skin() {
   return text.str();
 }
 
-// Writes bar.veg, skin.obj and, by the precompute, bar.tremolo into the folder: held at its foot,
+// Writes bar.veg, skin.obj and, by the precompute, bar.tremolo into the folder: fixed at its foot,
 // loaded at the upper edge of its tip.
 inline ProgramResult make_drawn_bar(const std::string& folder) {
   write_veg(folder + "/bar.veg", box_mesh({8, 2, 2}, {0.4, 0.05, 0.06}));

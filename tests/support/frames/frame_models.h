@@ -1,4 +1,4 @@
-// Small models that can be held by a moving frame or by nothing: clouds of mass points whose basis
+// Small models that can be fixed to a moving frame or free: clouds of mass points whose basis
 // is orthonormal in their masses, so that all integrals belong to one body.
 #pragma once
 
@@ -166,8 +166,8 @@ inline Body make_framed(const Model::Pointer& model, FrameKind kind,
   return std::move(*body);
 }
 
-// The classical method of Runge and Kutta from s over `time`: shares no code with what is tested.
-// slope(t, q, v): the rates of both.
+// The classical method of Runge and Kutta from s over `time`: has no code in common with the tested
+// method. slope(t, q, v): the rates of both.
 template <class Slope>
 State runge_kutta(State s, double time, int steps, const Slope& slope) {
   const double h = time / steps;
@@ -183,13 +183,13 @@ State runge_kutta(State s, double time, int steps, const Slope& slope) {
   return s;
 }
 
-// How well an account closes: the largest energy that was there, and the most by which energy, work
-// and what was damped away missed each other, J.
+// Error of an energy balance: the largest energy, and the largest difference between energy, work
+// and dissipation, J.
 struct Balance {
   double most = 0.0, worst = 0.0;
 };
 
-// The account of `count` steps that begin at rest; step(): makes one of the body's.
+// The energy balance of `count` steps that begin at rest; step(): makes one of the body's.
 template <class Step>
 Balance balance_of(Body& body, int count, const Step& step) {
   Balance balance;
@@ -202,7 +202,7 @@ Balance balance_of(Body& body, int count, const Step& step) {
   return balance;
 }
 
-// The account closes to rounding although support and gravity did work.
+// The balance closes to rounding although support and gravity did work.
 inline void expect_balance(const Balance& balance, const Body& body, const char* method) {
   std::printf("%s: balance %.1e of %.3g J\n", method, balance.worst / balance.most, balance.most);
   EXPECT_GT(std::abs(body.support_work()), 0.1 * balance.most) << method;

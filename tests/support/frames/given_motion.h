@@ -1,4 +1,4 @@
-// A support that shakes and turns, as a function of time, for tests of bodies that are moved.
+// A support that shakes and rotates, as a function of time, for tests of bodies that are moved.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace tremolo::testing {
 
-// It stands still at t = 0 with five derivatives. shake: m, at `frequency` (Hz). spin: rad/s, which
+// It is at rest at t = 0 with five derivatives. shake: m, at `frequency` (Hz). spin: rad/s, which
 // it has from 0.5 s on.
 struct GivenMotion {
   Eigen::Vector3d shake = Eigen::Vector3d::Zero();

@@ -1,11 +1,11 @@
-// Meshes put together from others that touch at vertices.
+// Meshes put together from others that meet at vertices.
 #pragma once
 
 #include "tests/support/meshes/box_mesh.h"
 
 namespace tremolo::testing {
 
-// Adds `other`, moved by `offset`; vertices at the same place become one.
+// Adds `other`, moved by `offset`; vertices at the same position become one.
 inline void join(TetMesh& mesh, const TetMesh& other, const Eigen::Vector3d& offset) {
   std::vector<VertexId> ids;
   for (const Eigen::Vector3d& x : other.vertices) {
@@ -20,7 +20,7 @@ inline void join(TetMesh& mesh, const TetMesh& other, const Eigen::Vector3d& off
     mesh.tetrahedra.push_back({ids[tet[0]], ids[tet[1]], ids[tet[2]], ids[tet[3]]});
 }
 
-// Adds `other`, moved by `offset`; it touches nothing.
+// Adds `other`, moved by `offset`; it is connected to nothing.
 inline void add_apart(TetMesh& mesh, const TetMesh& other, const Eigen::Vector3d& offset) {
   const auto first = static_cast<VertexId>(mesh.vertices.size());
   for (const Eigen::Vector3d& x : other.vertices) mesh.vertices.emplace_back(x + offset);
@@ -30,7 +30,7 @@ inline void add_apart(TetMesh& mesh, const TetMesh& other, const Eigen::Vector3d
   }
 }
 
-// Cubes of a tenth of a metre at these places of a grid, cells x cells x cells each.
+// Cubes of a tenth of a metre at these positions of a grid, cells x cells x cells each.
 inline TetMesh cubes(const std::vector<std::array<int, 3>>& places, int cells = 1) {
   TetMesh mesh;
   const TetMesh cube = box_mesh({cells, cells, cells}, {0.1, 0.1, 0.1});

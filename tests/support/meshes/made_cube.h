@@ -1,4 +1,4 @@
-// A cube by the precompute, and what bodies that touch something keep.
+// A cube by the precompute, and quantities that bodies in contact keep.
 #pragma once
 
 #include <filesystem>
@@ -37,7 +37,7 @@ inline Model::Pointer made_cube(const std::string& name, const Eigen::Vector3d& 
   return made_body(name, mesh, young, held);
 }
 
-// What is in the body and its contact less what came in, J.
+// Energy of the body and its contact less the energy put in, J.
 inline double balance(const Body& body) {
   return body.energy().total() - body.work() + body.dissipated();
 }

@@ -19,7 +19,7 @@ inline std::string vertex_lines(const TetMesh& mesh, int base, bool with_ids) {
   return text;
 }
 
-// before: what stands between an element's id and its nodes.
+// before: the text between an element's id and its nodes.
 inline std::string element_lines(const TetMesh& mesh, int base, const std::string& before) {
   std::string text;
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)

@@ -52,7 +52,7 @@ inline std::string msh4_text() {
   text += "$Entities\n1 0 1 1\n1 0 0 0 0\n6 0 0 0 1 1 0 1 8 0\n1 0 0 0 1 1 1 1 4 1 6\n";
   text += "$EndEntities\n$Nodes\n2 5 2 9\n2 6 1 3\n";
   for (std::size_t v = 0; v < 3; ++v) text += std::to_string(kNodeIds[v]) + "\n";
-  // Nodes of a surface may carry two parameters.
+  // Nodes of a surface may have two parameters.
   for (std::size_t v = 0; v < 3; ++v) text += join(mesh.vertices[v]) + " 0.5 0.5\n";
   text += "3 1 0 2\n";
   for (std::size_t v = 3; v < 5; ++v) text += std::to_string(kNodeIds[v]) + "\n";

@@ -1,4 +1,4 @@
-// Meshes by chance, the same for the same seed.
+// Random meshes, the same for the same seed.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ inline std::vector<VertexId> random_permutation(std::size_t size, Random& random
   return order;
 }
 
-// Vertex v becomes order[v]; the tetrahedra are the same ones in the same places.
+// Vertex v becomes order[v]; the tetrahedra are the same ones at the same positions.
 inline TetMesh renumbered(const TetMesh& mesh, const std::vector<VertexId>& order) {
   TetMesh result;
   result.vertices.resize(mesh.vertices.size());

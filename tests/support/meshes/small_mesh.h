@@ -79,7 +79,7 @@ inline std::string base64(const std::string& bytes) {
   return text;
 }
 
-// Five vertices, two tetrahedra that share a face.
+// Five vertices, two tetrahedra with a common face.
 inline TetMesh small_mesh() {
   TetMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.125, -0.25, 1}, {1, 1, 1.5}};

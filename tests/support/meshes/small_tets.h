@@ -1,4 +1,4 @@
-// A file of tetrahedra of two cells, with two materials, a held side, a drawn surface and a grid.
+// A file of tetrahedra of two cells, with two materials, a fixed side, a drawn surface and a grid.
 #pragma once
 
 #include <string>

@@ -57,7 +57,7 @@ inline std::string basis_file(const Eigen::MatrixXd& basis) {
   return bytes.str();
 }
 
-// The place of every monomial of order d over r coordinates in lexicographic order, by counting.
+// The index of every monomial of order d over r coordinates in lexicographic order, by counting.
 inline std::map<std::vector<int>, std::size_t> monomials(int r, std::size_t order) {
   std::map<std::vector<int>, std::size_t> places;
   std::vector<int> index(order, 0);

@@ -1,4 +1,4 @@
-#include "formats/surface/off_text.h"
+#include "formats/polygons/off_text.h"
 
 #include <algorithm>
 #include <cctype>
@@ -272,8 +272,6 @@ bool Parser::read_faces() {
 }  // namespace
 
 Result<OffMesh> parse_off(std::string_view text) {
-  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   return Parser(text).parse();
 }
 

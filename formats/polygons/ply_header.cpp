@@ -1,4 +1,4 @@
-#include "formats/surface/ply_header.h"
+#include "formats/polygons/ply_header.h"
 
 #include <algorithm>
 #include <array>
@@ -38,6 +38,53 @@ double ply_value(const char* bytes, bool swap) {
   return static_cast<double>(value);
 }
 
+constexpr std::array kAxes = {PlyRole::kX, PlyRole::kY, PlyRole::kZ};
+
+PlyRole role_of(std::string_view element, std::string_view name, bool list) {
+  struct Named {
+    std::string_view name;
+    PlyRole role;
+  };
+  // Names by MeshLab, Blender, VCGlib, PCL and CloudCompare.
+  static constexpr std::array kOfVertices = {Named{"x", PlyRole::kX},
+                                             Named{"y", PlyRole::kY},
+                                             Named{"z", PlyRole::kZ},
+                                             Named{"nx", PlyRole::kNormalX},
+                                             Named{"ny", PlyRole::kNormalY},
+                                             Named{"nz", PlyRole::kNormalZ},
+                                             Named{"s", PlyRole::kU},
+                                             Named{"u", PlyRole::kU},
+                                             Named{"texture_u", PlyRole::kU},
+                                             Named{"texture_s", PlyRole::kU},
+                                             Named{"t", PlyRole::kV},
+                                             Named{"v", PlyRole::kV},
+                                             Named{"texture_v", PlyRole::kV},
+                                             Named{"texture_t", PlyRole::kV},
+                                             Named{"red", PlyRole::kRed},
+                                             Named{"green", PlyRole::kGreen},
+                                             Named{"blue", PlyRole::kBlue},
+                                             Named{"alpha", PlyRole::kAlpha},
+                                             Named{"r", PlyRole::kRed},
+                                             Named{"g", PlyRole::kGreen},
+                                             Named{"b", PlyRole::kBlue},
+                                             Named{"a", PlyRole::kAlpha},
+                                             Named{"diffuse_red", PlyRole::kRed},
+                                             Named{"diffuse_green", PlyRole::kGreen},
+                                             Named{"diffuse_blue", PlyRole::kBlue}};
+  static constexpr std::array kOfFaces = {Named{"vertex_indices", PlyRole::kCorners},
+                                          Named{"vertex_index", PlyRole::kCorners},
+                                          Named{"texcoord", PlyRole::kCornerUvs}};
+  const auto found = [name](const auto& table) {
+    for (const Named& named : table)
+      if (name == named.name) return named.role;
+    return PlyRole::kNone;
+  };
+  if (!list) return element == "vertex" ? found(kOfVertices) : PlyRole::kNone;
+  if (element == "face") return found(kOfFaces);
+  const bool strips = element == "tristrips" && found(kOfFaces) == PlyRole::kCorners;
+  return strips ? PlyRole::kStrips : PlyRole::kNone;
+}
+
 class HeaderParser {
  public:
   HeaderParser(std::string_view bytes, const std::string& name)
@@ -49,6 +96,9 @@ class HeaderParser {
       const std::string_view word = scanner_.token();
       if (word == "end_header") return finish();
       if (word == "comment" || word == "obj_info") continue;
+      // Some writers forget the word before a line about themselves.
+      if (header_.elements.empty() && word != "format" && word != "element" && word != "property")
+        continue;
       const bool good = word == "format"     ? format()
                         : word == "element"  ? element()
                         : word == "property" ? property()
@@ -97,29 +147,20 @@ class HeaderParser {
     const std::optional<PlyType> type = ply_type(word);
     if (!type) return scanner_.fail("a type of number", word);
     property.type = *type;
-    const std::string_view name = scanner_.token();
-    if (element.name == "vertex" && !property.list && name.size() == 1 && name[0] >= 'x' &&
-        name[0] <= 'z')
-      property.axis = name[0] - 'x';
-    property.corners = element.name == "face" && property.list &&
-                       (name == "vertex_indices" || name == "vertex_index");
+    property.role = role_of(element.name, scanner_.token(), property.list);
     element.properties.push_back(property);
     return true;
   }
 
   Result<PlyHeader> finish() {
-    int axes = 0;
-    bool vertices = false;
+    std::array<int, 3> axes{};
     for (const PlyElement& element : header_.elements) {
-      if (element.name == "face" && !vertices)
-        return scanner_.problem("expected the vertices before the faces");
-      vertices = vertices || element.name == "vertex";
       for (const PlyProperty& property : element.properties)
-        if (property.axis >= 0) ++axes;
+        for (int axis = 0; axis < 3; ++axis) axes[axis] += property.role == kAxes[axis] ? 1 : 0;
       if (element.properties.empty() && element.count > 0)
         return scanner_.problem("an element has no property");
     }
-    if (axes != 3) return scanner_.problem("expected x, y and z of the vertices");
+    if (axes != std::array{1, 1, 1}) return scanner_.problem("expected x, y and z of the vertices");
     header_.size = std::min(scanner_.offset(), bytes_);
     // Behind the end of this line the numbers begin.
     const std::string_view text = scanner_.text();
@@ -136,7 +177,18 @@ class HeaderParser {
 }  // namespace
 
 Result<PlyHeader> parse_ply_header(std::string_view bytes, const std::string& name) {
-  return HeaderParser(bytes, name).parse();
+  const std::string_view start = without_mark(bytes).substr(0, 5);
+  if (!start.starts_with("ply\r") || start.ends_with('\n'))
+    return HeaderParser(bytes, name).parse();
+  // Lines of old Macs. What follows the header may hold any bytes.
+  constexpr std::string_view kEnd = "end_header\r";
+  const std::size_t end = bytes.find(kEnd);
+  if (end == std::string_view::npos)
+    return content_error(name + ": expected end_header before the end of the file");
+  std::string lines(bytes);
+  std::replace(lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(end + kEnd.size()), '\r',
+               '\n');
+  return HeaderParser(lines, name).parse();
 }
 
 bool PlyNumbers::read(PlyType type, double& value) {

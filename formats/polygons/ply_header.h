@@ -14,13 +14,31 @@ namespace tremolo {
 enum class PlyForm { kText, kLittleEndian, kBigEndian };
 enum class PlyType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
 
-// axis: 0 to 2 of a vertex's x, y and z, else -1. corners: it is the list of a face's vertices.
+// The meaning of a property of vertices, faces or strips.
+enum class PlyRole {
+  kNone,
+  kX,
+  kY,
+  kZ,  // a vertex's position,
+  kNormalX,
+  kNormalY,
+  kNormalZ,
+  kU,
+  kV,  // its texture coordinates
+  kRed,
+  kGreen,
+  kBlue,
+  kAlpha,
+  kCorners,    // a face's list of vertices
+  kCornerUvs,  // its list of texture coordinates, two a corner
+  kStrips      // vertices of triangle strips, -1 between them
+};
+
 struct PlyProperty {
   PlyType type = PlyType::kFloat;
   bool list = false;
   PlyType count_type = PlyType::kUint8;
-  int axis = -1;
-  bool corners = false;
+  PlyRole role = PlyRole::kNone;
 };
 
 struct PlyElement {
@@ -36,8 +54,8 @@ struct PlyHeader {
   std::size_t size = 0;
 };
 
-// Errors (kContent): it does not begin with `ply`, an unknown form, type or keyword, no vertices,
-// or vertices without x, y and z, or behind the faces; more items than the file has bytes.
+// Lines end in LF, CR LF or CR. Errors (kContent): it does not begin with `ply`, an unknown form,
+// type or keyword, vertices without x, y and z; more items than the file has bytes.
 Result<PlyHeader> parse_ply_header(std::string_view bytes, const std::string& name);
 
 // Walks over what is behind the header, which must outlive it.
@@ -49,6 +67,7 @@ class PlyNumbers {
   // False at an end that comes too soon, or where no number is.
   bool read(PlyType type, double& value);
   Error error(const std::string& name) const;
+  std::size_t remaining() const { return body_.size() - at_; }
 
  private:
   bool read_text(double& value);

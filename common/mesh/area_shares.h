@@ -1,0 +1,21 @@
+// How a force on a face is shared among its vertices.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "common/mesh/tet_mesh.h"
+
+namespace tremolo {
+
+// The share of each of `chosen` (ids; at least one), which sum to 1. A boundary triangle whose
+// three corners are chosen gives a third of its area to each: a uniform traction over the face,
+// whose resultant passes through the face's centroid however finely parts of it are meshed. Chosen
+// vertices of no such triangle get nothing. Without any such triangle all shares are equal.
+// vertex_ids: of the boundary, ascending; triangles: indices into them; rest: their positions, m.
+std::vector<double> area_shares(std::span<const VertexId> chosen,
+                                std::span<const VertexId> vertex_ids,
+                                std::span<const Triangle> triangles,
+                                std::span<const Eigen::Vector3d> rest);
+
+}  // namespace tremolo

@@ -1,0 +1,26 @@
+// Names of objects and materials as users select them.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <unordered_set>
+
+namespace tremolo {
+
+// Names as they are asked for, each made printable and different from those before; `nameless`
+// where there is none.
+class UniqueNames {
+ public:
+  explicit UniqueNames(std::string nameless) : nameless_(std::move(nameless)) {}
+
+  std::string take(std::string_view wanted);
+
+ private:
+  std::string nameless_;
+  std::unordered_set<std::string> taken_;
+  std::unordered_map<std::string, std::uint64_t> repeats_;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,21 @@
+// What a view writes is kept apart from what it reads, before it begins.
+#pragma once
+
+#include <vector>
+
+#include "common/result.h"
+#include "formats/file/output_guard.h"
+#include "runtime/viewer/setup/viewer_options.h"
+
+namespace tremolo {
+
+// All files that the view reads: those of the scene, and pictures of --texture.
+std::vector<NamedFile> inputs_of_view(const ViewerOptions& options,
+                                      std::vector<NamedFile> of_scene);
+
+// Pictures that are there in --out, the film and the recorded hand. Errors: kUsage if one of them
+// is an input or another of them, for flags that do not go together; kSystem if one cannot be
+// written.
+Status check_view_outputs(const ViewerOptions& options, const std::vector<NamedFile>& inputs);
+
+}  // namespace tremolo

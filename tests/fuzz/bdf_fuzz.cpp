@@ -1,0 +1,7 @@
+// Nastran bulk data.
+#include "formats/mesh/mesh_formats.h"
+#include "tests/fuzz/harness.h"
+
+void tremolo::fuzz::read_input(std::string_view bytes) {
+  check_mesh_file(read_bdf(bytes, "input.bdf"));
+}

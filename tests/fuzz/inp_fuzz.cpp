@@ -1,0 +1,7 @@
+// Abaqus input files.
+#include "formats/mesh/mesh_formats.h"
+#include "tests/fuzz/harness.h"
+
+void tremolo::fuzz::read_input(std::string_view bytes) {
+  check_mesh_file(read_inp(bytes, "input.inp"));
+}
