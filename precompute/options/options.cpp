@@ -74,11 +74,9 @@ void add_outputs(CLI::App& app, PrecomputeOptions& options, ModelTexts& texts) {
 }
 
 void add_model_options(CLI::App& app, PrecomputeOptions& options) {
-  app.add_option("--linear-modes", options.linear_modes, "K, linear modes (default 20)")
-      ->check(at_least_one());
+  app.add_option("--linear-modes", options.linear_modes, "K, linear modes (default 20)");
   app.add_option("--modes", options.modes,
-                 "R, coordinates to keep (default 30; with --linear all linear modes)")
-      ->check(at_least_one());
+                 "R, coordinates to keep (default 30; with --linear all linear modes)");
   CLI::Option* target_error = app.add_option(
       "--target-error", options.target_error,
       "E, e.g. 0.02: as many coordinates as it takes for the static displacement under the\n"

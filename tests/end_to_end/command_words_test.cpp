@@ -82,8 +82,6 @@ TEST_F(CommandWords, ThreadsAndModesThatNobodyHasAreRefusedByTheirNumber) {
   for (const std::string& command :
        {kTremolo + "run w.toml --threads 1000000", kTremolo + "run w.toml --threads -1",
         kPrecompute + "a.msh -o a.tremolo --threads 1000000",
-        kPrecompute + "a.msh -o a.tremolo --modes -1",
-        kPrecompute + "a.msh -o a.tremolo --linear-modes -1",
         kTremolo + "export a.tremolo --glb a.glb --modes -1"}) {
     const ProgramResult result = run(command);
     EXPECT_EQ(result.code, 2) << command << "\n" << result.err;

@@ -217,15 +217,14 @@ TEST_F(KeptInputs, FoldersOfAnotherScenesBodiesGo) {
 }
 
 TEST_F(KeptInputs, ARunIntoAFolderThatNoRunHadTakesNothingAway) {
-  write("out/energy.svg", "a drawing of mine");
-  write("out/surface-0003.ply", "a scan of mine");
-  write("out/surface-0001-t0.100000s.ply", "a scan, too");
-  write("out/frames.csv.old", "mine");
+  const std::string mine[] = {"energy.svg", "surface-0003.ply", "surface-0001-t0.100000s.ply",
+                              "frames.csv", "surface.mtl"};
+  for (const std::string folder : {"out/", "out/a/"})
+    for (const std::string& name : mine) write(folder + name, "mine");
   write("scene.toml", world(""));
   ASSERT_EQ(run("run scene.toml --out out").code, 0);
-  EXPECT_EQ(slurp(at("out/energy.svg")), "a drawing of mine");
-  EXPECT_EQ(slurp(at("out/surface-0003.ply")), "a scan of mine");
-  EXPECT_EQ(slurp(at("out/surface-0001-t0.100000s.ply")), "a scan, too");
+  for (const std::string folder : {"out/", "out/a/"})
+    for (const std::string& name : mine) EXPECT_EQ(slurp(at(folder + name)), "mine") << name;
 }
 
 TEST_F(KeptInputs, ScenesOfSeveralTablesHaveAReportOfAllAndNoStaleFolders) {

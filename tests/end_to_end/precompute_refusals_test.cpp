@@ -127,8 +127,8 @@ TEST_F(PrecomputeRefusals, OptionsOfMeshingASurfaceAreRefusedForATetrahedralMesh
 
 TEST_F(PrecomputeRefusals, NumbersThatMakeNoSenseAreRefusedInOneLine) {
   const std::pair<const char*, const char*> cases[] = {
-      {"--threads 0", "--threads: expected a whole number from 1 to 2147483647, found 0"},
-      {"--threads -2", "--threads: expected a whole number from 1 to 2147483647, found -2"},
+      {"--threads 0", "--threads: expected a whole number from 1 to 1024, found 0"},
+      {"--threads -2", "--threads: expected a whole number from 1 to 1024, found -2"},
       {"--tets 0", "--tets: expected a whole number from 1"},
       {"--size 0", "--size: expected a number above 0, found 0"},
       {"--error nan", "--error: expected a number above 0, found nan"},
