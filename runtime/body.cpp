@@ -35,17 +35,13 @@ void add_response(const BasisRows& response, const Eigen::VectorXd& forces, std:
     out[row] += response.row(static_cast<Eigen::Index>(row)).dot(forces);
 }
 
-bool is_of_energy_family(std::string_view method) {
-  return method == "avf" || method == "ep2" || method == "ep4";
-}
-
 Status check_frame(const Model& model, std::string_view method, FrameKind frame) {
   if (frame == FrameKind::kFixed) return Success{};
   if (!kHasFrames)
     return usage_error("driven and free bodies are not in this module but in engine-full.wasm");
   const bool free = frame == FrameKind::kFree;
   const std::string what = free ? "a free body" : "a body whose support moves";
-  if (!is_of_energy_family(method) && (free || (method != "newmark" && method != "imexv")))
+  if (!is_energy_method(method) && (free || (method != "newmark" && method != "imexv")))
     return usage_error(what + " is not moved by '" + std::string(method) +
                        "' but by avf, ep2, ep4" + (free ? "" : ", newmark and imexv"));
   if (model.inertia() == nullptr)
@@ -66,6 +62,10 @@ Status check_frame(const Model& model, std::string_view method, FrameKind frame)
 }
 
 }  // namespace
+
+bool is_energy_method(std::string_view method) {
+  return method == "avf" || method == "ep2" || method == "ep4";
+}
 
 Status check_state(Eigen::Index modes, const Eigen::VectorXd& q, const Eigen::VectorXd& p) {
   if (q.size() != modes || p.size() != modes)
@@ -118,11 +118,11 @@ Body::Body(Model::Pointer model, std::unique_ptr<Integrator> integrator,
     : model_(std::move(model)),
       integrator_(std::move(integrator)),
       options_(options),
-      low_(low),
       state_{Eigen::VectorXd::Zero(model_->modes()), Eigen::VectorXd::Zero(model_->modes())},
       place_forces_(model_->response_places().size()),
       step_load_(make_step_load(model_->modes())),
       q_before_(state_.q),
+      low_(low),
       sound_(state_),
       workspace_(model_->potential().make_workspace(kUsePoint)),
       evaluation_(model_->potential().make_evaluation()),

@@ -14,8 +14,6 @@
 
 #include "common/result.h"
 #include "common/state_stream.h"
-#include "runtime/contact/contact_law.h"
-#include "runtime/contact/contact_values.h"
 #include "runtime/display/surface.h"
 #include "runtime/energy.h"
 #include "runtime/energy_bound.h"
@@ -34,8 +32,8 @@ namespace tremolo {
 // Error kUsage unless q and p have `modes` finite entries each.
 Status check_state(Eigen::Index modes, const Eigen::VectorXd& q, const Eigen::VectorXd& p);
 
-class BodyGroup;
-class ContactStep;
+// True for avf, ep2 and ep4, which preserve the energy of a body whose frame moves.
+bool is_energy_method(std::string_view method);
 
 // Number of steps between checks of the energy: a check costs at most one evaluation of the force.
 inline constexpr int kStepsBetweenLooks = 8;
@@ -45,8 +43,8 @@ inline constexpr int kStepsBetweenLooks = 8;
 // deforms, and these motions are coupled.
 enum class FrameKind { kFixed, kDriven, kFree };
 
-// A body starts at rest in the rest shape at time 0. Not thread-safe; different bodies of one model
-// may step on different threads.
+// A body that touches nothing; contact_body.h has one that does. It starts at rest in the rest
+// shape at time 0. Not thread-safe; different bodies of one model may step on different threads.
 class Body {
  public:
   // Errors as make_integrator; kUsage for a method that does not support the frame (kDriven needs
@@ -59,10 +57,12 @@ class Body {
 
   // A driven body on bones with its skin, which must have been made for this model. Its bones are
   // at rest at first; their poses are the identity. Errors as for kDriven; kUsage for a skin of
-  // another model. Colliders and grabs use the first bone's frame alone: use set_contact() with one
-  // bone only.
+  // another model.
   static Result<Body> create(Model::Pointer model, std::string_view integrator,
                              const IntegratorOptions& options, std::shared_ptr<const Skin> skin);
+  virtual ~Body() = default;
+  Body(Body&&) = default;
+  Body& operator=(Body&&) = default;
 
   const Model& model() const { return *model_; }
   const Model::Pointer& model_pointer() const { return model_; }
@@ -77,12 +77,12 @@ class Body {
   Status set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& p);
 
   // Saves the complete state between steps as the bytes of a file (formats/saved/saved_file.h):
-  // state, frame, gravity, damping, forces of apply_force(), grabs, sums, contact, and the state of
-  // the method. After restore() the following steps have the same bits as those of the saved body,
-  // under the same loads in time, which are not saved.
+  // state, frame, gravity, damping, forces of apply_force(), sums, and the state of the method.
+  // After restore() the following steps have the same bits as those of the saved body, under the
+  // same loads in time, which are not saved.
   std::vector<std::byte> save() const;
   // Error kContent, with the body unchanged: bytes that are damaged, of another version, or of a
-  // body with another model, method, frame, contact or other loads in time.
+  // body with another model, method, frame or other loads in time.
   Status restore(std::span<const std::byte> bytes);
   // Saves or restores the same data without an identification, for callers that save several
   // bodies.
@@ -94,10 +94,10 @@ class Body {
   // totals are kept. Discards the method's cached state; allocates. Error kUsage: a value is
   // negative or not finite.
   Status set_damping(double alpha, double beta);
-  // Sets another method and step (s) from the next step on. State, frame, loads, grabs and sums are
+  // Sets another method and step (s) from the next step on. State, frame, loads and sums are
   // kept; the method's state is discarded. Time is steps() steps and becomes the nearest multiple
   // of the new step. Errors: same as for make_integrator; kUsage, with nothing changed, for a
-  // method that does not support the frame or contact. Allocates.
+  // method that does not support the frame. Allocates.
   Status set_method(std::string_view integrator, double step);
   double alpha() const { return options_.alpha; }
   double beta() const { return options_.beta; }
@@ -148,60 +148,6 @@ class Body {
   // Model::vertex.
   Result<Eigen::Matrix3d> turn_at(VertexId vertex) const;
 
-  // Enables contact with colliders. Error kUsage: options out of range, a method that does not
-  // support contact (a fixed body supports any; near a collider it takes the step of
-  // runtime/contact/solve/contact_step.h), a model without inertia integrals.
-  Status set_contact(const ContactOptions& options = {});
-  // Energy balance of contact in the last step; zeros without contact.
-  ContactAccount contact_account() const;
-  const ContactStep* contact() const { return contact_.get(); }
-
-  // Grabs a vertex at its position by a spring (N/m) and a damper (N s/m) to a point that
-  // move_hand() moves. Returns the grab's number. Needs set_contact(). A spring stiffer than that
-  // of stiffest_hand() is replaced by that spring and its damper, as for pin(): beyond it rounding
-  // errors exceed the step's tolerance. A damper is limited to h/2 times that stiffness.
-  // hand_spring() returns the values in use. Errors as Model::vertex; kUsage for values that are
-  // not finite or negative.
-  Result<std::size_t> grab(VertexId vertex, double stiffness, double damping = 0.0);
-  // The same for a vertex from Model::vertex: allocates nothing where reserve_contact() has
-  // reserved memory.
-  Result<std::size_t> grab(VertexId vertex, VertexRows place, double stiffness, double damping);
-  // The same at any point of a surface, as returned by pick(). Errors as Model::place.
-  Result<std::size_t> grab(const SurfacePlace& place, double stiffness, double damping = 0.0);
-  // Holds a vertex, or a point of a surface, at its position, or where move_hand() moves it, until
-  // release(). The stiffness follows from mass and step, k = (30/h)^2 m, and the damper is 60 m/h,
-  // with m the effective mass of the point in a step. Under a force F the point is displaced by
-  // F/k; with a hanging body of mass M by M g h^2/(900 m). An initial motion decays by an eighth in
-  // each step. Errors as grab(), and kUsage for a point that cannot move.
-  Result<std::size_t> pin(VertexId vertex);
-  Result<std::size_t> pin(const SurfacePlace& place);
-  Result<std::size_t> pin(VertexId vertex, VertexRows place);  // as grab() of such a vertex
-  // The spring and damper of a pin at the point with the present step; infinite for a point that
-  // cannot move.
-  HandSpring stiffest_hand(const VertexRows& place) const;
-  // Reserves memory for steps among these colliders with this number of grabs; call set_contact()
-  // first.
-  void reserve_contact(std::span<const PlacedCollider> colliders, std::size_t hands);
-  // Sets the grab's point at the end of the next step, m, world. Error kUsage: no such grab, not
-  // finite.
-  Status move_hand(std::size_t hand, const Eigen::Vector3d& place);
-  std::span<const Grip> grips() const { return grips_; }  // those that are not released
-  // The force on the body in the last step, N, world; the hand feels the opposite. Zero if there is
-  // no such grab.
-  Eigen::Vector3d hand_force(std::size_t hand) const;
-  // The spring and damper in use; zeros if there is no such grab. A longer step (set_method()) may
-  // lower them again.
-  HandSpring hand_spring(std::size_t hand) const;
-  // Ends a grab; numbers of other grabs are unchanged.
-  Status release(std::size_t hand);
-  double hand_work() const { return sums_.hand; }  // J, since the start; part of work()
-  // Work of joints on the body (runtime/contact/joint.h), J, since the start.
-  double joint_work() const { return sums_.joint; }
-  // The effective mass of a point for a force in a step, the mean over all directions, kg; infinite
-  // for a point that cannot move. A coordinate of the frequency omega has the resistance 1 + (h
-  // omega)^2/4.
-  double mass_at(const VertexRows& place) const;
-
   // Adds a load in time; its signal's clock is time(). Forces on vertices are along the world's
   // axes, whatever the frame does; reduced ones along the frame's, and not for a free body.
   Status add_load(const Load& load);  // kUsage if its force is not r long and finite
@@ -225,9 +171,7 @@ class Body {
   //
   // The energy is checked at the start, when a state is set and every kStepsBetweenLooks steps;
   // runtime/energy_bound.h defines a valid energy.
-  StepReport step() { return step({}); }
-  // The same among colliders, which must stay in memory until it returns; call set_contact() first.
-  StepReport step(std::span<const PlacedCollider> colliders);
+  StepReport step();
   const EnergyBound& energy_bound() const { return bound_; }
 
   // True if a load can still act in a later step.
@@ -244,15 +188,6 @@ class Body {
   double support_work() const { return sums_.support; }
   // Work of gravity on a driven body's relative motion, or on all motion of a free body.
   double gravity_work() const { return sums_.gravity; }
-  // Contact energies since the start, J: work on the body (part of work()), energy taken by
-  // restitution and friction, energy given by moving colliders, and contact energy found at the
-  // start of a step but not at the end of the step before (contact_error: it should be zero).
-  // contact_work = given - lost - rubbed - growth of contact_account().energy + error.
-  double contact_work() const { return sums_.contact; }
-  double contact_lost() const { return sums_.lost; }
-  double contact_rubbed() const { return sums_.rubbed; }
-  double contact_given() const { return sums_.given; }
-  double contact_error() const { return sums_.contact_error; }
   std::int64_t iterations() const { return iterations_; }  // of all steps
   // Number of steps that were subdivided.
   std::int64_t halved_steps() const { return halved_steps_; }
@@ -271,9 +206,8 @@ class Body {
                                          SurfaceKind surface = SurfaceKind::kDrawn) const;
 
   // The coordinates for drawing: q, followed by the forces at the end of the last step at the
-  // vertices for which the model has a response: those of loads, of apply_force() and of grabs of
-  // these vertices, along the body's axes, N; r + 3p. Energy, contact and rays ignore the shape W
-  // f. Valid until the next call.
+  // vertices for which the model has a response, along the body's axes, N; r + 3p. Energy and rays
+  // ignore the shape W f. Valid until the next call.
   const Eigen::VectorXd& shown() const;
 
   // U_vertex q + W_vertex f, m. Errors as Model::vertex.
@@ -297,19 +231,55 @@ class Body {
   // Nothing is allocated after a body's first call.
   Status surface(std::span<float> positions, std::span<float> normals) const;
 
- private:
+ protected:
   // Sums since the start, J; the functions that return them define them.
   struct Sums {
     double work = 0.0, dissipated = 0.0;
     double support = 0.0, gravity = 0.0;
-    double contact = 0.0, lost = 0.0, rubbed = 0.0, given = 0.0, contact_error = 0.0;
-    double hand = 0.0, joint = 0.0;
 
-    void carry(StateStream& stream) {
-      stream(work, dissipated, support, gravity, contact, lost, rubbed, given, contact_error);
-      stream(hand, joint);
-    }
+    void carry(StateStream& stream) { stream(work, dissipated, support, gravity); }
   };
+  // The parts of a step, for a body that is in contact: begin_step(), then advance() or a step of
+  // another solver, then end_step(). begin_step: a report if the loads are not valid.
+  std::optional<StepReport> begin_step();
+  StepReport advance();
+  // outside: work of forces that are not among the body's loads, J. booked: the energies of the
+  // step are in the sums already.
+  StepReport end_step(StepReport report, double outside, bool booked);
+  // Adds the energies of a step, or of a part of it, to the sums.
+  void book_step(const StepReport& report, double outside);
+  // Undoes advance(): the state is that of begin_step(). p: the momentum before it.
+  void take_back(const Eigen::VectorXd& p);
+  // Poses of the frame at both ends of the step, as far as they are known.
+  StepPoses step_poses() const;
+  // Pose of the frame at the end of a step that succeeded.
+  Pose step_end() const { return free_ ? free_->pose() : step_poses().end; }
+  // True unless a frame that follows given poses moves in the step.
+  bool can_be_cut() const;
+  // Removes the motion; returns the energy that this takes, J, which work() gives.
+  double stop_motion();
+  // Keeps the present state as that of the last valid check.
+  void keep_sound_state();
+  // One step of time for a body at rest.
+  void rest_a_step();
+  // Where the sums of a derived body are kept with the state of a valid check, and put back.
+  virtual void keep_outside_sums() {}
+  virtual void put_back_outside_sums() {}
+  // Rotation from the axes of the world to those at a place of Model::response_places().
+  Eigen::Matrix3d turn_at_place(Eigen::Index place) const;
+  bool has_energy_method() const { return energy_method_; }
+
+  Model::Pointer model_;
+  std::unique_ptr<Integrator> integrator_;
+  IntegratorOptions options_;
+  State state_;
+  FrameOwner<DrivenFrame> driven_;  // also of a fixed body on which gravity acts
+  FrameOwner<FreeFrame> free_;
+  PlaceForces place_forces_;
+  StepLoad step_load_;
+  Eigen::VectorXd q_before_;
+
+ private:
   struct AppliedForce {
     Eigen::VectorXd force;
     int steps = 0;
@@ -334,31 +304,8 @@ class Body {
   void gather_loads();
   void gather_frame();
   void gather_on_free();
-  StepReport advance();
-  StepReport advance_among(std::span<const PlacedCollider> colliders);
-  StepReport advance_near(bool near);
-  StepPush step_push() const;
-  Pose step_end() const;
-  // The parts of a step, for groups of bodies that touch each other.
-  friend class BodyGroup;
-  friend class StepParts;
-  std::optional<StepReport> begin_step();
-  bool near_something(std::span<const PlacedCollider> colliders);
-  StepReport advance_in_parts(const StepReport& failure);
-  void end_contact();
-  StepReport end_step(StepReport report);
-  void book_step(const StepReport& report);
-  bool can_be_cut() const;
-  void fall_asleep();
-  void sleep_a_step();
-  StepPoses step_poses() const;
   void carry_forces(StateStream& stream);
   void carry_frame(StateStream& stream);
-  void carry_hands(StateStream& stream);
-  const Grip* find_hand(std::size_t hand) const;
-  Grip* find_hand(std::size_t hand);
-  void limit_hand(Grip& grip) const;
-  double end_frame_step(bool made);
   double end_frame_motion(bool made);
   double frame_kinetic(const Eigen::VectorXd& p) const;
   // weights: the weights of the skin to use for these vectors.
@@ -369,21 +316,13 @@ class Body {
   double total_energy() const;
   double harmonic_energy() const;
   bool look();
-  void keep_sound_state();
   void put_back();
   StepReport explain(StepReport report);
 
-  Model::Pointer model_;
-  std::unique_ptr<Integrator> integrator_;
-  IntegratorOptions options_;
   Eigen::Index low_;  // where the high band begins
-  State state_;
   FrameKind frame_ = FrameKind::kFixed;
-  FrameOwner<DrivenFrame> driven_;  // also of a fixed body on which gravity acts
-  FrameOwner<FreeFrame> free_;
   FrameSharer<const Skin> skin_;            // of a driven body; null: it has one frame
   mutable std::vector<BoneMap> bone_maps_;  // one per bone, at their poses
-  std::shared_ptr<ContactStep> contact_;    // its type is incomplete here; it is not shared
   Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
   std::vector<PointForce> points_;  // for a body whose frame moves
   std::vector<StepForce> step_forces_;
@@ -391,19 +330,12 @@ class Body {
   bool energy_method_ = false;  // the integrator reads StepLoad::coupling
   std::vector<Load> loads_;
   std::vector<AppliedForce> applied_;
-  PlaceForces place_forces_;
   std::vector<Eigen::VectorXd> place_weights_;  // for a body on bones: of the places
-  StepLoad step_load_;
-  Eigen::VectorXd q_before_, p_before_;
-  double kick_ = 0.0;  // of the step's loads, J
+  double kick_ = 0.0;                           // of the step's loads, J
   std::int64_t steps_ = 0;
   std::int64_t iterations_ = 0;
   std::int64_t halved_steps_ = 0;
-  bool booked_ = false;  // the present step was taken in parts whose energies are in the sums
   Sums sums_;
-  std::vector<Grip> grips_;         // those that are not released
-  std::vector<std::size_t> hands_;  // the number of each
-  std::size_t next_hand_ = 0;
   EnergyBound bound_;
   int steps_since_look_ = 0;
   State sound_;  // at the last valid check

@@ -20,8 +20,7 @@ Status check_frame_motion(const FrameMotion& motion) {
 
 void Body::begin_frame(FrameKind frame) {
   frame_ = frame;
-  const std::string_view name = integrator_->name();
-  energy_method_ = name == "avf" || name == "ep2" || name == "ep4";
+  energy_method_ = is_energy_method(integrator_->name());
   if constexpr (kHasFrames) {
     if (frame == FrameKind::kDriven) begin_driven();
     if (frame == FrameKind::kFree) {
@@ -155,6 +154,28 @@ Status Body::add_point_force(const Signal& signal, VertexId vertex, const Eigen:
   return Success{};
 }
 
+StepPoses Body::step_poses() const {
+  if (driven_ && frame() == FrameKind::kDriven) return {driven_->pose(), driven_->next_pose()};
+  if (!free_) return {};
+  const RigidState& rigid = free_->rigid();
+  const double h = options_.step;
+  Pose end;
+  end.rotation = rigid.rotation * turn_by(h * rigid.spin);
+  const Eigen::Vector3d centre = rigid.centre + h * rigid.velocity;
+  end.position = centre - end.rotation * free_->mesh_centre();
+  return {free_->pose(), end};
+}
+
+bool Body::can_be_cut() const {
+  if (!driven_) return true;
+  for (std::size_t b = 0; b < driven_->bones(); ++b) {
+    const Pose &now = driven_->pose(b), &next = driven_->next_pose(b);
+    if (now.position != next.position || now.rotation.coeffs() != next.rotation.coeffs())
+      return false;
+  }
+  return !driven_->turning();
+}
+
 // Adds rotations, pushes and forces of the frame in the next step to the step's load or, for a free
 // body, to its frame.
 void Body::gather_frame() {
@@ -215,22 +236,6 @@ StepReport Body::advance() {
 
 // Adds the frame's work in a step to the sums, or cancels it if the step failed. Returns the work
 // of forces that are not in the step's load, J.
-double Body::end_frame_step(bool made) {
-  double contact = 0.0;
-  if (contact_ && made) {
-    const ContactAccount account = contact_account();
-    contact = account.work + account.hand_work + account.joint_work;
-    sums_.hand += account.hand_work;
-    sums_.joint += account.joint_work;
-    sums_.contact += account.work;
-    sums_.lost += account.lost;
-    sums_.rubbed += account.rubbed;
-    sums_.given += account.given;
-    sums_.contact_error += account.surplus;
-  }
-  return contact + end_frame_motion(made);
-}
-
 double Body::end_frame_motion(bool made) {
   if (driven_) {
     if (!made) {

@@ -8,9 +8,9 @@
 
 namespace tremolo {
 
-StepReport Body::step(std::span<const PlacedCollider> colliders) {
+StepReport Body::step() {
   if (const std::optional<StepReport> failed = begin_step()) return *failed;
-  return end_step(advance_among(colliders));
+  return end_step(advance(), 0.0, false);
 }
 
 // The loads of the step, and a message for loads that are not valid.
@@ -19,18 +19,17 @@ std::optional<StepReport> Body::begin_step() {
   kick_ = kick();
   if (!std::isfinite(kick_)) return explain({.converged = false, .failure = StepFailure::kLoad});
   q_before_ = state_.q;
-  booked_ = false;
   return std::nullopt;
 }
 
 // Adds a step that succeeded to the sums, or sets the reason of its failure.
-StepReport Body::end_step(StepReport report) {
+StepReport Body::end_step(StepReport report, double outside, bool booked) {
   iterations_ += report.iterations;
   if (!report.converged) {
-    end_frame_step(false);
+    end_frame_motion(false);
     return explain(report);
   }
-  if (!booked_) book_step(report);
+  if (!booked) book_step(report, outside);
   if (++steps_since_look_ >= kStepsBetweenLooks && !look()) {
     put_back();
     report.converged = false;
@@ -44,29 +43,48 @@ StepReport Body::end_step(StepReport report) {
   return report;
 }
 
-// Adds the energies of a step, or of a part of it, to the sums.
-void Body::book_step(const StepReport& report) {
-  const double frame_work = end_frame_step(true);
+void Body::book_step(const StepReport& report, double outside) {
+  const double frame_work = outside + end_frame_motion(true);
   const double work = frame_work + step_load_.average.dot(state_.q - q_before_) + report.extra_work;
   sums_.work += work;
   sums_.dissipated += report.dissipated;
   bound_.put_in(work, kick_);
 }
 
+void Body::take_back(const Eigen::VectorXd& p) {
+  state_.q = q_before_;
+  state_.p = p;
+  if (free_) free_->restore(rigid_before_);
+  integrator_->reset();
+}
+
+double Body::stop_motion() {
+  const double before = total_energy();
+  if (free_)
+    free_->set_motion(Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), state_.q,
+                      Eigen::VectorXd::Zero(state_.q.size()));
+  state_.p.setZero();
+  integrator_->reset();
+  const double taken = before - total_energy();
+  sums_.work -= taken;
+  return taken;
+}
+
+void Body::rest_a_step() {
+  ++steps_;
+  age_applied_forces();
+}
+
+Eigen::Matrix3d Body::turn_at_place(Eigen::Index place) const {
+  if (!skin_) return pose().rotation.toRotationMatrix();
+  return blended(place_weights_[static_cast<std::size_t>(place)], bone_maps()).leftCols<3>();
+}
+
 // Counts the forces of the step from time() on, which succeeded.
 void Body::take_place_forces() {
   if (place_forces_.none()) return;
-  const auto turn = [this](Eigen::Index place) -> Eigen::Matrix3d {
-    if (!skin_) return pose().rotation.toRotationMatrix();
-    return blended(place_weights_[static_cast<std::size_t>(place)], bone_maps()).leftCols<3>();
-  };
-  place_forces_.end_step(time(), options_.step, turn);
-  for (std::size_t i = 0; i < grips_.size(); ++i) {
-    const auto place = model_->response_place(grips_[i].vertex);
-    // A grab may be at a point of a triangle at the vertex.
-    if (!place || !grips_[i].at_vertex) continue;
-    place_forces_.push(*place, turn(*place).transpose() * hand_force(hands_[i]));
-  }
+  place_forces_.end_step(time(), options_.step,
+                         [this](Eigen::Index place) { return turn_at_place(place); });
 }
 
 // 1/2 (h |f|)^2 of the step's largest f, J.
@@ -111,6 +129,7 @@ void Body::keep_sound_state() {
   sound_ = state_;
   if (free_) sound_rigid_ = free_->rigid();
   sound_sums_ = sums_;
+  keep_outside_sums();
 }
 
 void Body::put_back() {
@@ -118,6 +137,7 @@ void Body::put_back() {
   state_ = sound_;
   if (free_) free_->restore(sound_rigid_);
   sums_ = sound_sums_;
+  put_back_outside_sums();
   integrator_->reset();
 }
 

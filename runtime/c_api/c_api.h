@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "common/result.h"
-#include "runtime/body.h"
 #include "runtime/contact/contact_law.h"
+#include "runtime/contact_body.h"
 #include "runtime/model.h"
 #include "runtime/tremolo.h"
 #include "runtime/world.h"
@@ -25,7 +25,7 @@ struct tremolo_model {
   tremolo::Model::Pointer pointer;
 };
 struct tremolo_body {
-  tremolo::Body body;
+  tremolo::ContactBody body;
   std::vector<tremolo::PlacedCollider> around = {};  // those of the step, kept for their room
 };
 struct tremolo_collider {
@@ -74,10 +74,10 @@ Status need_buffer(const void* buffer, std::size_t length, std::size_t needed);
 inline const Model& behind(const tremolo_model& handle) {
   return *handle.pointer;
 }
-inline Body& behind(tremolo_body& handle) {
+inline ContactBody& behind(tremolo_body& handle) {
   return handle.body;
 }
-inline const Body& behind(const tremolo_body& handle) {
+inline const ContactBody& behind(const tremolo_body& handle) {
   return handle.body;
 }
 inline World& behind(tremolo_world& handle) {

@@ -43,7 +43,7 @@ Result<FrameKind> to_frame(std::int32_t frame) {
 
 namespace {
 
-using tremolo::Body;
+using tremolo::ContactBody;
 using tremolo::Result;
 using tremolo::Status;
 using tremolo::Success;
@@ -55,7 +55,7 @@ constexpr const char* kDefaultName = tremolo::kDefaultIntegrator.data();
 
 template <class Real>
 tremolo_status positions(const tremolo_body* body, Real* out, std::size_t length) noexcept {
-  return with(body, {{out, "the buffer"}}, [&](const Body& known) -> Status {
+  return with(body, {{out, "the buffer"}}, [&](const ContactBody& known) -> Status {
     return known.surface_positions(std::span<Real>(out, length));
   });
 }
@@ -98,7 +98,7 @@ tremolo_status tremolo_body_create(const tremolo_model* model, const tremolo_bod
     const char* name = full->integrator == nullptr ? kDefaultName : full->integrator;
     const Result<tremolo::FrameKind> frame = tremolo::c_api::to_frame(full->frame);
     if (!frame) return frame.error();
-    Result<Body> made = Body::create(model->pointer, name, *integrator, *frame);
+    Result<ContactBody> made = ContactBody::create(model->pointer, name, *integrator, *frame);
     if (!made) return made.error();
     *body = new tremolo_body{std::move(*made)};
     return Success{};
@@ -111,7 +111,7 @@ void tremolo_body_destroy(tremolo_body* body) {
 
 tremolo_status tremolo_body_apply_force(tremolo_body* body, uint32_t vertex, const double force[3],
                                         int32_t steps) {
-  return with(body, {{force, "the force"}}, [&](Body& known) -> Status {
+  return with(body, {{force, "the force"}}, [&](ContactBody& known) -> Status {
     const Result<tremolo::VertexId> id = tremolo::c_api::to_vertex(vertex);
     if (!id) return id.error();
     return known.apply_force(*id, Eigen::Vector3d(force), steps);
@@ -119,7 +119,7 @@ tremolo_status tremolo_body_apply_force(tremolo_body* body, uint32_t vertex, con
 }
 
 tremolo_status tremolo_body_clear_forces(tremolo_body* body) {
-  return with(body, [](Body& known) -> Status {
+  return with(body, [](ContactBody& known) -> Status {
     known.clear_forces();
     return Success{};
   });
@@ -127,7 +127,7 @@ tremolo_status tremolo_body_clear_forces(tremolo_body* body) {
 
 tremolo_status tremolo_body_step(tremolo_body* body, int64_t count, int64_t* done) {
   if (done != nullptr) *done = 0;
-  return with(body, [&](Body& known) -> Status {
+  return with(body, [&](ContactBody& known) -> Status {
     if (count < 0) return tremolo::usage_error("the number of steps is " + std::to_string(count));
     for (int64_t step = 0; step < count; ++step) {
       const tremolo::StepReport report = known.step();
@@ -145,14 +145,14 @@ double tremolo_body_time(const tremolo_body* body) {
 }
 
 tremolo_status tremolo_body_state(const tremolo_body* body, double* q, double* p, size_t length) {
-  return with(body, [&](const Body& known) {
+  return with(body, [&](const ContactBody& known) {
     return tremolo::c_api::copy_state(known.state(), q, p, length);
   });
 }
 
 tremolo_status tremolo_body_set_state(tremolo_body* body, const double* q, const double* p,
                                       size_t length) {
-  return with(body, {{p, "the momenta"}}, [&](Body& known) -> Status {
+  return with(body, {{p, "the momenta"}}, [&](ContactBody& known) -> Status {
     const Eigen::Index r = known.model().modes();
     if (Status s = tremolo::c_api::need_buffer(q, length, static_cast<size_t>(r)); !s) return s;
     return known.set_state(Eigen::Map<const Eigen::VectorXd>(q, r),
@@ -171,14 +171,14 @@ tremolo_status tremolo_body_positions_double(const tremolo_body* body, double* o
 tremolo_status tremolo_body_surface_float(const tremolo_body* body, float* positions,
                                           float* normals, size_t length) {
   return with(body, {{positions, "the buffer for positions"}, {normals, "the buffer for normals"}},
-              [&](const Body& known) {
+              [&](const ContactBody& known) {
                 return known.surface(std::span(positions, length), std::span(normals, length));
               });
 }
 
 tremolo_status tremolo_body_energy(const tremolo_body* body, double* kinetic, double* potential,
                                    double* high_band) {
-  return with(body, [&](const Body& known) -> Status {
+  return with(body, [&](const ContactBody& known) -> Status {
     tremolo::c_api::copy_energy(known.energy(), kinetic, potential, high_band);
     return Success{};
   });

@@ -8,7 +8,7 @@
 namespace {
 
 using Eigen::Vector3d;
-using tremolo::Body;
+using tremolo::ContactBody;
 using tremolo::Result;
 using tremolo::Skin;
 using tremolo::Status;
@@ -39,7 +39,8 @@ tremolo_status create_with_skin(const tremolo_model* model, const tremolo_body_o
     if (!skin) return skin.error();
     const std::string_view name =
         full->integrator == nullptr ? tremolo::kDefaultIntegrator : full->integrator;
-    Result<Body> made = Body::create(model->pointer, name, *integrator, std::move(*skin));
+    Result<ContactBody> made =
+        ContactBody::create(model->pointer, name, *integrator, std::move(*skin));
     if (!made) return made.error();
     *body = new tremolo_body{std::move(*made)};
     return Success{};
@@ -73,16 +74,17 @@ tremolo_status tremolo_body_create_with_weights(const tremolo_model* model,
 
 tremolo_status tremolo_body_set_bone(tremolo_body* body, size_t bone, const double position[3],
                                      const double quaternion[4]) {
-  return with(body, {{position, "the position"}, {quaternion, "the quaternion"}}, [&](Body& known) {
-    return known.set_bone(bone, bone_pose_from(position, quaternion));
-  });
+  return with(body, {{position, "the position"}, {quaternion, "the quaternion"}},
+              [&](ContactBody& known) {
+                return known.set_bone(bone, bone_pose_from(position, quaternion));
+              });
 }
 
 tremolo_status tremolo_body_move_bone_to(tremolo_body* body, size_t bone, const double position[3],
                                          const double quaternion[4],
                                          const tremolo_frame_motion* motion) {
   return with(body, {{position, "the position"}, {quaternion, "the quaternion"}},
-              [&](Body& known) -> Status {
+              [&](ContactBody& known) -> Status {
                 const tremolo::Pose pose = bone_pose_from(position, quaternion);
                 if (motion == nullptr) return known.move_bone_to(bone, pose);
                 return known.move_bone_to(bone, pose,

@@ -11,8 +11,8 @@
 namespace {
 
 using Eigen::Vector3d;
-using tremolo::Body;
 using tremolo::Collider;
+using tremolo::ContactBody;
 using tremolo::ContactOptions;
 using tremolo::PlacedCollider;
 using tremolo::Pose;
@@ -92,7 +92,7 @@ void tremolo_contact_options_init(tremolo_contact_options* options) {
 
 tremolo_status tremolo_body_set_contact(tremolo_body* body,
                                         const tremolo_contact_options* options) {
-  return with(body, [&](Body& known) -> Status {
+  return with(body, [&](ContactBody& known) -> Status {
     const auto full = tremolo::c_api::complete(options, tremolo_contact_options_init,
                                                "tremolo_contact_options_init");
     if (!full) return full.error();
@@ -171,7 +171,7 @@ void tremolo_placed_collider_init(tremolo_placed_collider* placed,
 
 tremolo_status tremolo_body_step_among(tremolo_body* body, const tremolo_placed_collider* colliders,
                                        size_t count) {
-  return with(body, [&](Body& known) -> Status {
+  return with(body, [&](ContactBody& known) -> Status {
     if (count > 0)
       if (Status s = need({{colliders, "the colliders"}}); !s) return s;
     if (Status s = tremolo::c_api::place_colliders(colliders, count, body->around); !s) return s;
@@ -184,7 +184,7 @@ tremolo_status tremolo_body_step_among(tremolo_body* body, const tremolo_placed_
 
 tremolo_status tremolo_body_contact(const tremolo_body* body, double* penetration, double* impulse,
                                     int32_t* points) {
-  return with(body, [&](const Body& known) -> Status {
+  return with(body, [&](const ContactBody& known) -> Status {
     const tremolo::ContactAccount account = known.contact_account();
     put(account.penetration, penetration);
     put(account.impulse, impulse);
@@ -194,7 +194,7 @@ tremolo_status tremolo_body_contact(const tremolo_body* body, double* penetratio
 }
 
 tremolo_status tremolo_body_contact_impulses(const tremolo_body* body, double* out, size_t length) {
-  return with(body, [&](const Body& known) -> Status {
+  return with(body, [&](const ContactBody& known) -> Status {
     std::span<const double> impulses;
     if (known.contact() != nullptr) impulses = known.contact()->impulses();
     if (Status s = tremolo::c_api::need_buffer(out, length, impulses.size()); !s) return s;
@@ -205,7 +205,7 @@ tremolo_status tremolo_body_contact_impulses(const tremolo_body* body, double* o
 
 tremolo_status tremolo_body_collider_impulses(const tremolo_body* body, double* out,
                                               size_t length) {
-  return with(body, [&](const Body& known) -> Status {
+  return with(body, [&](const ContactBody& known) -> Status {
     std::span<const Eigen::Vector3d> impulses;
     if (known.contact() != nullptr) impulses = known.contact()->collider_impulses();
     if (Status s = tremolo::c_api::need_buffer(out, length, 3 * impulses.size()); !s) return s;
@@ -217,7 +217,7 @@ tremolo_status tremolo_body_collider_impulses(const tremolo_body* body, double* 
 tremolo_status tremolo_body_contact_points(const tremolo_body* body, tremolo_contact_point* out,
                                            size_t capacity, size_t* count) {
   return with(body, {{count, "the place for the number of points"}},
-              [&](const Body& known) -> Status {
+              [&](const ContactBody& known) -> Status {
                 std::span<const tremolo::ContactedPoint> points;
                 if (known.contact() != nullptr) points = known.contact()->contacted();
                 *count = points.size();
@@ -242,20 +242,20 @@ tremolo_status tremolo_body_contact_points(const tremolo_body* body, tremolo_con
 tremolo_status tremolo_body_contact_work(const tremolo_body* body, double* stored, double* given,
                                          double* restitution, double* friction, double* hand,
                                          double* error) {
-  return with(body, [&](const Body& known) -> Status {
+  return with(body, [&](const ContactBody& known) -> Status {
     put(known.contact_account().energy, stored);
-    put(known.contact_given(), given);
-    put(0.0 - known.contact_lost(), restitution);
-    put(0.0 - known.contact_rubbed(), friction);
-    put(known.hand_work(), hand);
-    put(known.contact_error(), error);
+    put(known.contact_sums().given, given);
+    put(0.0 - known.contact_sums().lost, restitution);
+    put(0.0 - known.contact_sums().rubbed, friction);
+    put(known.contact_sums().hand, hand);
+    put(known.contact_sums().error, error);
     return Success{};
   });
 }
 
 tremolo_status tremolo_body_grab(tremolo_body* body, uint32_t vertex, double stiffness,
                                  double damping, uint64_t* hand) {
-  return with(body, {{hand, "the place for the hand"}}, [&](Body& known) -> Status {
+  return with(body, {{hand, "the place for the hand"}}, [&](ContactBody& known) -> Status {
     const Result<tremolo::VertexId> id = tremolo::c_api::to_vertex(vertex);
     if (!id) return id.error();
     const Result<std::size_t> number = known.grab(*id, stiffness, damping);
@@ -267,15 +267,15 @@ tremolo_status tremolo_body_grab(tremolo_body* body, uint32_t vertex, double sti
 
 tremolo_status tremolo_body_move_hand(tremolo_body* body, uint64_t hand, const double place[3]) {
   return with(body, {{place, "the place"}},
-              [&](Body& known) { return known.move_hand(hand, Vector3d(place)); });
+              [&](ContactBody& known) { return known.move_hand(hand, Vector3d(place)); });
 }
 
 tremolo_status tremolo_body_release(tremolo_body* body, uint64_t hand) {
-  return with(body, [&](Body& known) { return known.release(hand); });
+  return with(body, [&](ContactBody& known) { return known.release(hand); });
 }
 
 tremolo_status tremolo_body_hand_force(const tremolo_body* body, uint64_t hand, double force[3]) {
-  return with(body, {{force, "the place for the force"}}, [&](const Body& known) -> Status {
+  return with(body, {{force, "the place for the force"}}, [&](const ContactBody& known) -> Status {
     const Vector3d found = known.hand_force(hand);
     std::copy(found.begin(), found.end(), force);
     return Success{};
@@ -284,7 +284,7 @@ tremolo_status tremolo_body_hand_force(const tremolo_body* body, uint64_t hand, 
 
 tremolo_status tremolo_body_hand_spring(const tremolo_body* body, uint64_t hand, double* stiffness,
                                         double* damping) {
-  return with(body, [&](const Body& known) -> Status {
+  return with(body, [&](const ContactBody& known) -> Status {
     const tremolo::HandSpring spring = known.hand_spring(hand);
     put(spring.stiffness, stiffness);
     put(spring.damping, damping);

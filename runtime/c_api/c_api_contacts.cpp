@@ -14,7 +14,7 @@ struct tremolo_contacts {
   tremolo::BodyGroup group;
   std::vector<tremolo_body*> bodies = {};
   // Lists of a step, kept for their room.
-  std::vector<tremolo::Body*> stepped = {};
+  std::vector<tremolo::ContactBody*> stepped = {};
   std::vector<tremolo::StepReport> reports = {};
   std::vector<tremolo::PlacedCollider> around = {};
 };

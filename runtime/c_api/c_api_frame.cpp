@@ -6,7 +6,7 @@
 namespace {
 
 using Eigen::Vector3d;
-using tremolo::Body;
+using tremolo::ContactBody;
 using tremolo::Pose;
 using tremolo::Status;
 using tremolo::Success;
@@ -30,12 +30,12 @@ void copy(double value, double* out) {
 tremolo_status tremolo_body_set_pose(tremolo_body* body, const double position[3],
                                      const double quaternion[4]) {
   return with(body, {{position, "the position"}, {quaternion, "the quaternion"}},
-              [&](Body& known) { return known.set_pose(to_pose(position, quaternion)); });
+              [&](ContactBody& known) { return known.set_pose(to_pose(position, quaternion)); });
 }
 
 tremolo_status tremolo_body_pose(const tremolo_body* body, double position[3],
                                  double quaternion[4]) {
-  return with(body, [&](const Body& known) -> Status {
+  return with(body, [&](const ContactBody& known) -> Status {
     const Pose pose = known.pose();
     copy(pose.position, position);
     if (quaternion == nullptr) return Success{};
@@ -49,7 +49,7 @@ tremolo_status tremolo_body_move_to(tremolo_body* body, const double position[3]
                                     const double quaternion[4],
                                     const tremolo_frame_motion* motion) {
   return with(body, {{position, "the position"}, {quaternion, "the quaternion"}},
-              [&](Body& known) -> Status {
+              [&](ContactBody& known) -> Status {
                 const Pose pose = to_pose(position, quaternion);
                 if (motion == nullptr) return known.move_to(pose);
                 return known.move_to(pose, {Vector3d(motion->acceleration), Vector3d(motion->spin),
@@ -59,12 +59,13 @@ tremolo_status tremolo_body_move_to(tremolo_body* body, const double position[3]
 
 tremolo_status tremolo_body_set_motion(tremolo_body* body, const double velocity[3],
                                        const double spin[3]) {
-  return with(body, {{velocity, "the velocity"}, {spin, "the spin"}},
-              [&](Body& known) { return known.set_motion(Vector3d(velocity), Vector3d(spin)); });
+  return with(body, {{velocity, "the velocity"}, {spin, "the spin"}}, [&](ContactBody& known) {
+    return known.set_motion(Vector3d(velocity), Vector3d(spin));
+  });
 }
 
 tremolo_status tremolo_body_motion(const tremolo_body* body, double velocity[3], double spin[3]) {
-  return with(body, [&](const Body& known) -> Status {
+  return with(body, [&](const ContactBody& known) -> Status {
     const tremolo::RigidState rigid = known.rigid_state();
     copy(rigid.velocity, velocity);
     copy(rigid.spin, spin);
@@ -74,7 +75,7 @@ tremolo_status tremolo_body_motion(const tremolo_body* body, double velocity[3],
 
 tremolo_status tremolo_body_momentum(const tremolo_body* body, double linear[3],
                                      double angular[3]) {
-  return with(body, [&](const Body& known) -> Status {
+  return with(body, [&](const ContactBody& known) -> Status {
     copy(known.linear_momentum(), linear);
     copy(known.angular_momentum(), angular);
     return Success{};
@@ -83,13 +84,13 @@ tremolo_status tremolo_body_momentum(const tremolo_body* body, double linear[3],
 
 tremolo_status tremolo_body_set_gravity(tremolo_body* body, const double gravity[3]) {
   return with(body, {{gravity, "gravity"}},
-              [&](Body& known) { return known.set_gravity(Vector3d(gravity)); });
+              [&](ContactBody& known) { return known.set_gravity(Vector3d(gravity)); });
 }
 
 tremolo_status tremolo_body_work(const tremolo_body* body, double* load, double* support,
                                  double* gravity, double* damping) {
-  return with(body, [&](const Body& known) -> Status {
-    const double contact = known.contact_work() + known.hand_work();
+  return with(body, [&](const ContactBody& known) -> Status {
+    const double contact = known.contact_sums().work + known.contact_sums().hand;
     copy(known.work() - known.support_work() - known.gravity_work() - contact, load);
     copy(known.support_work(), support);
     copy(known.gravity_work(), gravity);

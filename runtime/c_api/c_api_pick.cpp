@@ -7,7 +7,7 @@
 namespace {
 
 using Eigen::Vector3d;
-using tremolo::Body;
+using tremolo::ContactBody;
 using tremolo::Result;
 using tremolo::Status;
 using tremolo::Success;
@@ -30,7 +30,7 @@ SurfacePlace place_of(uint32_t triangle, const double weights[3]) {
 tremolo_status tremolo_body_pick(const tremolo_body* body, const double origin[3],
                                  const double direction[3], tremolo_hit* hit) {
   return with(body, {{origin, "the origin"}, {direction, "the direction"}, {hit, "the hit"}},
-              [&](const Body& known) -> Status {
+              [&](const ContactBody& known) -> Status {
                 const auto found = known.pick(Vector3d(origin), Vector3d(direction));
                 if (!found) return found.error();
                 *hit = {};
@@ -47,13 +47,14 @@ tremolo_status tremolo_body_pick(const tremolo_body* body, const double origin[3
 
 tremolo_status tremolo_body_grab_at(tremolo_body* body, uint32_t triangle, const double weights[3],
                                     double stiffness, double damping, uint64_t* hand) {
-  return with(body, {{weights, "the weights"}, {hand, "the place for the hand"}}, [&](Body& known) {
-    return keep(known.grab(place_of(triangle, weights), stiffness, damping), hand);
-  });
+  return with(body, {{weights, "the weights"}, {hand, "the place for the hand"}},
+              [&](ContactBody& known) {
+                return keep(known.grab(place_of(triangle, weights), stiffness, damping), hand);
+              });
 }
 
 tremolo_status tremolo_body_pin(tremolo_body* body, uint32_t vertex, uint64_t* hand) {
-  return with(body, {{hand, "the place for the hand"}}, [&](Body& known) -> Status {
+  return with(body, {{hand, "the place for the hand"}}, [&](ContactBody& known) -> Status {
     const Result<tremolo::VertexId> id = tremolo::c_api::to_vertex(vertex);
     if (!id) return id.error();
     return keep(known.pin(*id), hand);
@@ -62,6 +63,7 @@ tremolo_status tremolo_body_pin(tremolo_body* body, uint32_t vertex, uint64_t* h
 
 tremolo_status tremolo_body_pin_at(tremolo_body* body, uint32_t triangle, const double weights[3],
                                    uint64_t* hand) {
-  return with(body, {{weights, "the weights"}, {hand, "the place for the hand"}},
-              [&](Body& known) { return keep(known.pin(place_of(triangle, weights)), hand); });
+  return with(
+      body, {{weights, "the weights"}, {hand, "the place for the hand"}},
+      [&](ContactBody& known) { return keep(known.pin(place_of(triangle, weights)), hand); });
 }

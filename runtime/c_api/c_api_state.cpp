@@ -8,7 +8,7 @@
 
 namespace {
 
-using tremolo::Body;
+using tremolo::ContactBody;
 using tremolo::Status;
 using tremolo::Success;
 using tremolo::c_api::with;
@@ -17,7 +17,7 @@ using tremolo::c_api::with;
 
 tremolo_status tremolo_body_save(const tremolo_body* body, void* bytes, size_t capacity,
                                  size_t* size) {
-  return with(body, {{size, "the place for the size"}}, [&](const Body& known) -> Status {
+  return with(body, {{size, "the place for the size"}}, [&](const ContactBody& known) -> Status {
     const std::vector<std::byte> saved = known.save();
     if (bytes != nullptr) {
       if (capacity < saved.size())
@@ -31,11 +31,11 @@ tremolo_status tremolo_body_save(const tremolo_body* body, void* bytes, size_t c
 }
 
 tremolo_status tremolo_body_restore(tremolo_body* body, const void* bytes, size_t size) {
-  return with(body, {{bytes, "the bytes"}}, [&](Body& known) {
+  return with(body, {{bytes, "the bytes"}}, [&](ContactBody& known) {
     return known.restore(std::span(static_cast<const std::byte*>(bytes), size));
   });
 }
 
 tremolo_status tremolo_body_set_damping(tremolo_body* body, double alpha, double beta) {
-  return with(body, [&](Body& known) { return known.set_damping(alpha, beta); });
+  return with(body, [&](ContactBody& known) { return known.set_damping(alpha, beta); });
 }

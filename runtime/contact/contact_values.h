@@ -42,11 +42,6 @@ inline double elastic_layer_modulus(double young, double poisson, double thickne
   return (1.0 - poisson) * young / ((1.0 + poisson) * (1.0 - 2.0 * poisson)) * extent / thickness;
 }
 
-// Poses of the body's mesh frame in the step. For a free body `end` is a prediction.
-struct StepPoses {
-  Pose start, end;
-};
-
 // All known forces on a body in the next step.
 struct StepPush {
   const Eigen::VectorXd* force = nullptr;                  // on the coordinates, r

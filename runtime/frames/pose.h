@@ -52,4 +52,9 @@ inline Eigen::Vector3d turn_of(const Eigen::Quaterniond& turn) {
   return (sign * 2.0 * std::atan2(sine, sign * turn.w()) / sine) * turn.vec();
 }
 
+// Poses of the body's mesh frame in the step. For a free body `end` is a prediction.
+struct StepPoses {
+  Pose start, end;
+};
+
 }  // namespace tremolo

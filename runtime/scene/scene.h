@@ -14,9 +14,9 @@
 
 #include "common/load_signal.h"
 #include "common/result.h"
-#include "runtime/body.h"
 #include "runtime/contact/collider.h"
 #include "runtime/contact/joint.h"
+#include "runtime/contact_body.h"
 #include "runtime/scene/motion.h"
 #include "runtime/skeleton/bone_weights.h"
 

@@ -79,7 +79,7 @@ void SceneColliders::move(std::int64_t k, double step) {
   }
 }
 
-DeepestPoint deepest_point(const Body& body, std::span<const PlacedCollider> colliders) {
+DeepestPoint deepest_point(const ContactBody& body, std::span<const PlacedCollider> colliders) {
   std::vector<double> places(3 * body.model().surface().rest.size());
   (void)body.boundary_positions(places);  // the buffer fits
   DeepestPoint deepest;
@@ -91,7 +91,7 @@ DeepestPoint deepest_point(const Body& body, std::span<const PlacedCollider> col
   return deepest;
 }
 
-double begins_within_margin(const Body& body, std::span<const PlacedCollider> colliders) {
+double begins_within_margin(const ContactBody& body, std::span<const PlacedCollider> colliders) {
   const ContactStep* contact = body.contact();
   if (contact == nullptr) return 0.0;
   const ContactPoints& points = contact->points();

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "common/result.h"
-#include "runtime/body.h"
 #include "runtime/contact/contact_law.h"
+#include "runtime/contact_body.h"
 #include "runtime/scene/motion.h"
 #include "runtime/scene/scene.h"
 
@@ -43,10 +43,10 @@ struct DeepestPoint {
   double depth = 0.0;
   std::size_t collider = 0;
 };
-DeepestPoint deepest_point(const Body& body, std::span<const PlacedCollider> colliders);
+DeepestPoint deepest_point(const ContactBody& body, std::span<const PlacedCollider> colliders);
 
 // How far a contact point of the body is within the margin of a collider at the start of the step,
 // m; 0: none is.
-double begins_within_margin(const Body& body, std::span<const PlacedCollider> colliders);
+double begins_within_margin(const ContactBody& body, std::span<const PlacedCollider> colliders);
 
 }  // namespace tremolo

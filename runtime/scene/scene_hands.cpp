@@ -9,7 +9,7 @@
 namespace tremolo {
 using Eigen::Vector3d;
 
-Result<MovingHand> MovingHand::create(const SceneHand& wanted, const Body& body) {
+Result<MovingHand> MovingHand::create(const SceneHand& wanted, const ContactBody& body) {
   const Result<std::vector<VertexId>> vertices = vertices_of(wanted.at, body.model());
   if (!vertices) return Error{vertices.error().kind, "at: " + vertices.error().message};
   if (vertices->size() != 1)
@@ -24,7 +24,8 @@ Result<MovingHand> MovingHand::create(const SceneHand& wanted, const Body& body)
   return MovingHand(std::move(*path), vertices->front(), std::move(*place));
 }
 
-bool MovingHand::before_step(const SceneHand& wanted, std::int64_t k, double step, Body& body) {
+bool MovingHand::before_step(const SceneHand& wanted, std::int64_t k, double step,
+                             ContactBody& body) {
   const double t = static_cast<double>(k) * step, now = t + kSameTime * step;
   if (over_ || now < wanted.from) return true;
   if (now >= wanted.until) {
@@ -50,7 +51,7 @@ bool MovingHand::before_step(const SceneHand& wanted, std::int64_t k, double ste
       body.move_hand(*number_, path_.pose_in(piece, static_cast<double>(k + 1) * step) * base_));
 }
 
-void MovingHand::carry(StateStream& stream, const Body& body) {
+void MovingHand::carry(StateStream& stream, const ContactBody& body) {
   stream(number_, over_, base_);
   if (stream.reads() && number_) spring_ = body.hand_spring(*number_);
   // The body has the vertex's rows of a hand that holds.

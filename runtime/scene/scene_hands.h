@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
-#include "runtime/body.h"
+#include "runtime/contact_body.h"
 #include "runtime/scene/motion.h"
 #include "runtime/scene/scene.h"
 
@@ -18,22 +18,22 @@ class MovingHand {
  public:
   // Errors: those of selectors; kContent for a selector of no vertex or of several, and for a
   // vertex that does not move.
-  static Result<MovingHand> create(const SceneHand& wanted, const Body& body);
+  static Result<MovingHand> create(const SceneHand& wanted, const ContactBody& body);
 
   // Before the body's k-th step, counted from 0: takes hold, says where the hand will be at the end
   // of the step, or lets go. Nothing is allocated if the body has room for the hand
   // (Body::reserve_contact). False if the body did not take it.
-  bool before_step(const SceneHand& wanted, std::int64_t k, double step, Body& body);
+  bool before_step(const SceneHand& wanted, std::int64_t k, double step, ContactBody& body);
 
   // What it carries between steps. body: which it holds, put back before.
-  void carry(StateStream& stream, const Body& body);
+  void carry(StateStream& stream, const ContactBody& body);
 
   VertexId vertex() const { return vertex_; }
   bool holds() const { return number_.has_value(); }
   // The spring and damper in use while it holds, or last used; nullopt before it has held.
   const std::optional<HandSpring>& spring() const { return spring_; }
   // On the body in the last step, N, world; zero while it does not hold.
-  Eigen::Vector3d force(const Body& body) const {
+  Eigen::Vector3d force(const ContactBody& body) const {
     return number_ ? body.hand_force(*number_) : Eigen::Vector3d::Zero();
   }
 

@@ -12,7 +12,7 @@
 namespace tremolo {
 namespace {
 
-Result<VertexId> one_vertex(const char* key, const std::string& text, const Body& body) {
+Result<VertexId> one_vertex(const char* key, const std::string& text, const ContactBody& body) {
   const Result<std::vector<VertexId>> vertices = vertices_of(text, body.model());
   const std::string what = std::string(key) + " = \"" + text + "\"";
   if (!vertices) return content_error(what + ": " + vertices.error().message);
@@ -24,8 +24,8 @@ Result<VertexId> one_vertex(const char* key, const std::string& text, const Body
 
 }  // namespace
 
-Result<HeldJoint> HeldJoint::create(const SceneJoint& wanted, const Body& first,
-                                    const Body& second) {
+Result<HeldJoint> HeldJoint::create(const SceneJoint& wanted, const ContactBody& first,
+                                    const ContactBody& second) {
   const Result<VertexId> at = one_vertex("at", wanted.at, first);
   if (!at) return at.error();
   if (wanted.to_at.empty()) {

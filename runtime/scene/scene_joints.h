@@ -6,9 +6,9 @@
 
 #include "common/result.h"
 #include "common/state_stream.h"
-#include "runtime/body.h"
 #include "runtime/contact/joint.h"
 #include "runtime/contact/solve/body_group.h"
+#include "runtime/contact_body.h"
 #include "runtime/scene/scene.h"
 
 namespace tremolo {
@@ -17,7 +17,8 @@ class HeldJoint {
  public:
   // kContent: a selector that is not one vertex, places that begin apart though the joint is stiff
   // and has no length; else as make_joint.
-  static Result<HeldJoint> create(const SceneJoint& wanted, const Body& first, const Body& second);
+  static Result<HeldJoint> create(const SceneJoint& wanted, const ContactBody& first,
+                                  const ContactBody& second);
 
   // Joins the bodies a and b of the group; lets them go where the time is over at t, s.
   void begin(BodyGroup& group, std::size_t a, std::size_t b);

@@ -63,7 +63,7 @@ Result<DefaultLoad> forces_of(const SceneLoad& load, const Model& model) {
   return forces;
 }
 
-Status add_loads(const std::vector<SceneLoad>& loads, Body& body) {
+Status add_loads(const std::vector<SceneLoad>& loads, ContactBody& body) {
   for (const SceneLoad& load : loads) {
     if (load.signal.kind == SignalKind::kNone) continue;
     const Result<DefaultLoad> forces = forces_of(load, body.model());
@@ -75,7 +75,7 @@ Status add_loads(const std::vector<SceneLoad>& loads, Body& body) {
   return Success{};
 }
 
-Status settle(const SceneBody& wanted, const Eigen::Vector3d& gravity, Body& body) {
+Status settle(const SceneBody& wanted, const Eigen::Vector3d& gravity, ContactBody& body) {
   const Model& model = body.model();
   Eigen::VectorXd force = push_of_gravity(model, body.pose(), gravity);
   if (body.bones() > 0) force = body.gravity_force();

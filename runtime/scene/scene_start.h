@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/result.h"
-#include "runtime/body.h"
+#include "runtime/contact_body.h"
 #include "runtime/scene/motion.h"
 #include "runtime/scene/scene.h"
 
@@ -18,10 +18,10 @@ namespace tremolo {
 Result<DefaultLoad> forces_of(const SceneLoad& load, const Model& model);
 
 // Gives the body its loads. load.table must outlive it. Errors as forces_of and Body::add_load.
-Status add_loads(const std::vector<SceneLoad>& loads, Body& body);
+Status add_loads(const std::vector<SceneLoad>& loads, ContactBody& body);
 
 // Puts the body at rest where its loads at t = 0 and gravity hold it. Errors as standing_shape.
-Status settle(const SceneBody& wanted, const Eigen::Vector3d& gravity, Body& body);
+Status settle(const SceneBody& wanted, const Eigen::Vector3d& gravity, ContactBody& body);
 
 // The motion of the frame in the k-th step, counted from 0. piece: of the path.
 FrameMotion frame_motion(const MotionPath& path, std::size_t piece, std::int64_t k, double step);

@@ -117,9 +117,9 @@ Status SceneWorld::add(const SceneBody& wanted, Model::Pointer model) {
   std::shared_ptr<const Skin> skin;
   if (!wanted.bones.empty())
     if (Status s = take(skin, make_scene_skin(wanted, *model)); !s) return s;
-  Result<Body> body =
-      skin ? Body::create(std::move(model), wanted.integrator, options, std::move(skin))
-           : Body::create(std::move(model), wanted.integrator, options, frame_kind(wanted));
+  Result<ContactBody> body =
+      skin ? ContactBody::create(std::move(model), wanted.integrator, options, std::move(skin))
+           : ContactBody::create(std::move(model), wanted.integrator, options, frame_kind(wanted));
   if (!body) return body.error();
   Result<MotionPath> path = MotionPath::create(wanted.motion, unit(wanted.pose));
   if (!path) return path.error();
@@ -140,7 +140,7 @@ Status SceneWorld::add(const SceneBody& wanted, Model::Pointer model) {
 }
 
 Status SceneWorld::begin(const SceneBody& wanted, Actor& actor) const {
-  Body& body = actor.body;
+  ContactBody& body = actor.body;
   if (body.frame() != FrameKind::kFixed) {
     actor.piece = actor.path.piece(0.5 * scene_.step);
     const Pose pose = actor.path.pose_in(actor.piece, 0.0);
@@ -295,7 +295,7 @@ std::optional<std::size_t> SceneWorld::find(std::string_view name) const {
 // Damping that begins at the step.
 Status SceneWorld::damp(std::size_t i) {
   const SceneBody& wanted = scene_.bodies[i];
-  Body& body = actors_[i].body;
+  ContactBody& body = actors_[i].body;
   const auto now = [this](const std::vector<ValueFrom>& course, double before) {
     for (const ValueFrom& from : course)
       if (from.time <= time() + kSameTime * scene_.step) before = from.value;
@@ -448,7 +448,7 @@ void SceneWorld::note_pairs() {
 }
 
 Status SceneWorld::set_method(std::size_t i, std::string_view integrator) {
-  Body& body = actors_[i].body;
+  ContactBody& body = actors_[i].body;
   if (Status s = body.set_method(integrator, scene_.step); !s)
     return error_of_body(scene_.bodies[i], s.error());
   scene_.bodies[i].integrator = body.integrator().name();
@@ -459,7 +459,7 @@ Status SceneWorld::set_step(double step) {
   if (!(step > 0.0) || !std::isfinite(step))
     return usage_error("a step must be positive and finite, got " + number_text(step) + " s");
   for (std::size_t i = 0; i < size(); ++i) {
-    Body& body = actors_[i].body;
+    ContactBody& body = actors_[i].body;
     if (const Status s = body.set_method(body.integrator().name(), step); !s) {
       // The step that was there was good for all of them.
       for (std::size_t k = 0; k < i; ++k)
@@ -506,7 +506,7 @@ std::span<const SceneWorld::Failure> SceneWorld::step() {
 }
 
 EnergyAccount SceneWorld::account(std::size_t i) const {
-  const Body& body = actors_[i].body;
+  const ContactBody& body = actors_[i].body;
   const Energy energy = body.energy();
   EnergyAccount account;
   account.kinetic = energy.kinetic;
@@ -515,13 +515,13 @@ EnergyAccount SceneWorld::account(std::size_t i) const {
   account.support = body.support_work();
   account.gravity = body.gravity_work();
   account.contact = body.contact_account().energy;
-  account.contact_given = body.contact_given();
-  account.restitution = 0.0 - body.contact_lost();
-  account.friction = 0.0 - body.contact_rubbed();
-  account.hand = body.hand_work();
-  account.joint = body.joint_work();
-  account.contact_error = body.contact_error();
-  account.load = body.work() - account.support - account.gravity - body.contact_work() -
+  account.contact_given = body.contact_sums().given;
+  account.restitution = 0.0 - body.contact_sums().lost;
+  account.friction = 0.0 - body.contact_sums().rubbed;
+  account.hand = body.contact_sums().hand;
+  account.joint = body.contact_sums().joint;
+  account.contact_error = body.contact_sums().error;
+  account.load = body.work() - account.support - account.gravity - body.contact_sums().work -
                  account.hand - account.joint;
   account.damping = 0.0 - body.dissipated();
   return account;
@@ -529,7 +529,7 @@ EnergyAccount SceneWorld::account(std::size_t i) const {
 
 Momenta SceneWorld::momenta(std::size_t i) const {
   const Actor& actor = actors_[i];
-  const Body& body = actor.body;
+  const ContactBody& body = actor.body;
   if (body.frame() == FrameKind::kFree) return {body.linear_momentum(), body.angular_momentum()};
   if (!actor.inertia) return {};
   Eigen::VectorXd v(body.model().modes());

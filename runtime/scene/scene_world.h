@@ -30,8 +30,8 @@
 #include "common/result.h"
 #include "common/state_stream.h"
 #include "formats/saved/saved_file.h"
-#include "runtime/body.h"
 #include "runtime/contact/solve/body_group.h"
+#include "runtime/contact_body.h"
 #include "runtime/scene/energy_account.h"
 #include "runtime/scene/motion.h"
 #include "runtime/scene/scene.h"
@@ -96,9 +96,9 @@ class SceneWorld {
 
   // Bodies, in the scene's order.
   std::size_t size() const { return actors_.size(); }
-  const Body& body(std::size_t i) const { return actors_[i].body; }
+  const ContactBody& body(std::size_t i) const { return actors_[i].body; }
   // To push it; the world steps it.
-  Body& body(std::size_t i) { return actors_[i].body; }
+  ContactBody& body(std::size_t i) { return actors_[i].body; }
   const std::string& name(std::size_t i) const { return scene_.bodies[i].name; }
   std::optional<std::size_t> find(std::string_view name) const;
   // Whether a joint holds the two bodies that do not touch each other.
@@ -189,7 +189,7 @@ class SceneWorld {
 
  private:
   struct Actor {
-    Body body;
+    ContactBody body;
     MotionPath path;
     std::shared_ptr<const FrameInertia> inertia;  // about the frame's origin; may be null
     std::size_t piece = 0;
@@ -263,7 +263,7 @@ class SceneWorld {
   std::vector<Pair> pairs_;  // those that touch
   std::unique_ptr<BodyGroup> group_;
   std::vector<std::size_t> order_, place_;  // bodies by their names, and where each is there
-  std::vector<Body*> stepped_;              // by their names; null: it has failed
+  std::vector<ContactBody*> stepped_;       // by their names; null: it has failed
   std::vector<StepReport> reports_;
   std::map<std::string, Collider> shapes_;                 // of bodies, by their files
   std::unordered_map<std::string, std::size_t> numbers_;   // of bodies, by their names

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/body.h"
 #include "runtime/contact/solve/body_group.h"
 #include "runtime/contact/solve/contact_step.h"
+#include "runtime/contact_body.h"
 #include "runtime/scene/scene_world.h"
 #include "tests/support/meshes/made_cube.h"
 
@@ -29,12 +29,12 @@ struct Kind {
   double alpha = 0.0, beta = 0.0;
 };
 
-Body boxed(const Model::Pointer& model, const Kind& kind, const Pose& pose) {
+ContactBody boxed(const Model::Pointer& model, const Kind& kind, const Pose& pose) {
   IntegratorOptions options;
   options.step = kind.step;
   options.alpha = kind.alpha;
   options.beta = kind.beta;
-  Result<Body> body = Body::create(model, "ep4", options, FrameKind::kFree);
+  Result<ContactBody> body = ContactBody::create(model, "ep4", options, FrameKind::kFree);
   EXPECT_TRUE(body) << body.error().message;
   ContactOptions contact;
   contact.shape = BoxShape{Vector3d::Constant(0.05)};
@@ -56,9 +56,9 @@ struct Sum {
   double energy = 0.0;
 };
 
-Sum sum_of(std::span<Body* const> bodies) {
+Sum sum_of(std::span<ContactBody* const> bodies) {
   Sum sum;
-  for (const Body* body : bodies) {
+  for (const ContactBody* body : bodies) {
     sum.linear += body->linear_momentum();
     sum.angular += body->angular_momentum();
     sum.energy += body->energy().total() + body->contact_account().energy;
@@ -71,11 +71,11 @@ TEST(BodiesInContact, KeepBothMomentaAndTheEnergy) {
   for (const double friction : {0.0, 0.5}) {
     const Kind kind{.restitution = 1.0, .friction = friction};
     const Model::Pointer model = box("1e5");
-    Body left = boxed(model, kind, at({-0.09, 0.01, -0.02}));
-    Body right = boxed(model, kind, at({0.09, -0.01, 0.03}));
+    ContactBody left = boxed(model, kind, at({-0.09, 0.01, -0.02}));
+    ContactBody right = boxed(model, kind, at({0.09, -0.01, 0.03}));
     ASSERT_TRUE(left.set_motion({1.0, 0.2, 0}, {2, 5, -1}));
     ASSERT_TRUE(right.set_motion({-0.8, 0, 0.1}, {-3, 1, 4}));
-    const std::array<Body*, 2> bodies = {&left, &right};
+    const std::array<ContactBody*, 2> bodies = {&left, &right};
     std::array<StepReport, 2> reports;
     BodyGroup group;
     const Sum start = sum_of(bodies);
@@ -87,9 +87,9 @@ TEST(BodiesInContact, KeepBothMomentaAndTheEnergy) {
       ASSERT_TRUE(reports[0].converged && reports[1].converged) << i;
       touched += group.touches().size();
       const Sum now = sum_of(bodies);
-      const double taken = left.contact_lost() + left.contact_rubbed() + right.contact_lost() +
-                           right.contact_rubbed();
-      const double error = left.contact_error() + right.contact_error();
+      const double taken = left.contact_sums().lost + left.contact_sums().rubbed +
+                           right.contact_sums().lost + right.contact_sums().rubbed;
+      const double error = left.contact_sums().error + right.contact_sums().error;
       worst_linear = std::max(worst_linear, (now.linear - start.linear).norm());
       worst_angular = std::max(worst_angular, (now.angular - start.angular).norm());
       worst_energy = std::max(worst_energy, std::abs(now.energy + taken - error - start.energy));
@@ -99,7 +99,7 @@ TEST(BodiesInContact, KeepBothMomentaAndTheEnergy) {
     EXPECT_LT(worst_linear, 1e-12);
     EXPECT_LT(worst_angular, 1e-12);
     EXPECT_LT(worst_energy, 1e-9 * start.energy);
-    const double error = std::abs(left.contact_error()) + std::abs(right.contact_error());
+    const double error = std::abs(left.contact_sums().error) + std::abs(right.contact_sums().error);
     EXPECT_LT(error, 1e-9 * start.energy);
   }
 }
@@ -108,9 +108,10 @@ TEST(BodiesInContact, KeepBothMomentaAndTheEnergy) {
 TEST(BodiesInContact, ExchangeTheirMomentum) {
   const Kind kind{.step = 2e-4};
   const Model::Pointer model = box("1e10");
-  Body left = boxed(model, kind, at({-0.06, 0, 0})), right = boxed(model, kind, at({0.06, 0, 0}));
+  ContactBody left = boxed(model, kind, at({-0.06, 0, 0})),
+              right = boxed(model, kind, at({0.06, 0, 0}));
   ASSERT_TRUE(left.set_motion({1.0, 0, 0}, {0, 0, 0}));
-  const std::array<Body*, 2> bodies = {&left, &right};
+  const std::array<ContactBody*, 2> bodies = {&left, &right};
   std::array<StepReport, 2> reports;
   BodyGroup group;
   for (int i = 0; i < 1'000; ++i) {
@@ -140,8 +141,8 @@ Model::Pointer bar(double length, int cells) {
   return *model;
 }
 
-Body free_bar(const Model::Pointer& model, double length, double middle) {
-  Result<Body> body = Body::create(model, "ep4", {.step = 5e-5}, FrameKind::kFree);
+ContactBody free_bar(const Model::Pointer& model, double length, double middle) {
+  Result<ContactBody> body = ContactBody::create(model, "ep4", {.step = 5e-5}, FrameKind::kFree);
   EXPECT_TRUE(body) << body.error().message;
   ContactOptions contact;
   contact.margin = 5e-4;                   // little relative to the impact's compression,
@@ -156,9 +157,9 @@ Body free_bar(const Model::Pointer& model, double length, double middle) {
 
 // Contact time of two bars, s. The lower one arrives with `speed`, m/s, and the measurement ends
 // when they have been apart for 10 ms.
-double time_of_impact(Body& lower, Body& upper, double speed) {
+double time_of_impact(ContactBody& lower, ContactBody& upper, double speed) {
   EXPECT_TRUE(lower.set_motion({0, 0, speed}, Vector3d::Zero()));
-  const std::array<Body*, 2> bodies = {&lower, &upper};
+  const std::array<ContactBody*, 2> bodies = {&lower, &upper};
   std::array<StepReport, 2> reports;
   BodyGroup group;
   double begin = 0.0, end = 0.0;
@@ -179,7 +180,7 @@ double time_of_impact(Body& lower, Body& upper, double speed) {
 TEST(BodiesInContact, EqualBarsExchangeTheirMotionInTwoRunsOfTheWave) {
   const double length = 0.4, speed = 0.1, c = std::sqrt(1e6 / 1000.0);
   const Model::Pointer model = bar(length, 24);
-  Body lower = free_bar(model, length, 0.0), upper = free_bar(model, length, length + 0.004);
+  ContactBody lower = free_bar(model, length, 0.0), upper = free_bar(model, length, length + 0.004);
   const double touched = time_of_impact(lower, upper, speed);
   EXPECT_NEAR(touched, 2.0 * length / c, 0.05 * 2.0 * length / c);
   EXPECT_NEAR(lower.rigid_state().velocity.z(), 0.0, 0.03 * speed);
@@ -192,8 +193,8 @@ TEST(BodiesInContact, EqualBarsExchangeTheirMotionInTwoRunsOfTheWave) {
 // continues with half of the speed, and half of the energy vibrates in it.
 TEST(BodiesInContact, AShortBarStandsAndALongOneKeepsHalfOfTheEnergyAsVibration) {
   const double length = 0.4, speed = 0.1;
-  Body lower = free_bar(bar(length, 24), length, 0.0);
-  Body upper = free_bar(bar(2.0 * length, 48), 2.0 * length, 1.5 * length + 0.004);
+  ContactBody lower = free_bar(bar(length, 24), length, 0.0);
+  ContactBody upper = free_bar(bar(2.0 * length, 48), 2.0 * length, 1.5 * length + 0.004);
   (void)time_of_impact(lower, upper, speed);
   EXPECT_NEAR(lower.rigid_state().velocity.z(), 0.0, 0.03 * speed);
   EXPECT_NEAR(upper.rigid_state().velocity.z(), 0.5 * speed, 0.03 * speed);
@@ -208,13 +209,13 @@ TEST(BodiesInContact, AStackOfTenStandsForAMinuteAndSleeps) {
   // A column of ten softer ones, E = 1e6, buckles under its own weight: Greenhill's height is 0.87
   // m.
   const Model::Pointer model = box("1e8");
-  std::vector<Body> boxes;
+  std::vector<ContactBody> boxes;
   for (int i = 0; i < 10; ++i) {
     boxes.push_back(boxed(model, kind, at({0.003 * (i % 2), 0, 0.052 + 0.102 * i})));
     ASSERT_TRUE(boxes.back().set_gravity({0, 0, -9.81}));
   }
-  std::vector<Body*> bodies;
-  for (Body& body : boxes) bodies.push_back(&body);
+  std::vector<ContactBody*> bodies;
+  for (ContactBody& body : boxes) bodies.push_back(&body);
   std::vector<StepReport> reports(bodies.size());
   const std::vector<PlacedCollider> floor = {{PlaneShape{}, {}, {}, 0.5, 0.2}};
   BodyGroup group;

@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/body.h"
 #include "runtime/contact/solve/body_group.h"
 #include "runtime/contact/solve/contact_step.h"
+#include "runtime/contact_body.h"
 #include "tests/support/meshes/made_cube.h"
 
 namespace tremolo::contact_physics {
@@ -31,14 +31,14 @@ constexpr double kLong = 20.0;
 #endif
 
 // A cube of 0.1 m and 1 kg that nothing holds, with its middle at the mesh's origin.
-Body cube(const std::string& young, double step, int points, const Vector3d& gravity,
-          const Vector3d& centre) {
+ContactBody cube(const std::string& young, double step, int points, const Vector3d& gravity,
+                 const Vector3d& centre) {
   const Model::Pointer model =
       testing::made_cube("physics-" + young, Vector3d::Constant(-0.5 * kSide), young, "none");
   IntegratorOptions options;
   options.step = step;
   options.beta = 2e-3;
-  Result<Body> body = Body::create(model, "ep4", options, FrameKind::kFree);
+  Result<ContactBody> body = ContactBody::create(model, "ep4", options, FrameKind::kFree);
   EXPECT_TRUE(body) << body.error().message;
   ContactOptions contact;
   contact.points = points;
@@ -57,7 +57,7 @@ std::vector<PlacedCollider> floor_plane() {
 }
 
 // Steps for so many seconds.
-void run(Body& body, std::span<const PlacedCollider> colliders, double seconds) {
+void run(ContactBody& body, std::span<const PlacedCollider> colliders, double seconds) {
   const long steps = std::lround(seconds / body.step_size());
   for (long i = 0; i < steps; ++i) ASSERT_TRUE(body.step(colliders).converged) << i;
 }
@@ -69,7 +69,7 @@ TEST(ContactPhysics, ABeltThatBeginsToGlideDragsABlockThatRests) {
   for (const char* young : {"5e4", "5e7"})
     for (const int points : {8, 200})
       for (const double h : kSteps) {
-        Body body = cube(young, h, points, kDown, kOnFloor);
+        ContactBody body = cube(young, h, points, kDown, kOnFloor);
         std::vector<PlacedCollider> belt = floor_plane();
         run(body, belt, 0.6);
         const double before = body.rigid_state().velocity.x();
@@ -82,7 +82,7 @@ TEST(ContactPhysics, ABeltThatBeginsToGlideDragsABlockThatRests) {
         const double speed = body.rigid_state().velocity.x() - before;
         EXPECT_NEAR(speed, kFriction * kGravity * 0.15, 0.005 * kFriction * kGravity * 0.15)
             << young << " " << points << " " << h;
-        EXPECT_GT(body.contact_rubbed(), 0.0);
+        EXPECT_GT(body.contact_sums().rubbed, 0.0);
         EXPECT_NEAR(balance(body), 0.0, 1e-9);
       }
 }
@@ -98,7 +98,7 @@ TEST(ContactPhysics, ABlockSlidesDownASlopeAboveTheAngleOfFriction) {
   for (const char* young : {"5e4", "5e7"})
     for (const int points : {8, 200})
       for (const double h : kSteps) {
-        Body body = cube(young, h, points, on_slope(1.05), kOnFloor);
+        ContactBody body = cube(young, h, points, on_slope(1.05), kOnFloor);
         run(body, floor_plane(), 0.6);
         const double before = body.rigid_state().velocity.x();
         run(body, floor_plane(), 0.6);
@@ -112,7 +112,7 @@ TEST(ContactPhysics, ABlockSlidesDownASlopeAboveTheAngleOfFriction) {
 TEST(ContactPhysics, ABlockRestsOnASlopeBelowTheAngleOfFriction) {
   for (const char* young : {"5e4", "5e7"})
     for (const double h : {3e-3, 7.5e-4}) {
-      Body body = cube(young, h, 200, on_slope(0.95), kOnFloor);
+      ContactBody body = cube(young, h, 200, on_slope(0.95), kOnFloor);
       run(body, floor_plane(), 3.0);
       const Vector3d before = body.rigid_state().centre;
       run(body, floor_plane(), h > 1e-3 ? kLong : 0.1 * kLong);
@@ -124,13 +124,13 @@ TEST(ContactPhysics, AThrownBlockStopsAfterItsSquaredSpeedOverTwiceFriction) {
   const double expected = 2.0 * 2.0 / (2.0 * kFriction * kGravity);
   for (const int points : {8, 200})
     for (const double h : kSteps) {
-      Body body = cube("5e7", h, points, kDown, kOnFloor);
+      ContactBody body = cube("5e7", h, points, kDown, kOnFloor);
       ASSERT_TRUE(body.set_motion({2.0, 0.0, 0.0}, Vector3d::Zero()));
       run(body, floor_plane(), 0.9);
       EXPECT_NEAR(body.rigid_state().centre.x(), expected, 0.005 * expected) << points << " " << h;
       // All of its energy goes to friction, except for the part that restitution took on the way
       // down.
-      EXPECT_NEAR(body.contact_rubbed(), 2.0, 0.01) << points << " " << h;
+      EXPECT_NEAR(body.contact_sums().rubbed, 2.0, 0.01) << points << " " << h;
     }
 }
 
@@ -140,7 +140,7 @@ TEST(ContactPhysics, ABlockThatIsLaidOnTheFloorStaysThere) {
   for (const char* young : {"5e4", "5e7"})
     for (const int points : {8, 200})
       for (const double h : {3e-3, 1e-3, 2.5e-4}) {
-        Body body = cube(young, h, points, kDown, kOnFloor);
+        ContactBody body = cube(young, h, points, kDown, kOnFloor);
         const double margin = body.contact()->law().margin;
         const std::vector<PlacedCollider> floor = floor_plane();
         double highest = 0.0, most = 0.0;
@@ -153,7 +153,7 @@ TEST(ContactPhysics, ABlockThatIsLaidOnTheFloorStaysThere) {
         EXPECT_LE(highest, 1e-12) << young << " " << points << " " << h;
         // A soft block sinks by its own squeezing too, 0.6 mm.
         EXPECT_LT(most, kGravity * (margin + 6e-4));
-        EXPECT_NEAR(body.contact_error(), 0.0, kSolved);
+        EXPECT_NEAR(body.contact_sums().error, 0.0, kSolved);
         // The soft block on its four corners alone still swings in its own lowest mode, which beta
         // damps.
         if (points == 8) run(body, floor, 0.5);
@@ -170,17 +170,17 @@ TEST(ContactPhysics, WhatAnAccelerationBringsInIsFound) {
     const double margin = 0.005 * kSide;
     for (const double share : {0.1, 0.5, 0.9}) {
       const double gap = margin + share * 0.5 * kGravity * h * h;
-      Body body = cube("5e7", h, 200, kDown, kOnFloor + Vector3d(0.0, 0.0, gap));
+      ContactBody body = cube("5e7", h, 200, kDown, kOnFloor + Vector3d(0.0, 0.0, gap));
       run(body, floor_plane(), 0.5);
-      EXPECT_NEAR(body.contact_error(), 0.0, kSolved) << h << " " << share;
+      EXPECT_NEAR(body.contact_sums().error, 0.0, kSolved) << h << " " << share;
       EXPECT_NEAR(balance(body), 0.0, 1e-9) << h << " " << share;
       EXPECT_GT(body.rigid_state().centre.z(), 0.5 * kSide - 2.0 * margin);
     }
-    Body pushed = cube("5e7", h, 200, kDown, kOnFloor + Vector3d(0.0, 0.0, 0.002));
+    ContactBody pushed = cube("5e7", h, 200, kDown, kOnFloor + Vector3d(0.0, 0.0, 0.002));
     for (VertexId vertex = 48; vertex < 64; ++vertex)
       ASSERT_TRUE(pushed.apply_force(vertex, {0.0, 0.0, -300.0 / 16.0}, 1'000));
     run(pushed, floor_plane(), 0.3);
-    EXPECT_NEAR(pushed.contact_error(), 0.0, kSolved) << h;
+    EXPECT_NEAR(pushed.contact_sums().error, 0.0, kSolved) << h;
     EXPECT_NEAR(balance(pushed), 0.0, kSolved) << h;
     // The load's and gravity's work is what stays in contact and was taken: nothing else is there.
     EXPECT_LT(pushed.energy().total() + pushed.contact_account().energy, 309.0 * 0.003);
@@ -191,7 +191,7 @@ TEST(ContactPhysics, WhatAnAccelerationBringsInIsFound) {
 // not creep, awake.
 TEST(ContactPhysics, AGripHolds) {
   for (const double h : {3e-3, 7.5e-4}) {
-    Body body = cube("1e5", h, 200, kDown, Vector3d::Zero());
+    ContactBody body = cube("1e5", h, 200, kDown, Vector3d::Zero());
     std::vector<PlacedCollider> grip;
     const BoxShape plate{{0.02, 0.1, 0.1}};
     for (const double side : {-1.0, 1.0}) {
@@ -228,7 +228,7 @@ TEST(ContactPhysics, AGripHolds) {
 // block's weight rests, by the areas of its points.
 TEST(ContactPhysics, AModulusSaysHowDeepABlockRests) {
   const double modulus = 2e5;
-  Body body = cube("5e9", 1e-3, 200, kDown, kOnFloor + Vector3d(0.0, 0.0, 1e-3));
+  ContactBody body = cube("5e9", 1e-3, 200, kDown, kOnFloor + Vector3d(0.0, 0.0, 1e-3));
   ContactOptions contact;
   contact.modulus = modulus;
   ASSERT_TRUE(body.set_contact(contact));
@@ -246,7 +246,7 @@ TEST(ContactPhysics, AModulusSaysHowDeepABlockRests) {
 // The areas of all points together are the boundary's, however many points there are.
 TEST(ContactPhysics, AreasOfPointsAddUpToTheBoundary) {
   for (const int points : {1, 8, 20, 200}) {
-    const Body body = cube("5e7", 1e-3, points, kDown, kOnFloor);
+    const ContactBody body = cube("5e7", 1e-3, points, kDown, kOnFloor);
     double sum = 0.0;
     for (const double area : body.contact()->points().areas) sum += area;
     EXPECT_NEAR(sum, 6.0 * kSide * kSide, 1e-12) << points;
@@ -255,7 +255,7 @@ TEST(ContactPhysics, AreasOfPointsAddUpToTheBoundary) {
 
 // The force on the floor is the weight, as a vector; the points' impulses add up to it.
 TEST(ContactPhysics, ForcesOnTheFloorAreReportedAsVectors) {
-  Body body = cube("5e7", 1e-3, 200, on_slope(0.9), kOnFloor);
+  ContactBody body = cube("5e7", 1e-3, 200, on_slope(0.9), kOnFloor);
   const std::vector<PlacedCollider> floor = floor_plane();
   run(body, floor, 1.0);
   ASSERT_EQ(body.contact()->collider_impulses().size(), 1U);
@@ -277,15 +277,15 @@ TEST(ContactPhysics, ForcesOnTheFloorAreReportedAsVectors) {
 // gravity gave and what the blocks have.
 TEST(ContactPhysics, AStepThatFailsIsTakenInPartsThatCloseTheAccount) {
   const double h = 1.0 / 30.0;
-  std::vector<Body> blocks;
+  std::vector<ContactBody> blocks;
   for (int i = 0; i < 6; ++i) {
     blocks.push_back(cube("1e6", h, 200, kDown, {0.02 * i, 0.0, 0.2 + 0.16 * i}));
     ASSERT_TRUE(blocks.back().set_motion({1.0, 0.0, -3.0}, {0.0, 20.0, 0.0}));
   }
-  std::vector<Body*> bodies;
+  std::vector<ContactBody*> bodies;
   double momentum = 0.0;
   const double thrown = blocks[0].energy().total();  // J, each
-  for (Body& block : blocks) {
+  for (ContactBody& block : blocks) {
     bodies.push_back(&block);
     momentum -= block.linear_momentum().z();
   }
@@ -303,7 +303,7 @@ TEST(ContactPhysics, AStepThatFailsIsTakenInPartsThatCloseTheAccount) {
   }
   std::int64_t cut = 0;
   double weight = 0.0;
-  for (Body& block : blocks) {
+  for (ContactBody& block : blocks) {
     cut += block.halved_steps();
     momentum += block.linear_momentum().z();
     weight += block.model().inertia()->mass * kGravity;
@@ -342,7 +342,7 @@ TEST(ContactPhysics, ABallAndACylinderRoll) {
                                                       round_mesh(10, kRadius, ball), "5e6", "none");
       IntegratorOptions options;
       options.step = h;
-      Result<Body> body = Body::create(model, "ep4", options, FrameKind::kFree);
+      Result<ContactBody> body = ContactBody::create(model, "ep4", options, FrameKind::kFree);
       ASSERT_TRUE(body) << body.error().message;
       ASSERT_TRUE(body->set_contact({.points = 600}));
       ASSERT_TRUE(body->set_gravity(kGravity * Vector3d(std::sin(kSlope), 0, -std::cos(kSlope))));
@@ -374,7 +374,7 @@ TEST(ContactPhysics, AnImpactOnAnElasticFoundationHasItsForce) {
   for (const double h : {1e-4, 5e-5}) {
     IntegratorOptions options;
     options.step = h;
-    Result<Body> body = Body::create(model, "ep4", options, FrameKind::kFree);
+    Result<ContactBody> body = ContactBody::create(model, "ep4", options, FrameKind::kFree);
     ASSERT_TRUE(body) << body.error().message;
     ASSERT_TRUE(body->set_contact({.points = 2402, .modulus = kModulus, .restitution = 1.0}));
     ASSERT_TRUE(body->set_pose({{0.0, 0.0, 0.031}, Eigen::Quaterniond::Identity()}));
@@ -398,7 +398,7 @@ TEST(ContactPhysics, ATurntableCarriesABlockUpToItsFriction) {
   constexpr double kFar = 0.2, kRamp = 1.0;
   for (const double share : {0.76, 1.2})
     for (const double h : kSteps) {
-      Body body = cube("5e7", h, 200, kDown, kOnFloor + Vector3d(kFar, 0.0, 0.0));
+      ContactBody body = cube("5e7", h, 200, kDown, kOnFloor + Vector3d(kFar, 0.0, 0.0));
       std::vector<PlacedCollider> table = floor_plane();
       run(body, table, 0.3);
       const double rate = std::sqrt(share * kFriction * kGravity / kFar);
@@ -430,10 +430,10 @@ TEST(ContactPhysics, ATurntableCarriesABlockUpToItsFriction) {
 
 TEST(ContactPhysics, AStackExactlyOneMarginApartComesToRest) {
   for (const double h : kSteps) {
-    std::vector<Body> blocks;
+    std::vector<ContactBody> blocks;
     for (int i = 0; i < 3; ++i)
       blocks.push_back(cube("5e6", h, 200, kDown, {0.0, 0.0, 0.0505 + (kSide + 0.0005) * i}));
-    const std::array<Body*, 3> bodies = {&blocks[0], &blocks[1], &blocks[2]};
+    const std::array<ContactBody*, 3> bodies = {&blocks[0], &blocks[1], &blocks[2]};
     std::array<StepReport, 3> reports;
     BodyGroup group;
     const std::vector<PlacedCollider> floor = floor_plane();

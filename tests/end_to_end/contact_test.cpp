@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/body.h"
 #include "runtime/contact/solve/contact_step.h"
+#include "runtime/contact_body.h"
 #include "tests/support/meshes/made_cube.h"
 
 namespace tremolo {
@@ -32,12 +32,12 @@ struct Fall {
 };
 
 // A free cube whose lower side is `height` above the floor z = 0.
-Body cube_above_floor(const Model::Pointer& model, const Fall& fall) {
+ContactBody cube_above_floor(const Model::Pointer& model, const Fall& fall) {
   IntegratorOptions options;
   options.step = fall.step;
   options.alpha = fall.alpha;
   options.beta = fall.beta;
-  Result<Body> body = Body::create(model, "ep4", options, FrameKind::kFree);
+  Result<ContactBody> body = ContactBody::create(model, "ep4", options, FrameKind::kFree);
   EXPECT_TRUE(body) << body.error().message;
   EXPECT_TRUE(body->set_contact({.stiffness = fall.stiffness}));
   EXPECT_TRUE(body->set_gravity({0, 0, -kGravity}));
@@ -53,7 +53,7 @@ std::vector<PlacedCollider> floor_of(const Fall& fall) {
 
 TEST(Contact, RestitutionOneKeepsTheEnergyOverManyBounces) {
   const Fall fall{.height = 0.002};
-  Body body = cube_above_floor(cube("1e6", "none"), fall);
+  ContactBody body = cube_above_floor(cube("1e6", "none"), fall);
   const std::vector<PlacedCollider> floor = floor_of(fall);
   const double fallen = 1.0 * kGravity * fall.height;
 #ifdef TREMOLO_LONG_TESTS
@@ -73,9 +73,9 @@ TEST(Contact, RestitutionOneKeepsTheEnergyOverManyBounces) {
   }
   EXPECT_GT(bounces, kBounces);
   EXPECT_LT(highest, 1e-6 * fallen);
-  EXPECT_LT(std::abs(body.contact_error()), 1e-6 * fallen);
-  EXPECT_EQ(body.contact_lost(), 0.0);
-  EXPECT_EQ(body.contact_rubbed(), 0.0);
+  EXPECT_LT(std::abs(body.contact_sums().error), 1e-6 * fallen);
+  EXPECT_EQ(body.contact_sums().lost, 0.0);
+  EXPECT_EQ(body.contact_sums().rubbed, 0.0);
   // Kinetic, elastic, contact and potential energy together are what the fall had to give.
   const double total = body.energy().total() + body.contact_account().energy - body.gravity_work();
   EXPECT_NEAR(total, 0.0, 1e-6 * fallen);
@@ -85,7 +85,7 @@ TEST(Contact, ARigidBodyLeavesWithTheShareOfItsSpeedThatRestitutionSays) {
   for (const double restitution : {0.3, 0.5, 0.9}) {
     // A contact of a millisecond and ten steps, in which gravity takes 0.01 m/s.
     const Fall fall{.step = 1e-4, .restitution = restitution, .height = 0.05, .stiffness = 300.0};
-    Body body = cube_above_floor(cube("1e10", "none"), fall);
+    ContactBody body = cube_above_floor(cube("1e10", "none"), fall);
     const std::vector<PlacedCollider> floor = floor_of(fall);
     double arrival = 0.0, leaving = 0.0;
     bool touched = false;
@@ -105,7 +105,7 @@ TEST(Contact, ARigidBodyLeavesWithTheShareOfItsSpeedThatRestitutionSays) {
 TEST(Contact, ASlidingBodyStopsWhereCoulombSays) {
   const double mu = 0.2, speed = 1.0;
   const Fall fall{.step = 1e-3, .restitution = 0.0, .friction = mu, .height = 0.0};
-  Body body = cube_above_floor(cube("1e8", "none"), fall);
+  ContactBody body = cube_above_floor(cube("1e8", "none"), fall);
   const std::vector<PlacedCollider> floor = floor_of(fall);
   for (int i = 0; i < 500; ++i) ASSERT_TRUE(body.step(floor).converged);  // it settles
   ASSERT_TRUE(body.set_motion({speed, 0, 0}, Vector3d::Zero()));
@@ -115,14 +115,14 @@ TEST(Contact, ASlidingBodyStopsWhereCoulombSays) {
   EXPECT_NEAR(way, speed * speed / (2.0 * mu * kGravity), 0.02 * way);
   EXPECT_LT(body.rigid_state().velocity.norm(), 5e-3);
   // Friction took what the motion had.
-  EXPECT_NEAR(body.contact_rubbed(), 0.5 * speed * speed, 0.02);
+  EXPECT_NEAR(body.contact_sums().rubbed, 0.5 * speed * speed, 0.02);
 }
 
 TEST(Contact, ASlopeHoldsBelowTheAngleOfFrictionAndNotAbove) {
   const double mu = 0.5;
   for (const double slope : {0.4, 0.7}) {  // tangent of the angle
     const Fall fall{.step = 1e-3, .restitution = 0.0, .friction = mu, .height = 0.0};
-    Body body = cube_above_floor(cube("1e8", "none"), fall);
+    ContactBody body = cube_above_floor(cube("1e8", "none"), fall);
     const double angle = std::atan(slope);
     ASSERT_TRUE(body.set_gravity({kGravity * std::sin(angle), 0, -kGravity * std::cos(angle)}));
     const std::vector<PlacedCollider> floor = floor_of(fall);
@@ -142,7 +142,7 @@ TEST(Contact, ASlopeHoldsBelowTheAngleOfFrictionAndNotAbove) {
 
 TEST(Contact, WithoutFrictionAPlaneTakesNoMomentumAlongItself) {
   const Fall fall{.restitution = 0.7, .friction = 0.0, .height = 0.03};
-  Body body = cube_above_floor(cube("1e5", "none"), fall);
+  ContactBody body = cube_above_floor(cube("1e5", "none"), fall);
   ASSERT_TRUE(body.set_motion({0.4, -0.3, 0}, {3, 5, -2}));
   const Vector3d linear = body.linear_momentum();
   const double angular = body.angular_momentum().z();
@@ -162,7 +162,7 @@ TEST(Contact, WithoutFrictionAPlaneTakesNoMomentumAlongItself) {
 TEST(Contact, TheAccountClosesWithEverythingAtOnce) {
   const Fall fall{
       .step = 2e-3, .restitution = 0.4, .friction = 0.4, .alpha = 0.5, .beta = 1e-3, .height = 0.2};
-  Body body = cube_above_floor(cube("1e5", "none"), fall);
+  ContactBody body = cube_above_floor(cube("1e5", "none"), fall);
   ASSERT_TRUE(body.set_motion({0.2, 0.1, 0}, {8, -3, 5}));
   std::vector<PlacedCollider> colliders = floor_of(fall);
   colliders.push_back({SphereShape{0.05}, {}, {}, 0.3, 0.4});
@@ -182,13 +182,14 @@ TEST(Contact, TheAccountClosesWithEverythingAtOnce) {
     worst = std::max(worst, std::abs(balance(body) - start));
   }
   EXPECT_LT(worst, 1e-9 * most);
-  EXPECT_GT(body.contact_lost(), 0.0);
-  EXPECT_GT(body.contact_rubbed(), 0.0);
-  EXPECT_NE(body.contact_given(), 0.0);
-  EXPECT_NE(body.hand_work(), 0.0);
-  const double contact = body.contact_given() - body.contact_lost() - body.contact_rubbed() -
-                         body.contact_account().energy + body.contact_error();
-  EXPECT_NEAR(body.contact_work(), contact, 1e-9 * most);
+  EXPECT_GT(body.contact_sums().lost, 0.0);
+  EXPECT_GT(body.contact_sums().rubbed, 0.0);
+  EXPECT_NE(body.contact_sums().given, 0.0);
+  EXPECT_NE(body.contact_sums().hand, 0.0);
+  const double contact = body.contact_sums().given - body.contact_sums().lost -
+                         body.contact_sums().rubbed - body.contact_account().energy +
+                         body.contact_sums().error;
+  EXPECT_NEAR(body.contact_sums().work, contact, 1e-9 * most);
 }
 
 // St. Venant's impact of a bar on a rigid wall: it stays for 2 L / c, c = sqrt(E / rho), squeezed
@@ -204,7 +205,7 @@ TEST(Contact, ABarLeavesAWallAfterTwoRunsOfItsWave) {
   ASSERT_EQ(made.code, 0) << made.err;
   const Result<Model::Pointer> model = Model::load(folder + "/bar.tremolo");
   ASSERT_TRUE(model) << model.error().message;
-  Result<Body> body = Body::create(*model, "ep4", {.step = 5e-5}, FrameKind::kFree);
+  Result<ContactBody> body = ContactBody::create(*model, "ep4", {.step = 5e-5}, FrameKind::kFree);
   // A contact that is far stiffer than the bar: its time is 50 us instead of 3 ms.
   ASSERT_TRUE(body && body->set_contact({.stiffness = 16.0 * 60.0 * 60.0}));
   ASSERT_TRUE(body->set_pose({{0, 0, 0.01}, Eigen::Quaterniond::Identity()}));
@@ -230,7 +231,8 @@ TEST(Contact, ABarLeavesAWallAfterTwoRunsOfItsWave) {
 TEST(Hand, TakesAnyStiffness) {
   const Model::Pointer model = cube("1e5", "z<0.001");
   for (const double stiffness : {1e2, 1e5, 1e9, 1e13}) {
-    Result<Body> body = Body::create(model, "ep4", {.step = 3e-3, .beta = 2e-3}, FrameKind::kFixed);
+    Result<ContactBody> body =
+        ContactBody::create(model, "ep4", {.step = 3e-3, .beta = 2e-3}, FrameKind::kFixed);
     ASSERT_TRUE(body && body->set_contact());
     const Result<std::size_t> hand = body->grab(63, stiffness, 1e-3 * stiffness);
     ASSERT_TRUE(hand);
@@ -254,7 +256,7 @@ TEST(Hand, TakesAnyStiffness) {
 }
 
 TEST(Hand, BadValuesAreNamed) {
-  Result<Body> body = Body::create(cube("1e5", "z<0.001"));
+  Result<ContactBody> body = ContactBody::create(cube("1e5", "z<0.001"));
   ASSERT_TRUE(body);
   EXPECT_FALSE(body->grab(0, 1.0));  // without set_contact()
   ASSERT_TRUE(body->set_contact());

@@ -8,7 +8,7 @@
 #include "formats/basis/basis_reader.h"
 #include "formats/basis/basis_writer.h"
 #include "formats/basis/light_basis.h"
-#include "runtime/body.h"
+#include "runtime/contact_body.h"
 #include "runtime/exchange/recording.h"
 #include "tests/support/programs.h"
 
@@ -70,8 +70,8 @@ Model::Pointer loaded(const std::string& path, const ModelOptions& options = {})
 }
 
 // At rest under the force, which acts in the step that was made.
-Body held(const Model::Pointer& model, VertexId at, const Vector3d& force) {
-  Body body = std::move(*Body::create(model, "ep4"));
+ContactBody held(const Model::Pointer& model, VertexId at, const Vector3d& force) {
+  ContactBody body = std::move(*ContactBody::create(model, "ep4"));
   const Eigen::VectorXd reduced = *reduce_force(*model, at, force);
   EXPECT_TRUE(body.set_state(reduced.cwiseQuotient(model->lambda()),
                              Eigen::VectorXd::Zero(model->modes())));
@@ -92,7 +92,7 @@ TEST_F(Response, UnderAHeldForceTheShownShapeIsThatOfTheWholeMeshHoweverSmallThe
           loaded(made(" --order " + order + kSolid + "--linear-modes 3 --modes " + modes +
                           " --response-at vertex:" + std::to_string(tip),
                       "kept.tremolo"));
-      const Body body = held(model, tip, force);
+      const ContactBody body = held(model, tip, force);
       EXPECT_LE((*body.displacement(tip) - truth[0]).norm(), 1e-6 * truth[0].norm())
           << order << " " << modes;
       EXPECT_LE((*body.displacement(side) - truth[1]).norm(), 1e-6 * truth[1].norm());
@@ -114,7 +114,7 @@ TEST_F(Response, TheDefaultLoadIsAPlaceOfItsOwn) {
         made(kSolid + load + "--order 2 --linear-modes 4 --response-at load --modes " + modes,
              "l.tremolo"));
     ASSERT_TRUE(model->response_place(kAtDefaultLoad));
-    Body body = std::move(*Body::create(model, "ep4"));
+    ContactBody body = std::move(*ContactBody::create(model, "ep4"));
     const Eigen::VectorXd reduced = *reduce_load(*model, model->default_load(), 0.5);
     ASSERT_TRUE(body.set_state(reduced.cwiseQuotient(model->lambda()),
                                Eigen::VectorXd::Zero(model->modes())));
@@ -142,7 +142,7 @@ TEST_F(Response, SeveralRanksAndACompactFileGiveTheSame) {
             1e-9 * one.response.surface.norm());
 
   const Model::Pointer compact = loaded(made(arguments + " --encoding compact", "c.tremolo"));
-  Body body = held(compact, tip, {20.0, -30.0, 50.0});
+  ContactBody body = held(compact, tip, {20.0, -30.0, 50.0});
   const std::size_t numbers = 3 * compact->drawn().rest.size();
   std::vector<double> exact(numbers);
   std::vector<float> drawn(numbers);
@@ -179,7 +179,7 @@ TEST_F(Response, AForceAlongTheWorldsAxesIsTurnedIntoTheBodys) {
       made(std::string(kSolid) +
                "--order 1 --linear-modes 3 --modes 6 --response-at vertex:" + std::to_string(tip),
            "kept.tremolo"));
-  Body body = std::move(*Body::create(model, "ep4", {}, FrameKind::kDriven));
+  ContactBody body = std::move(*ContactBody::create(model, "ep4", {}, FrameKind::kDriven));
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vector3d::UnitZ()));
   ASSERT_TRUE(body.set_pose({{1.0, 2.0, 3.0}, turn}));
   const Vector3d force(0.0, 3.0, 1.0);
@@ -205,12 +205,12 @@ TEST_F(Response, AHandAtAPlaceDentsItAndSavedBodiesGoOnWithTheSameBits) {
                "--order 1 --linear-modes 3 --modes 6 --response-at vertex:" + std::to_string(tip),
            "kept.tremolo"));
   const auto create = [&] {
-    Body body = std::move(*Body::create(model, "ep4"));
+    ContactBody body = std::move(*ContactBody::create(model, "ep4"));
     EXPECT_TRUE(body.set_contact());
     EXPECT_TRUE(body.add_load({.kind = SignalKind::kSine, .frequency = 5.0}, tip, {1.0, 0.0, 2.0}));
     return body;
   };
-  Body body = create();
+  ContactBody body = create();
   const auto hand = body.grab(tip, 500.0, 1.0);
   ASSERT_TRUE(hand);
   ASSERT_TRUE(body.apply_force(tip, {0.0, 1.0, 0.0}, 12));
@@ -224,7 +224,7 @@ TEST_F(Response, AHandAtAPlaceDentsItAndSavedBodiesGoOnWithTheSameBits) {
   EXPECT_GT(body.hand_force(*hand).norm(), 1.0);
   EXPECT_LE((body.shown().tail<3>() - all).norm(), 1e-12 * all.norm());
 
-  Body other = create();
+  ContactBody other = create();
   ASSERT_TRUE(other.restore(body.save()));
   EXPECT_EQ(other.shown(), body.shown());
   for (int step = 0; step < 8; ++step) {
@@ -241,7 +241,7 @@ TEST_F(Response, RecordingsAndLightFilesKeepIt) {
                std::to_string(tip) + " --response-at near:0.5,0.155,0.115,1",
            "kept.tremolo"));
   ASSERT_EQ(data.response.at.size(), 2u);
-  const Body body = held(*Model::from_data(data), tip, {1.0, -2.0, 3.0});
+  const ContactBody body = held(*Model::from_data(data), tip, {1.0, -2.0, 3.0});
   Recording recording;
   const auto track = recording.add(body, "bar");
   ASSERT_TRUE(track);
@@ -260,7 +260,7 @@ TEST_F(Response, RecordingsAndLightFilesKeepIt) {
   ASSERT_TRUE(bytes);
   const auto model = Model::load_from_memory(*bytes);
   ASSERT_TRUE(model) << model.error().message;
-  const Body small = held(*model, light.response.at[0], {1.0, -2.0, 3.0});
+  const ContactBody small = held(*model, light.response.at[0], {1.0, -2.0, 3.0});
   EXPECT_LE((*small.displacement(light.response.at[0]) - *body.displacement(tip)).norm(), 1e-12);
 }
 

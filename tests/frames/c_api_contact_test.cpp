@@ -36,7 +36,7 @@ class CApiContact : public ::testing::Test {
   }
 
   // The body's state and its energy balance are those of `other`.
-  void expect_same_account(const Body& other) {
+  void expect_same_account(const ContactBody& other) {
     std::vector<double> q(4);
     ASSERT_EQ(tremolo_body_state(body_, q.data(), nullptr, 4), TREMOLO_OK);
     EXPECT_EQ(Eigen::Map<Eigen::VectorXd>(q.data(), 4), other.state().q);
@@ -44,11 +44,11 @@ class CApiContact : public ::testing::Test {
     ASSERT_EQ(
         tremolo_body_contact_work(body_, &stored, &given, &restitution, &friction, &held, &error),
         TREMOLO_OK);
-    EXPECT_EQ(given, other.contact_given());
-    EXPECT_EQ(restitution, 0.0 - other.contact_lost());
-    EXPECT_EQ(friction, 0.0 - other.contact_rubbed());
-    EXPECT_EQ(held, other.hand_work());
-    EXPECT_EQ(error, other.contact_error());
+    EXPECT_EQ(given, other.contact_sums().given);
+    EXPECT_EQ(restitution, 0.0 - other.contact_sums().lost);
+    EXPECT_EQ(friction, 0.0 - other.contact_sums().rubbed);
+    EXPECT_EQ(held, other.contact_sums().hand);
+    EXPECT_EQ(error, other.contact_sums().error);
     // Everything together is where the energy is.
     double kinetic = 0.0, potential = 0.0, load = 1.0, fallen = 0.0, damping = 0.0;
     ASSERT_EQ(tremolo_body_energy(body_, &kinetic, &potential, nullptr), TREMOLO_OK);
@@ -65,8 +65,8 @@ class CApiContact : public ::testing::Test {
 };
 
 TEST_F(CApiContact, BodyFallsOnAMovingFloorAndIsHeldAsInCpp) {
-  Body other = testing::make_framed(testing::frame_model(4, true, 60.0, 300.0, 0.2, 3),
-                                    FrameKind::kFree, {});
+  ContactBody other = testing::make_framed(testing::frame_model(4, true, 60.0, 300.0, 0.2, 3),
+                                           FrameKind::kFree, {});
   const double gravity[] = {0.0, 0.0, -9.81};
   ASSERT_EQ(tremolo_body_set_contact(body_, nullptr), TREMOLO_OK) << tremolo_last_error();
   ASSERT_EQ(tremolo_body_set_gravity(body_, gravity), TREMOLO_OK);

@@ -56,7 +56,7 @@ class CApiContacts : public ::testing::Test {
   }
 
   // Body i falls as a ball from its position, and `other` does so in C++.
-  void place(std::size_t i, const tremolo_contact_options& options, Body& other) {
+  void place(std::size_t i, const tremolo_contact_options& options, ContactBody& other) {
     const double gravity[] = {0.0, 0.0, -9.81};
     const double upright[] = {1.0, 0.0, 0.0, 0.0};
     ASSERT_EQ(tremolo_body_set_contact(bodies_[i], &options), TREMOLO_OK) << tremolo_last_error();
@@ -82,7 +82,7 @@ class CApiContacts : public ::testing::Test {
       EXPECT_EQ(impulses[i], group.touches()[i].impulse);
     }
   }
-  void expect_same_states(const std::vector<Body>& others) {
+  void expect_same_states(const std::vector<ContactBody>& others) {
     for (std::size_t i = 0; i < kBodies; ++i) {
       double q[4], position[3], turn[4];
       ASSERT_EQ(tremolo_body_state(bodies_[i], q, nullptr, 4), TREMOLO_OK);
@@ -100,8 +100,8 @@ class CApiContacts : public ::testing::Test {
 
 TEST_F(CApiContacts, BodiesFallOnAFloorAndOnEachOtherAndHangTogetherAsInCpp) {
   const Model::Pointer model = testing::frame_model(4, true, 60.0, 300.0, 0.2, 3);
-  std::vector<Body> others;
-  std::vector<Body*> stepped;
+  std::vector<ContactBody> others;
+  std::vector<ContactBody*> stepped;
   for (std::size_t i = 0; i < kBodies; ++i)
     others.push_back(testing::make_framed(model, FrameKind::kFree, {}));
   const tremolo_contact_options options = touching();

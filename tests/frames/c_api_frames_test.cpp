@@ -43,12 +43,12 @@ class CApiFrames : public ::testing::Test {
   }
 
   // The same body in C++.
-  static Body same(FrameKind kind) {
+  static ContactBody same(FrameKind kind) {
     return testing::make_framed(
         testing::frame_model(4, kind == FrameKind::kFree, 14.0, 120.0, 0.2, 3), kind, {});
   }
 
-  void expect_state(const Body& body) {
+  void expect_state(const ContactBody& body) {
     std::vector<double> q(4), p(4);
     ASSERT_EQ(tremolo_body_state(body_, q.data(), p.data(), 4), TREMOLO_OK);
     EXPECT_EQ(Eigen::Map<Eigen::VectorXd>(q.data(), 4), body.state().q);
@@ -61,7 +61,7 @@ class CApiFrames : public ::testing::Test {
 
 TEST_F(CApiFrames, FreeBodyTumblesAsInCpp) {
   make(TREMOLO_FREE);
-  Body other = same(FrameKind::kFree);
+  ContactBody other = same(FrameKind::kFree);
   const double place[] = {1.0, 2.0, 3.0}, velocity[] = {0.5, 0.0, 1.0}, spin[] = {1.0, -4.0, 7.0},
                gravity[] = {0.0, 0.0, -9.81}, force[] = {1.0, 2.0, 0.5};
   ASSERT_EQ(tremolo_body_set_pose(body_, place, kUpright), TREMOLO_OK) << tremolo_last_error();
@@ -97,7 +97,7 @@ TEST_F(CApiFrames, FreeBodyTumblesAsInCpp) {
 
 TEST_F(CApiFrames, DrivenBodyFollowsPosesAsInCpp) {
   make(TREMOLO_DRIVEN);
-  Body other = same(FrameKind::kDriven);
+  ContactBody other = same(FrameKind::kDriven);
   for (int k = 1; k <= 100; ++k) {
     const double place[] = {0.01 * std::sin(0.05 * k), 0.0, 0.02};
     const double half = 0.01 * k, turn[] = {std::cos(half), 0.0, std::sin(half), 0.0};
@@ -128,7 +128,7 @@ TEST_F(CApiFrames, BonesCarryABodyAsInCpp) {
   ASSERT_EQ(tremolo_body_create_on_bones(model, nullptr, 3, segments.data(), 0.08, &body),
             TREMOLO_OK)
       << tremolo_last_error();
-  Body other = testing::make_rigged(bar.model, testing::bar_skin(bar), {});
+  ContactBody other = testing::make_rigged(bar.model, testing::bar_skin(bar), {});
   const BoneWeights weights = testing::bar_skin(bar)->drawn;
   tremolo_body* weighed = nullptr;
   ASSERT_EQ(tremolo_body_create_with_weights(model, nullptr, 3, weights.data(), &weighed),

@@ -43,8 +43,8 @@ class CApiHold : public ::testing::Test {
 };
 
 TEST_F(CApiHold, RaysHandsPinsAndDampingAreThoseOfCpp) {
-  Body other = testing::make_framed(testing::frame_model(4, true, 60.0, 300.0, 0.2, 3),
-                                    FrameKind::kFree, {});
+  ContactBody other = testing::make_framed(testing::frame_model(4, true, 60.0, 300.0, 0.2, 3),
+                                           FrameKind::kFree, {});
   ASSERT_TRUE(other.set_contact());
   const Vector3d corner = *other.position(1);
   const Vector3d middle =

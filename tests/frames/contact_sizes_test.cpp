@@ -9,10 +9,10 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/body.h"
 #include "runtime/contact/solve/body_group.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/contact/solve/shape_reach.h"
+#include "runtime/contact_body.h"
 #include "tests/support/distance_fields.h"
 #include "tests/support/frames/corner_cube.h"
 
@@ -54,7 +54,7 @@ TEST(ShapeReach, IsTheDifferenceOfTheHulls) {
 // A shape of other units, or a plane, is refused with its sizes; one that is 20 % larger is not.
 TEST(ShapeReach, AShapeFarBeyondItsBodyIsRefused) {
   const Model::Pointer cube = corner_cube();
-  Body body = testing::make_framed(cube, FrameKind::kFree, {});
+  ContactBody body = testing::make_framed(cube, FrameKind::kFree, {});
   const auto with = [](const Collider& shape) {
     ContactOptions options;
     options.shape = shape;
@@ -77,7 +77,7 @@ TEST(ShapeReach, AShapeFarBeyondItsBodyIsRefused) {
 TEST(ShapeReach, BodiesWithLargerShapesKeepTheirEnergy) {
   const Model::Pointer cube = corner_cube();
   for (const double radius : {1.5 * kHalf, 2.2 * kHalf, 2.98 * kHalf}) {
-    std::vector<Body> bodies;
+    std::vector<ContactBody> bodies;
     for (const double x : {-1.5, 1.5}) {
       bodies.push_back(testing::make_framed(cube, FrameKind::kFree, {.step = 1e-3}));
       ContactOptions options;
@@ -90,12 +90,13 @@ TEST(ShapeReach, BodiesWithLargerShapesKeepTheirEnergy) {
       ASSERT_TRUE(bodies.back().set_pose(pose));
       ASSERT_TRUE(bodies.back().set_motion({-x, 0.0, 0.0}, {0.0, 0.3, 0.2}));
     }
-    const std::array<Body*, 2> both = {&bodies[0], &bodies[1]};
+    const std::array<ContactBody*, 2> both = {&bodies[0], &bodies[1]};
     std::array<StepReport, 2> reports;
     BodyGroup group;
     const auto energy = [&] {
       double sum = 0.0;
-      for (const Body* body : both) sum += body->energy().total() + body->contact_account().energy;
+      for (const ContactBody* body : both)
+        sum += body->energy().total() + body->contact_account().energy;
       return sum;
     };
     const double start = energy();
@@ -114,7 +115,7 @@ TEST(ShapeReach, BodiesWithLargerShapesKeepTheirEnergy) {
 TEST(FewContactPoints, ABodyOfOnePointBouncesAndTheAccountCloses) {
   const Model::Pointer cube = corner_cube();
   for (const int points : {1, 2, 3, 8}) {
-    Body body = testing::make_framed(cube, FrameKind::kFree, {.step = 1e-3});
+    ContactBody body = testing::make_framed(cube, FrameKind::kFree, {.step = 1e-3});
     ContactOptions options;
     options.points = points;
     ASSERT_TRUE(body.set_contact(options));
@@ -136,8 +137,8 @@ TEST(FewContactPoints, ABodyOfOnePointBouncesAndTheAccountCloses) {
       most = std::max({most, energy, std::abs(body.gravity_work())});
       worst = std::max(worst, std::abs(energy - start - body.work() + body.dissipated()));
     }
-    EXPECT_LT(body.contact_lost(), most);
-    EXPECT_GT(body.contact_lost(), 0.0) << points << ": it touched the floor";
+    EXPECT_LT(body.contact_sums().lost, most);
+    EXPECT_GT(body.contact_sums().lost, 0.0) << points << ": it touched the floor";
     EXPECT_GT(deepest, -0.005 * 2.0 * kHalf) << points << ": within the margin";
     EXPECT_LT(worst, 1e-8 * most) << points;
   }

@@ -24,14 +24,14 @@ struct Setting {
   bool loaded = false;
 };
 
-Body body_of(const Setting& s, double alpha, double beta) {
+ContactBody body_of(const Setting& s, double alpha, double beta) {
   const auto model =
       testing::frame_model(6, s.frame == FrameKind::kFree, 30.0, 400.0, s.nonlinearity);
   IntegratorOptions options;
   options.step = 1e-3;
   options.alpha = alpha;
   options.beta = beta;
-  Body body = testing::make_framed(model, s.frame, options, s.method);
+  ContactBody body = testing::make_framed(model, s.frame, options, s.method);
   if (s.loaded) {
     const Signal sine{.kind = SignalKind::kSine, .frequency = 3.0};
     EXPECT_TRUE(body.add_load(sine, 5, {20.0, -15.0, 30.0}));
@@ -53,7 +53,7 @@ TEST(DampingChange, AccountsStayClosed) {
           const Setting setting{method, frame, nonlinearity, loaded};
           SCOPED_TRACE(std::string(method) + " frame " + std::to_string(static_cast<int>(frame)) +
                        (loaded ? " loaded" : ""));
-          Body body = body_of(setting, 0.0, 0.0);
+          ContactBody body = body_of(setting, 0.0, 0.0);
           const double start = body.energy().total();
           double most = start, worst = 0.0;
           for (int k = 0; k < 400; ++k) {
@@ -80,7 +80,7 @@ TEST(DampingChange, AccountsStayClosed) {
 TEST(DampingChange, IsTheDampingOfABodyThatHasItFromTheStart) {
   for (const std::string_view method : integrator_names()) {
     const Setting setting{std::string(method)};
-    Body had = body_of(setting, 0.5, 1e-3), got = body_of(setting, 0.0, 0.0);
+    ContactBody had = body_of(setting, 0.5, 1e-3), got = body_of(setting, 0.0, 0.0);
     ASSERT_TRUE(got.set_damping(0.5, 1e-3));
     EXPECT_EQ(got.alpha(), 0.5);
     EXPECT_EQ(got.beta(), 1e-3);
@@ -101,7 +101,7 @@ TEST(DampingChange, IsOfTheMethodsOrder) {
     IntegratorOptions options;
     options.step = step;
     options.tolerance = 1e-12;
-    Body body = testing::make_framed(model, FrameKind::kFixed, options, method);
+    ContactBody body = testing::make_framed(model, FrameKind::kFixed, options, method);
     EXPECT_TRUE(
         body.set_state(Eigen::VectorXd::LinSpaced(4, 0.02, 0.01), Eigen::VectorXd::Zero(4)));
     const Signal sine{.kind = SignalKind::kSine, .frequency = 3.0};
@@ -130,7 +130,7 @@ TEST(DampingChange, IsOfTheMethodsOrder) {
 }
 
 TEST(DampingChange, WhatIsNoneIsRefusedAndChangesNothing) {
-  Body body = body_of({"ep4"}, 0.1, 1e-3);
+  ContactBody body = body_of({"ep4"}, 0.1, 1e-3);
   for (const double bad :
        {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     EXPECT_FALSE(body.set_damping(bad, 1e-3));

@@ -33,7 +33,7 @@ MotionPath whirl() {
 }
 
 // One step along the path with the poses around it.
-StepReport step_along(const MotionPath& path, Body& body) {
+StepReport step_along(const MotionPath& path, ContactBody& body) {
   const double h = body.step_size();
   const auto pose = [&](int k) { return path.pose(static_cast<double>(body.steps() + k) * h); };
   const FrameMotion motion = motion_between(pose(-1), pose(0), pose(1), pose(2), h);
@@ -94,7 +94,8 @@ TEST(DrivenBody, FollowsNewtonsLawsOfItsPointsInSecondOrder) {
       HeldCloud(held.cloud, held.strain, whirl()).run(held.start, gravity, held, 3000);
   for (const char* method : kDrivenMethods)
     testing::expect_second_order(method, exact.q, [&](int steps) {
-      Body body = make_framed(held.model, FrameKind::kDriven, testing::held_options(steps), method);
+      ContactBody body =
+          make_framed(held.model, FrameKind::kDriven, testing::held_options(steps), method);
       EXPECT_TRUE(body.set_pose(whirl().pose(0.0)));
       EXPECT_TRUE(body.set_state(held.start.q, held.start.p));
       EXPECT_TRUE(body.set_gravity(gravity));
@@ -105,8 +106,8 @@ TEST(DrivenBody, FollowsNewtonsLawsOfItsPointsInSecondOrder) {
 
 TEST(DrivenBody, BalanceClosesWithDampingLoadGravityAndATurningFrame) {
   for (const char* method : {"avf", "ep2", "ep4"}) {
-    Body body = make_framed(frame_model(6, false, 14.0, 200.0), FrameKind::kDriven,
-                            {.step = 3e-3, .alpha = 0.2, .beta = 1e-3}, method);
+    ContactBody body = make_framed(frame_model(6, false, 14.0, 200.0), FrameKind::kDriven,
+                                   {.step = 3e-3, .alpha = 0.2, .beta = 1e-3}, method);
     const MotionPath path = whirl();
     ASSERT_TRUE(body.set_pose(path.pose(0.0)));
     ASSERT_TRUE(body.set_gravity({0.0, 2.0, -9.81}));
@@ -120,8 +121,8 @@ TEST(DrivenBody, SupportThatAcceleratesIsGravityTurnedRound) {
   const Vector3d acceleration(1.0, -2.0, 3.0);
   const Model::Pointer model = frame_model(4, false, 14.0, 90.0);
   for (const char* method : kDrivenMethods) {
-    Body driven = make_framed(model, FrameKind::kDriven, {.step = 3e-3}, method);
-    Body fixed = make_framed(model, FrameKind::kFixed, {.step = 3e-3}, method);
+    ContactBody driven = make_framed(model, FrameKind::kDriven, {.step = 3e-3}, method);
+    ContactBody fixed = make_framed(model, FrameKind::kFixed, {.step = 3e-3}, method);
     ASSERT_TRUE(fixed.set_gravity(-acceleration));
     const double h = 3e-3;
     for (int k = 0; k < 300; ++k) {
@@ -137,7 +138,8 @@ TEST(DrivenBody, SupportThatAcceleratesIsGravityTurnedRound) {
 }
 
 TEST(DrivenBody, FixedVerticesAreWhereThePoseSaysAtEveryStep) {
-  Body body = make_framed(frame_model(5, false, 14.0, 90.0), FrameKind::kDriven, {.step = 3e-3});
+  ContactBody body =
+      make_framed(frame_model(5, false, 14.0, 90.0), FrameKind::kDriven, {.step = 3e-3});
   const MotionPath path = whirl();
   ASSERT_TRUE(body.set_pose(path.pose(0.0)));
   const Vector3d rest = body.model().vertex(0)->rest;
@@ -151,7 +153,8 @@ TEST(DrivenBody, FixedVerticesAreWhereThePoseSaysAtEveryStep) {
 
 TEST(DrivenBody, TeleportsWithoutAKick) {
   for (const char* method : kDrivenMethods) {
-    Body body = make_framed(frame_model(4, false, 14.0, 90.0), FrameKind::kDriven, {}, method);
+    ContactBody body =
+        make_framed(frame_model(4, false, 14.0, 90.0), FrameKind::kDriven, {}, method);
     for (int k = 0; k < 20; ++k) {
       const Pose pose{{100.0 * k, 3.0, -1.0 * k}, turn_by({0.1 * k, 1.0, 0.0})};
       ASSERT_TRUE(body.set_pose(pose));
@@ -167,7 +170,7 @@ TEST(DrivenBody, TeleportsWithoutAKick) {
 TEST(DrivenBody, PosesAloneGiveAccelerationsOfSecondOrder) {
   const Model::Pointer model = frame_model(4, false, 14.0, 60.0);
   const auto orbit = [&](double h, bool known) {
-    Body body = make_framed(model, FrameKind::kDriven, {.step = h, .tolerance = 1e-11});
+    ContactBody body = make_framed(model, FrameKind::kDriven, {.step = h, .tolerance = 1e-11});
     Motion motion;  // from rest: what was before the first step is known then
     motion.parts.push_back(GlideMotion{{0.5, 0.2, -0.3}, {.start = 0.01, .ramp = 0.3}});
     motion.parts.push_back(
@@ -193,9 +196,9 @@ TEST(DrivenBody, PosesAloneGiveAccelerationsOfSecondOrder) {
 TEST(DrivenBody, FrameThatStandsStillCostsNoBit) {
   const Model::Pointer model = frame_model(5, false, 14.0, 90.0);
   for (const char* method : kDrivenMethods) {
-    Body fixed = make_framed(model, FrameKind::kFixed, {}, method);
-    Body driven = make_framed(model, FrameKind::kDriven, {}, method);
-    for (Body* body : {&fixed, &driven})
+    ContactBody fixed = make_framed(model, FrameKind::kFixed, {}, method);
+    ContactBody driven = make_framed(model, FrameKind::kDriven, {}, method);
+    for (ContactBody* body : {&fixed, &driven})
       ASSERT_TRUE(
           body->set_state(testing::random_vector(5, 0.02, 1), testing::random_vector(5, 0.3, 2)));
     steps_of(fixed, 200);
@@ -208,7 +211,7 @@ TEST(DrivenBody, FrameThatStandsStillCostsNoBit) {
 TEST(FixedBody, TakesTheBitsOfItsIntegratorAlone) {
   const Model::Pointer model = frame_model(5, false, 14.0, 90.0);
   for (const std::string_view method : integrator_names()) {
-    Body body = make_framed(model, FrameKind::kFixed, {.step = 1e-3}, method);
+    ContactBody body = make_framed(model, FrameKind::kFixed, {.step = 1e-3}, method);
     ASSERT_TRUE(body.add_default_load({.kind = SignalKind::kSine}, 0.3));
     const std::unique_ptr<Integrator> alone = testing::make(method, model, {.step = 1e-3});
     const std::vector<Load> loads = {
@@ -228,7 +231,7 @@ TEST(FixedBody, HangsInGravityAsItShould) {
   const VectorXd push = model->inertia()->linear.topRows<3>().transpose() * gravity;
   const VectorXd hanging = push.cwiseQuotient(model->lambda());
   for (const char* method : kDrivenMethods) {
-    Body body = make_framed(model, FrameKind::kFixed, {.alpha = 8.0}, method);
+    ContactBody body = make_framed(model, FrameKind::kFixed, {.alpha = 8.0}, method);
     ASSERT_TRUE(body.set_gravity(gravity));
     steps_of(body, 3000);
     EXPECT_LE((body.state().q - hanging).norm(), 1e-6 * hanging.norm()) << method;
@@ -238,8 +241,8 @@ TEST(FixedBody, HangsInGravityAsItShould) {
 
 TEST(DrivenBody, StepsTakenInPartsKeepTheBalance) {
   // One iteration is not enough for such a deformation, so that steps are cut.
-  Body body = make_framed(frame_model(5, false, 14.0, 200.0, 1.0), FrameKind::kDriven,
-                          {.step = 3e-2, .tolerance = 1e-9, .max_iterations = 4}, "ep2");
+  ContactBody body = make_framed(frame_model(5, false, 14.0, 200.0, 1.0), FrameKind::kDriven,
+                                 {.step = 3e-2, .tolerance = 1e-9, .max_iterations = 4}, "ep2");
   const MotionPath path = whirl();
   ASSERT_TRUE(body.set_pose(path.pose(0.0)));
   ASSERT_TRUE(body.set_state(testing::random_vector(5, 0.3, 1), testing::random_vector(5, 6.0, 2)));
@@ -254,7 +257,7 @@ TEST(DrivenBody, StepsTakenInPartsKeepTheBalance) {
 }
 
 TEST(DrivenBody, StepThatFailsLeavesTheFrameWhereItWas) {
-  Body body = make_framed(frame_model(4, false, 14.0, 90.0), FrameKind::kDriven, {});
+  ContactBody body = make_framed(frame_model(4, false, 14.0, 90.0), FrameKind::kDriven, {});
   const MotionPath path = whirl();
   ASSERT_TRUE(body.set_pose(path.pose(0.0)));
   for (int k = 0; k < 5; ++k) ASSERT_TRUE(step_along(path, body).converged);
@@ -274,7 +277,7 @@ TEST(DrivenBody, StepThatFailsLeavesTheFrameWhereItWas) {
 
 TEST(DrivenBody, RefusesWhatItCannotBe) {
   const auto refused = [](const Model::Pointer& model, std::string_view method) {
-    const Result<Body> body = Body::create(model, method, {}, FrameKind::kDriven);
+    const Result<ContactBody> body = ContactBody::create(model, method, {}, FrameKind::kDriven);
     EXPECT_FALSE(body) << method;
     return body ? std::string() : body.error().message;
   };
@@ -294,12 +297,12 @@ TEST(DrivenBody, RefusesWhatItCannotBe) {
   old.inertia.reset();
   const Model::Pointer without = *Model::from_data(old);
   EXPECT_NE(refused(without, "ep4").find("inertia integrals"), std::string::npos);
-  Body fixed = make_framed(without, FrameKind::kFixed, {});
+  ContactBody fixed = make_framed(without, FrameKind::kFixed, {});
   EXPECT_TRUE(fixed.set_gravity(Vector3d::Zero()));
   const Status gravity = fixed.set_gravity({0.0, 0.0, -9.81});
   ASSERT_FALSE(gravity);
   EXPECT_NE(gravity.error().message.find("inertia integrals"), std::string::npos);
-  Body body = make_framed(held, FrameKind::kDriven, {});
+  ContactBody body = make_framed(held, FrameKind::kDriven, {});
   EXPECT_FALSE(body.move_to({{NAN, 0.0, 0.0}, Eigen::Quaterniond::Identity()}));
   EXPECT_FALSE(body.move_to({Vector3d::Zero(), Eigen::Quaterniond(2.0, 0.0, 0.0, 0.0)}));
   EXPECT_FALSE(body.set_motion(Vector3d::Zero(), Vector3d::Zero()));

@@ -24,8 +24,9 @@ Pose tilted_pose() {
 }
 
 // Deformed, vibrating, flying and turning.
-Body tumbling_body(const IntegratorOptions& options, std::string_view method = "ep4") {
-  Body body = make_framed(frame_model(6, true, 12.0, 160.0), FrameKind::kFree, options, method);
+ContactBody tumbling_body(const IntegratorOptions& options, std::string_view method = "ep4") {
+  ContactBody body =
+      make_framed(frame_model(6, true, 12.0, 160.0), FrameKind::kFree, options, method);
   EXPECT_TRUE(body.set_pose(tilted_pose()));
   EXPECT_TRUE(
       body.set_state(testing::random_vector(6, 0.03, 5), testing::random_vector(6, 0.5, 6)));
@@ -55,7 +56,7 @@ double flip_period(const Vector3d& moments, const Vector3d& spin) {
 
 // The period of a body's middle spin, measured: between two rising passages through zero that lie
 // `turns` apart, each found by a straight line.
-double measured_period(Body body, const Vector3d& middle, int turns) {
+double measured_period(ContactBody body, const Vector3d& middle, int turns) {
   double first = -1.0, before = middle.dot(body.rigid_state().spin);
   for (int passages = 0; body.time() < 1000.0;) {
     EXPECT_TRUE(body.step().converged);
@@ -79,7 +80,7 @@ TEST(FreeBody, EulersTopFlipsInItsPeriodAndTheErrorIsOfSecondOrder) {
   const double exact = flip_period(axes.eigenvalues(), turning);
   std::vector<double> errors;
   for (const double step : {4e-3, 2e-3, 1e-3}) {
-    Body body = make_framed(model, FrameKind::kFree, {.step = step});
+    ContactBody body = make_framed(model, FrameKind::kFree, {.step = step});
     ASSERT_TRUE(body.set_motion(Vector3d::Zero(), spin));
     errors.push_back(
         std::abs(measured_period(std::move(body), axes.eigenvectors().col(1), 3) / exact - 1.0));
@@ -92,7 +93,8 @@ TEST(FreeBody, EulersTopFlipsInItsPeriodAndTheErrorIsOfSecondOrder) {
 
 TEST(FreeBody, FallsInAParabolaAndKeepsItsShape) {
   const Vector3d gravity(0.3, -0.2, -9.81), velocity(2.0, 1.0, 5.0);
-  Body body = make_framed(frame_model(6, true, 12.0, 160.0), FrameKind::kFree, {.step = 3e-3});
+  ContactBody body =
+      make_framed(frame_model(6, true, 12.0, 160.0), FrameKind::kFree, {.step = 3e-3});
   ASSERT_TRUE(body.set_pose(tilted_pose()));
   ASSERT_TRUE(body.set_motion(velocity, Vector3d::Zero()));
   ASSERT_TRUE(body.set_gravity(gravity));
@@ -128,7 +130,7 @@ Model::Pointer breathing_ring(double radius, double omega) {
 
 TEST(FreeBody, SpinningRingStretchesAsItShouldAndStaysSo) {
   constexpr double kRadius = 0.3, kOmega = 40.0, kSpin = 15.0;
-  Body body = make_framed(breathing_ring(kRadius, kOmega), FrameKind::kFree, {.step = 3e-3});
+  ContactBody body = make_framed(breathing_ring(kRadius, kOmega), FrameKind::kFree, {.step = 3e-3});
   // m spin^2 (R + q) = omega^2 q with m = 1 kg.
   const double stretch = kSpin * kSpin * kRadius / (kOmega * kOmega - kSpin * kSpin);
   ASSERT_TRUE(body.set_state(VectorXd::Constant(1, stretch), VectorXd::Zero(1)));
@@ -140,7 +142,7 @@ TEST(FreeBody, SpinningRingStretchesAsItShouldAndStaysSo) {
 
 TEST(FreeBody, SpinningRingBreathesWithTheStiffnessOfItsAngularMomentum) {
   constexpr double kRadius = 0.3, kOmega = 40.0, kSpin = 15.0;
-  Body body = make_framed(breathing_ring(kRadius, kOmega), FrameKind::kFree, {.step = 5e-4});
+  ContactBody body = make_framed(breathing_ring(kRadius, kOmega), FrameKind::kFree, {.step = 5e-4});
   const double stretch = kSpin * kSpin * kRadius / (kOmega * kOmega - kSpin * kSpin);
   ASSERT_TRUE(body.set_state(VectorXd::Constant(1, stretch), VectorXd::Constant(1, 1e-5)));
   ASSERT_TRUE(body.set_motion(Vector3d::Zero(), {0.0, 0.0, kSpin}));
@@ -162,7 +164,7 @@ TEST(FreeBody, SpinningRingBreathesWithTheStiffnessOfItsAngularMomentum) {
 
 TEST(FreeBody, DampingTakesEnergyAndNoMomentum) {
   for (const char* method : {"avf", "ep2", "ep4"}) {
-    Body body =
+    ContactBody body =
         tumbling_body({.step = 3e-3, .alpha = 0.4, .beta = 2e-3, .tolerance = 1e-10}, method);
     const Vector3d linear = body.linear_momentum(), angular = body.angular_momentum();
     const double start = body.energy().total();
@@ -182,7 +184,8 @@ TEST(FreeBody, DampingTakesEnergyAndNoMomentum) {
 
 TEST(FreeBody, GoesBackTheWayItCame) {
   for (const char* method : {"avf", "ep2", "ep4"}) {
-    Body body = tumbling_body({.step = 3e-3, .tolerance = 1e-13, .max_iterations = 60}, method);
+    ContactBody body =
+        tumbling_body({.step = 3e-3, .tolerance = 1e-13, .max_iterations = 60}, method);
     const State start = body.state();
     const RigidState rigid = body.rigid_state();
     steps_of(body, 300);
@@ -203,7 +206,7 @@ TEST(FreeBody, KeepsMomentaAndEnergyOverALongFlight) {
 #else
   constexpr int kSteps = 100000;
 #endif
-  Body body = tumbling_body({.step = 3e-3});
+  ContactBody body = tumbling_body({.step = 3e-3});
   const Vector3d linear = body.linear_momentum(), angular = body.angular_momentum();
   const double energy = body.energy().total();
   double turned = 0.0, drifted = 0.0;
@@ -288,7 +291,7 @@ TEST(FreeBody, FollowsNewtonsLawsOfItsPointsInSecondOrder) {
   for (const char* method : {"avf", "ep2", "ep4"}) {
     std::vector<double> errors;
     for (const int steps : {120, 240, 480}) {
-      Body body =
+      ContactBody body =
           make_framed(model, FrameKind::kFree,
                       {.step = kTime / steps, .tolerance = 1e-12, .max_iterations = 60}, method);
       ASSERT_TRUE(body.set_state(start.q, start.v));
@@ -305,7 +308,7 @@ TEST(FreeBody, FollowsNewtonsLawsOfItsPointsInSecondOrder) {
 }
 
 TEST(FreeBody, ForcesMoveAndSpinItByTheirImpulse) {
-  Body body = tumbling_body({.step = 3e-3});
+  ContactBody body = tumbling_body({.step = 3e-3});
   const Vector3d force(2.0, -1.0, 3.0), linear = body.linear_momentum();
   const double energy = body.energy().total();
   ASSERT_TRUE(body.apply_force(5, force, 40));
@@ -321,7 +324,7 @@ TEST(FreeBody, ForcesMoveAndSpinItByTheirImpulse) {
 }
 
 TEST(FreeBody, StepThatFailsLeavesEverythingAsItWas) {
-  Body body = tumbling_body({.step = 3e-3});
+  ContactBody body = tumbling_body({.step = 3e-3});
   steps_of(body, 3);
   const State before = body.state();
   const RigidState rigid = body.rigid_state();
@@ -342,7 +345,7 @@ TEST(FreeBody, StepThatFailsLeavesEverythingAsItWas) {
 
 TEST(FreeBody, RefusesWhatItCannotBe) {
   const auto refused = [](const Model::Pointer& model, const char* method) {
-    const Result<Body> body = Body::create(model, method, {}, FrameKind::kFree);
+    const Result<ContactBody> body = ContactBody::create(model, method, {}, FrameKind::kFree);
     EXPECT_FALSE(body) << method;
     return body ? std::string() : body.error().message;
   };
@@ -359,7 +362,7 @@ TEST(FreeBody, RefusesWhatItCannotBe) {
   old.inertia.reset();
   const std::string without = refused(*Model::from_data(old), "ep4");
   EXPECT_NE(without.find("inertia integrals"), std::string::npos) << without;
-  Body body = make_framed(free, FrameKind::kFree, {});
+  ContactBody body = make_framed(free, FrameKind::kFree, {});
   EXPECT_FALSE(body.set_pose({Vector3d::Zero(), Eigen::Quaterniond(1.0, 0.1, 0.0, 0.0)}));
   EXPECT_FALSE(body.set_pose({Vector3d(NAN, 0.0, 0.0), Eigen::Quaterniond::Identity()}));
   EXPECT_FALSE(body.set_motion({NAN, 0.0, 0.0}, Vector3d::Zero()));
@@ -377,7 +380,8 @@ TEST(FreeBody, ADampedSpinEndsAboutTheAxisOfLargestInertia) {
   const Eigen::Matrix3d J = P.trace() * Eigen::Matrix3d::Identity() - P;
   const Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(J).eigenvalues();
   for (const char* method : {"avf", "ep2", "ep4"}) {
-    Body body = testing::make_framed(model, FrameKind::kFree, {.step = 2e-3, .beta = 5e-2}, method);
+    ContactBody body =
+        testing::make_framed(model, FrameKind::kFree, {.step = 2e-3, .beta = 5e-2}, method);
     ASSERT_TRUE(body.set_motion(Vector3d::Zero(), 15.0 * Vector3d(1.0, 0.5, -0.7)));
     const Vector3d before = body.angular_momentum();
     const double start = body.energy().total();

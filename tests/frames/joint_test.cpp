@@ -71,17 +71,17 @@ TEST(Joints, FallByTheirSlope) {
   }
 }
 
-Body touching(const Model::Pointer& model, FrameKind kind, double step = kJointStep,
-              double beta = 0.0) {
+ContactBody touching(const Model::Pointer& model, FrameKind kind, double step = kJointStep,
+                     double beta = 0.0) {
   IntegratorOptions options;
   options.step = step;
   options.beta = beta;
-  Body body = testing::make_framed(model, kind, options);
+  ContactBody body = testing::make_framed(model, kind, options);
   EXPECT_TRUE(body.set_contact());
   return body;
 }
 
-double balance_of(const Body& body) {
+double balance_of(const ContactBody& body) {
   return body.energy().total() - body.work() + body.dissipated();
 }
 
@@ -94,10 +94,10 @@ TEST(Joints, KeepBothMomentaAndTheEnergy) {
                                 {.stiffness = 500.0, .damping = 10.0, .length = 1.0}};
   for (const JointOptions& options : kinds)
     for (const double beta : {0.0, 1e-3}) {
-      Body one = touching(testing::frame_model(5, true, 30.0, 300.0, 0.3, 3), FrameKind::kFree,
-                          kJointStep, beta);
-      Body two = touching(testing::frame_model(6, true, 40.0, 200.0, 0.3, 7), FrameKind::kFree,
-                          kJointStep, beta);
+      ContactBody one = touching(testing::frame_model(5, true, 30.0, 300.0, 0.3, 3),
+                                 FrameKind::kFree, kJointStep, beta);
+      ContactBody two = touching(testing::frame_model(6, true, 40.0, 200.0, 0.3, 7),
+                                 FrameKind::kFree, kJointStep, beta);
       ASSERT_TRUE(two.set_pose({{0.8, 0.2, 0.1}, turn_by({0.3, 1.0, -0.4})}));
       ASSERT_TRUE(one.set_motion({0.4, -0.2, 0.1}, {1.0, 3.0, -2.0}));
       ASSERT_TRUE(two.set_motion({-0.3, 0.5, 0.0}, {-2.0, 0.5, 4.0}));
@@ -108,7 +108,7 @@ TEST(Joints, KeepBothMomentaAndTheEnergy) {
           0.5 * made->stiffness * std::pow(joint_distance(*made, one, two) - made->length, 2);
       BodyGroup group;
       const std::size_t number = group.join(0, 1, *made);
-      const std::array<Body*, 2> bodies = {&one, &two};
+      const std::array<ContactBody*, 2> bodies = {&one, &two};
       std::array<StepReport, 2> reports;
       const auto linear = [&] { return Vector3d(one.linear_momentum() + two.linear_momentum()); };
       const auto angular = [&] {
@@ -140,14 +140,14 @@ TEST(Joints, KeepBothMomentaAndTheEnergy) {
       if (!options.stiffness) {
         EXPECT_LT(joint_distance(*group.joint(number), one, two), 1e-4);
       }
-      EXPECT_GT(std::abs(one.joint_work()), 1e-3 * start);
+      EXPECT_GT(std::abs(one.contact_sums().joint), 1e-3 * start);
     }
 }
 
 // Two bodies on a spring between their centres: sqrt(k/mu), and the damper's e^(-c t/(2 mu)).
 TEST(Joints, SwingAsASpringBetweenTwoMasses) {
   const Model::Pointer model = testing::frame_model(4, true, 3e3, 1e4, 0.0, 3);
-  Body one = touching(model, FrameKind::kFree), two = touching(model, FrameKind::kFree);
+  ContactBody one = touching(model, FrameKind::kFree), two = touching(model, FrameKind::kFree);
   const double mu = 0.5 * model->inertia()->mass, omega = 40.0, c = 2.0 * mu * 1.5;
   Joint joint;
   const auto centre = model->inertia_about_centre()->centre;
@@ -160,7 +160,7 @@ TEST(Joints, SwingAsASpringBetweenTwoMasses) {
   ASSERT_TRUE(two.set_pose({{1.05, 0.0, 0.0}, Eigen::Quaterniond::Identity()}));
   BodyGroup group;
   group.join(0, 1, joint);
-  const std::array<Body*, 2> bodies = {&one, &two};
+  const std::array<ContactBody*, 2> bodies = {&one, &two};
   std::array<StepReport, 2> reports;
   const double damped = std::sqrt(omega * omega - 1.5 * 1.5);
   double worst = 0.0;
@@ -222,8 +222,8 @@ TEST(Joints, SwingAsARigidPendulum) {
   double errors[2];
   for (const int fine : {0, 1}) {
     const double step = fine == 0 ? 2e-3 : 1e-3;
-    Body body = touching(model, FrameKind::kFree, step);
-    Body support = touching(held_model, FrameKind::kDriven, step);
+    ContactBody body = touching(model, FrameKind::kFree, step);
+    ContactBody support = touching(held_model, FrameKind::kDriven, step);
     ASSERT_TRUE(body.set_gravity({0.0, 0.0, -kGravity}));
     ASSERT_TRUE(body.set_pose({-(begun * pivot), begun}));
     ASSERT_TRUE(support.set_pose({-held_model->vertex(0)->rest, Eigen::Quaterniond::Identity()}));
@@ -231,7 +231,7 @@ TEST(Joints, SwingAsARigidPendulum) {
     ASSERT_TRUE(joint) << joint.error().message;
     BodyGroup group;
     group.join(0, 1, *joint);
-    const std::array<Body*, 2> bodies = {&body, &support};
+    const std::array<ContactBody*, 2> bodies = {&body, &support};
     std::array<StepReport, 2> reports;
     const double start = balance_of(body);
     for (int k = 0; k < static_cast<int>(std::lround(kTime / step)); ++k) {
@@ -249,10 +249,10 @@ TEST(Joints, SwingAsARigidPendulum) {
 // A body whose step has been changed solves for contact as one that was made with it.
 TEST(Joints, AndHandsFollowAnotherStep) {
   const Model::Pointer model = testing::frame_model(5, true, 60.0, 300.0, 0.3, 3);
-  Body changed = touching(model, FrameKind::kFree, 1e-3);
+  ContactBody changed = touching(model, FrameKind::kFree, 1e-3);
   ASSERT_TRUE(changed.set_method("ep4", 4e-3));
-  Body made = touching(model, FrameKind::kFree, 4e-3);
-  for (Body* body : {&changed, &made}) {
+  ContactBody made = touching(model, FrameKind::kFree, 4e-3);
+  for (ContactBody* body : {&changed, &made}) {
     ASSERT_TRUE(body->set_motion({0.4, -0.2, 0.1}, {1.0, 3.0, -2.0}));
     ASSERT_TRUE(body->grab(4, 1e5, 10.0));
   }

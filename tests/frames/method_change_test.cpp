@@ -14,12 +14,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-Body moving_body(FrameKind frame, const std::string& method) {
+ContactBody moving_body(FrameKind frame, const std::string& method) {
   const auto model = testing::frame_model(6, frame == FrameKind::kFree, 30.0, 400.0, 0.3);
   IntegratorOptions options;
   options.step = 1e-3;
   options.beta = 1e-4;
-  Body body = testing::make_framed(model, frame, options, method);
+  ContactBody body = testing::make_framed(model, frame, options, method);
   if (frame == FrameKind::kFree) {
     EXPECT_TRUE(body.set_motion({1.0, 0.0, 0.0}, {2.0, 1.0, 3.0}));
   }
@@ -31,7 +31,7 @@ TEST(MethodChange, AccountsStayClosed) {
   constexpr const char* kMethods[] = {"ep4", "avf", "ep2"};
   constexpr double kSteps[] = {1e-3, 2.5e-3, 4e-4};
   for (const FrameKind frame : {FrameKind::kFixed, FrameKind::kDriven, FrameKind::kFree}) {
-    Body body = moving_body(frame, "ep4");
+    ContactBody body = moving_body(frame, "ep4");
     const double start = body.energy().total();
     double most = start, worst = 0.0;
     for (int k = 0; k < 600; ++k) {
@@ -55,12 +55,13 @@ TEST(MethodChange, AccountsStayClosed) {
 // The step after the change is that of a body which has always had the method.
 TEST(MethodChange, GoesOnAsAnotherBodyFromThatState) {
   for (const char* method : {"newmark", "imexv", "implicit-euler", "rk4", "verlet", "midpoint"}) {
-    Body body = moving_body(FrameKind::kFixed, "ep4");
+    ContactBody body = moving_body(FrameKind::kFixed, "ep4");
     for (int k = 0; k < 60; ++k) ASSERT_TRUE(body.step().converged);
     IntegratorOptions options;
     options.step = 5e-4;
     options.beta = 1e-4;
-    Body other = testing::make_framed(body.model_pointer(), FrameKind::kFixed, options, method);
+    ContactBody other =
+        testing::make_framed(body.model_pointer(), FrameKind::kFixed, options, method);
     ASSERT_TRUE(other.set_state(body.state().q, body.state().p));
     ASSERT_TRUE(body.set_method(method, 5e-4));
     EXPECT_EQ(body.steps(), 120);
@@ -74,9 +75,9 @@ TEST(MethodChange, GoesOnAsAnotherBodyFromThatState) {
 }
 
 TEST(MethodChange, WhatDoesNotGoLeavesEverythingAsItWas) {
-  Body body = moving_body(FrameKind::kFree, "ep4");
+  ContactBody body = moving_body(FrameKind::kFree, "ep4");
   for (int k = 0; k < 10; ++k) ASSERT_TRUE(body.step().converged);
-  Body twin = moving_body(FrameKind::kFree, "ep4");
+  ContactBody twin = moving_body(FrameKind::kFree, "ep4");
   for (int k = 0; k < 10; ++k) ASSERT_TRUE(twin.step().converged);
   for (const auto& [method, step] :
        {std::pair{"newmark", 1e-3}, {"rk5", 1e-3}, {"ep4", 0.0}, {"ep4", -1.0}}) {
@@ -92,7 +93,7 @@ TEST(MethodChange, WhatDoesNotGoLeavesEverythingAsItWas) {
 
 TEST(MethodChange, OfAHeldBodyTheHandStays) {
   for (const FrameKind frame : {FrameKind::kFixed, FrameKind::kFree}) {
-    Body body = moving_body(frame, "ep4");
+    ContactBody body = moving_body(frame, "ep4");
     ASSERT_TRUE(body.set_contact());
     const auto hand = body.grab(5, 200.0, 3.0);
     ASSERT_TRUE(hand) << hand.error().message;

@@ -143,7 +143,7 @@ TEST(SurfaceTree, MeetsNothingWhereThereIsNothing) {
 // A body that rotates and bends: the point found is on the ray, and a hand holds it.
 TEST(Picking, FindsThePlaceOfABodyThatMovesAndAHandTakesIt) {
   const auto model = testing::frame_model(5, true, 60.0, 300.0, 0.3);
-  Body body = testing::make_framed(model, FrameKind::kFree, {});
+  ContactBody body = testing::make_framed(model, FrameKind::kFree, {});
   ASSERT_TRUE(body.set_contact());
   ASSERT_TRUE(body.set_pose({{1.0, 2.0, 3.0}, turn_by({0.4, -0.3, 1.0})}));
   ASSERT_TRUE(body.set_motion({0.1, 0.0, 0.0}, {1.0, 2.0, 0.5}));
@@ -185,9 +185,9 @@ TEST(Picking, FindsThePlaceOfABodyThatMovesAndAHandTakesIt) {
 // At a corner a point is the vertex: the same bits.
 TEST(Picking, APlaceAtACornerIsTheVertex) {
   const auto model = testing::frame_model(5, true, 60.0, 300.0, 0.3);
-  Body by_vertex = testing::make_framed(model, FrameKind::kFree, {});
-  Body by_place = testing::make_framed(model, FrameKind::kFree, {});
-  for (Body* body : {&by_vertex, &by_place}) ASSERT_TRUE(body->set_contact());
+  ContactBody by_vertex = testing::make_framed(model, FrameKind::kFree, {});
+  ContactBody by_place = testing::make_framed(model, FrameKind::kFree, {});
+  for (ContactBody* body : {&by_vertex, &by_place}) ASSERT_TRUE(body->set_contact());
   const VertexId corner = model->drawn().triangles[1][2];
   const auto first = by_vertex.grab(corner, 400.0, 2.0);
   const auto second = by_place.grab(SurfacePlace{SurfaceKind::kDrawn, 1, {0, 0, 1}}, 400.0, 2.0);
@@ -198,7 +198,7 @@ TEST(Picking, APlaceAtACornerIsTheVertex) {
     ASSERT_TRUE(by_vertex.step().converged && by_place.step().converged);
   }
   EXPECT_EQ(by_vertex.state().q, by_place.state().q);
-  EXPECT_EQ(by_vertex.hand_work(), by_place.hand_work());
+  EXPECT_EQ(by_vertex.contact_sums().hand, by_place.contact_sums().hand);
 }
 
 // ---- pins ----
@@ -224,7 +224,7 @@ TEST(Pins, APinnedVertexStaysAndTheAccountCloses) {
             IntegratorOptions options;
             options.step = step;
             options.beta = beta;
-            Body body = testing::make_framed(model, frame, options, method);
+            ContactBody body = testing::make_framed(model, frame, options, method);
             ASSERT_TRUE(body.set_contact());
             ASSERT_TRUE(body.set_gravity({0.0, 0.0, -9.81}));
             ASSERT_TRUE(
@@ -252,7 +252,7 @@ TEST(Pins, APinnedVertexStaysAndTheAccountCloses) {
 
 TEST(Pins, FollowWhereTheyAreMovedAndStopWhatMoves) {
   const auto model = testing::frame_model(6, true, 30.0, 400.0, 0.3);
-  Body body = testing::make_framed(model, FrameKind::kFree, {});
+  ContactBody body = testing::make_framed(model, FrameKind::kFree, {});
   ASSERT_TRUE(body.set_contact());
   ASSERT_TRUE(body.set_motion({2.0, 0.0, 0.0}, {0.0, 3.0, 0.0}));
   const auto pin = body.pin(VertexId{5});
@@ -275,7 +275,7 @@ TEST(Pins, FollowWhereTheyAreMovedAndStopWhatMoves) {
 }
 
 TEST(Pins, WhatDoesNotMoveIsRefused) {
-  Body body =
+  ContactBody body =
       testing::make_framed(testing::frame_model(5, false, 60.0, 300.0), FrameKind::kFixed, {});
   EXPECT_FALSE(body.pin(VertexId{5}));  // without set_contact()
   ASSERT_TRUE(body.set_contact());
@@ -334,7 +334,7 @@ TEST(StiffHands, AreLimitedToAPinAndTheAccountCloses) {
     for (const double stiffness : {1.0, 1e6, 1e9, 1e12, 1e18, 1e300})
       for (const double damping : {0.0, 1e6, 1e300}) {
         const auto model = testing::frame_model(6, frame == FrameKind::kFree, 30.0, 400.0, 0.3);
-        Body body = testing::make_framed(model, frame, {.step = kStep});
+        ContactBody body = testing::make_framed(model, frame, {.step = kStep});
         ASSERT_TRUE(body.set_contact());
         ASSERT_TRUE(body.set_gravity({0.0, 0.0, -9.81}));
         const HandSpring most = body.stiffest_hand(*model->vertex(5));
@@ -366,7 +366,7 @@ TEST(StiffHands, AreLimitedToAPinAndTheAccountCloses) {
 // The same hand on a longer step may be too stiff for it.
 TEST(StiffHands, ALongerStepLimitsThemAgain) {
   const auto model = testing::frame_model(6, true, 30.0, 400.0, 0.3);
-  Body body = testing::make_framed(model, FrameKind::kFree, {.step = 1e-3});
+  ContactBody body = testing::make_framed(model, FrameKind::kFree, {.step = 1e-3});
   ASSERT_TRUE(body.set_contact());
   const auto hand = body.grab(VertexId{5}, 1e12, 0.0);
   ASSERT_TRUE(hand);
@@ -381,7 +381,7 @@ TEST(StiffHands, ALongerStepLimitsThemAgain) {
 // A joint with a stiffness beyond that of one without keeps bodies as the latter does.
 TEST(StiffHands, AJointIsLimitedToOneWithoutAStiffness) {
   const auto model = testing::frame_model(6, true, 30.0, 400.0, 0.3);
-  std::vector<Body> bodies;
+  std::vector<ContactBody> bodies;
   for (int k = 0; k < 2; ++k) {
     bodies.push_back(testing::make_framed(model, FrameKind::kFree, {.step = 3e-3}));
     ASSERT_TRUE(bodies.back().set_contact());

@@ -302,9 +302,9 @@ TEST(SavedWorld, SumsThatAreNoNumbersAreRefused) {
   run(world, 350);
   const Result<SavedState> saved = read_saved(world.save(), "test");
   ASSERT_TRUE(saved);
-  const Body& stone = world.body(0);
+  const ContactBody& stone = world.body(0);
   int forged_sums = 0;
-  for (const double sum : {stone.gravity_work(), stone.work(), stone.contact_work(),
+  for (const double sum : {stone.gravity_work(), stone.work(), stone.contact_sums().work,
                            world.account(0).at_start, world.body(3).support_work()}) {
     std::string bytes(sizeof(sum), '\0');
     std::memcpy(bytes.data(), &sum, sizeof(sum));
@@ -344,14 +344,14 @@ struct BodyCase {
   double nonlinearity = 0.3;
 };
 
-Body body_of(const BodyCase& c, bool loaded) {
+ContactBody body_of(const BodyCase& c, bool loaded) {
   const auto model =
       testing::frame_model(6, c.frame == FrameKind::kFree, 30.0, 400.0, c.nonlinearity);
   IntegratorOptions options;
   options.alpha = c.alpha;
   options.beta = c.beta;
   options.step = 1e-3;
-  Body body = testing::make_framed(model, c.frame, options, c.method);
+  ContactBody body = testing::make_framed(model, c.frame, options, c.method);
   if (loaded) {
     const Signal sine{.kind = SignalKind::kSine, .frequency = 3.0};
     EXPECT_TRUE(body.add_load(sine, 5, {40.0, -30.0, 60.0}));
@@ -362,7 +362,7 @@ Body body_of(const BodyCase& c, bool loaded) {
   return body;
 }
 
-void advance(const BodyCase& c, Body& body, int steps) {
+void advance(const BodyCase& c, ContactBody& body, int steps) {
   for (int k = 0; k < steps; ++k) {
     const double t = body.time();
     if (c.frame == FrameKind::kDriven) {
@@ -384,12 +384,12 @@ TEST(SavedBody, EveryMethodGoesOnWithTheSameBits) {
   for (const BodyCase& c : cases)
     for (const bool loaded : {false, true}) {
       SCOPED_TRACE(c.method + (loaded ? " loaded" : "") + " beta " + std::to_string(c.beta));
-      Body straight = body_of(c, loaded);
+      ContactBody straight = body_of(c, loaded);
       ASSERT_TRUE(straight.apply_force(5, {30.0, 20.0, -50.0}, 25));
       advance(c, straight, 40);
       const std::vector<std::byte> bytes = straight.save();
       advance(c, straight, 1);
-      Body fresh = body_of(c, loaded);
+      ContactBody fresh = body_of(c, loaded);
       const Status restored = fresh.restore(bytes);
       ASSERT_TRUE(restored) << restored.error().message;
       advance(c, fresh, 1);
@@ -408,15 +408,15 @@ TEST(SavedBody, StepsInPartsComeAlong) {
       IntegratorOptions options;
       options.step = 0.02;
       options.max_iterations = 3;
-      Body body = testing::make_framed(model, FrameKind::kFixed, options, method);
+      ContactBody body = testing::make_framed(model, FrameKind::kFixed, options, method);
       EXPECT_TRUE(
           body.add_load({.kind = SignalKind::kSine, .frequency = 2.0}, 5, {900.0, -700.0, 800.0}));
       return body;
     };
-    Body straight = make();
+    ContactBody straight = make();
     for (int k = 0; k < 60; ++k) (void)straight.step();
     EXPECT_GT(straight.halved_steps(), 0) << method;
-    Body fresh = make();
+    ContactBody fresh = make();
     ASSERT_TRUE(fresh.restore(straight.save()));
     for (int k = 0; k < 60; ++k) {
       (void)straight.step();
@@ -424,7 +424,7 @@ TEST(SavedBody, StepsInPartsComeAlong) {
     }
     EXPECT_EQ(state_bytes(straight), state_bytes(fresh)) << method;
     // Back in a body whose parts go deeper, and in one that has none yet.
-    Body young = make();
+    ContactBody young = make();
     const std::vector<std::byte> early = young.save();
     ASSERT_TRUE(straight.restore(early));
     for (int k = 0; k < 60; ++k) {
@@ -437,10 +437,10 @@ TEST(SavedBody, StepsInPartsComeAlong) {
 
 TEST(SavedBody, OtherBodiesAreRefused) {
   const BodyCase c{"ep4"};
-  Body body = body_of(c, false);
+  ContactBody body = body_of(c, false);
   advance(c, body, 10);
   const std::vector<std::byte> bytes = body.save();
-  const auto refused = [&bytes](Body other, const std::string& words) {
+  const auto refused = [&bytes](ContactBody other, const std::string& words) {
     const std::string before = state_bytes(other);
     const Status status = other.restore(bytes);
     ASSERT_FALSE(status);

@@ -135,8 +135,8 @@ TEST(SceneAllocation, StepsAmongCollidersAndHandsAllocateNothing) {
 
 // After a model's first ray; and steps of what is pinned.
 TEST(SceneAllocation, RaysAndPinnedStepsAllocateNothing) {
-  Body body = testing::make_framed(testing::frame_model(20, true, 60.0, 300.0), FrameKind::kFree,
-                                   {.step = 1e-3});
+  ContactBody body = testing::make_framed(testing::frame_model(20, true, 60.0, 300.0),
+                                          FrameKind::kFree, {.step = 1e-3});
   ASSERT_TRUE(body.set_contact());
   ASSERT_TRUE(body.set_gravity({0.0, 0.0, -9.81}));
   ASSERT_TRUE(body.pin(VertexId{5}));

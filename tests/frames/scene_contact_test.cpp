@@ -134,7 +134,7 @@ TEST(SceneContact, StepsAreThoseOfABodyAmongTheSameColliders) {
   SceneWorld world = touching_world(scene);
   IntegratorOptions options = scene.bodies[0].options;
   options.step = scene.step;
-  Body body = testing::make_framed(world.body(0).model_pointer(), FrameKind::kFree, options);
+  ContactBody body = testing::make_framed(world.body(0).model_pointer(), FrameKind::kFree, options);
   ASSERT_TRUE(body.set_contact());
   ASSERT_TRUE(body.set_gravity(scene.gravity.values[0]));
   ASSERT_TRUE(body.set_pose(world.body(0).pose()));
@@ -148,7 +148,7 @@ TEST(SceneContact, StepsAreThoseOfABodyAmongTheSameColliders) {
   EXPECT_GT(world.contacts(0), 0);
   EXPECT_EQ(world.body(0).state().q, body.state().q);
   EXPECT_EQ(world.body(0).pose().position, body.pose().position);
-  EXPECT_EQ(world.account(0).restitution, 0.0 - body.contact_lost());
+  EXPECT_EQ(world.account(0).restitution, 0.0 - body.contact_sums().lost);
 }
 
 TEST(SceneContact, BodyBouncesOnAMeshFromItsFile) {

@@ -114,7 +114,7 @@ TEST(SceneWorld, FixedBodyAtAnotherPlaceFeelsGravityAlongItsOwnAxes) {
   turned.pose = {{5.0, 0.0, 0.0}, turn_by({M_PI, 0.0, 0.0})};
   scene.bodies = {turned};
   SceneWorld world = world_of(scene);
-  Body other = testing::make_framed(world.body(0).model_pointer(), FrameKind::kFixed, {});
+  ContactBody other = testing::make_framed(world.body(0).model_pointer(), FrameKind::kFixed, {});
   ASSERT_TRUE(other.set_gravity({0.0, 0.0, 9.81}));
   for (int k = 0; k < 100; ++k) {
     world.step();

@@ -44,18 +44,18 @@ FrameMotion motion_in_step(const MotionPath& path, double t, double h) {
 }
 
 // One step, each bone along its path.
-StepReport step_bones(const std::vector<MotionPath>& paths, Body& body) {
+StepReport step_bones(const std::vector<MotionPath>& paths, ContactBody& body) {
   const double h = body.step_size(), t = body.time();
   for (std::size_t b = 0; b < paths.size(); ++b)
     EXPECT_TRUE(body.move_bone_to(b, paths[b].pose(t + h), motion_in_step(paths[b], t, h)));
   return body.step();
 }
 
-void begin_bones(const std::vector<MotionPath>& paths, Body& body) {
+void begin_bones(const std::vector<MotionPath>& paths, ContactBody& body) {
   for (std::size_t b = 0; b < paths.size(); ++b) ASSERT_TRUE(body.set_bone(b, paths[b].pose(0.0)));
 }
 
-std::vector<double> positions_of(const Body& body) {
+std::vector<double> positions_of(const ContactBody& body) {
   std::vector<double> places(3 * body.model().drawn().rest.size());
   EXPECT_TRUE(body.surface_positions(std::span<double>(places)));
   return places;
@@ -67,11 +67,12 @@ TEST(Skeleton, OneBoneTakesTheBitsOfADrivenFrame) {
   const std::vector<BoneSegment> one = {bar_bones()[0]};
   for (const char* method : kDrivenMethods) {
     const IntegratorOptions options{.step = 3e-3, .alpha = 0.1, .beta = 1e-3};
-    Body driven = make_framed(bar.model, FrameKind::kDriven, options, method);
-    Body boned = make_rigged(bar.model, *skin_near_bones(*bar.model, one, 0.1), options, method);
+    ContactBody driven = make_framed(bar.model, FrameKind::kDriven, options, method);
+    ContactBody boned =
+        make_rigged(bar.model, *skin_near_bones(*bar.model, one, 0.1), options, method);
     ASSERT_TRUE(driven.set_pose(paths[0].pose(0.0)));
     begin_bones(paths, boned);
-    for (Body* body : {&driven, &boned}) {
+    for (ContactBody* body : {&driven, &boned}) {
       ASSERT_TRUE(body->set_gravity({0.0, 2.0, -9.81}));
       ASSERT_TRUE(body->add_default_load({.kind = SignalKind::kSine}, 3.0));
     }
@@ -96,8 +97,8 @@ TEST(Skeleton, BonesThatMoveTogetherAreADrivenFrame) {
   const std::vector<MotionPath> paths(3, path);
   for (const char* method : kDrivenMethods) {
     const IntegratorOptions options{.step = 3e-3, .tolerance = 1e-12, .max_iterations = 60};
-    Body driven = make_framed(bar.model, FrameKind::kDriven, options, method);
-    Body boned = make_rigged(bar.model, bar_skin(bar), options, method);
+    ContactBody driven = make_framed(bar.model, FrameKind::kDriven, options, method);
+    ContactBody boned = make_rigged(bar.model, bar_skin(bar), options, method);
     ASSERT_TRUE(driven.set_pose(path.pose(0.0)));
     begin_bones(paths, boned);
     const double h = driven.step_size();
@@ -117,27 +118,28 @@ TEST(Skeleton, BonesThatMoveTogetherAreADrivenFrame) {
 TEST(Skeleton, SavedInMotionItGoesOnWithTheSameBits) {
   const RiggedBar bar = rigged_bar(5);
   const std::vector<MotionPath> paths = {path_of(0), path_of(1), path_of(2)};
-  Body body = make_rigged(bar.model, bar_skin(bar), {.step = 3e-3});
+  ContactBody body = make_rigged(bar.model, bar_skin(bar), {.step = 3e-3});
   ASSERT_TRUE(body.set_gravity({0.0, 2.0, -9.81}));
   begin_bones(paths, body);
   for (int k = 0; k < 50; ++k) ASSERT_TRUE(step_bones(paths, body).converged);
-  Body other = make_rigged(bar.model, bar_skin(bar), {.step = 3e-3});
+  ContactBody other = make_rigged(bar.model, bar_skin(bar), {.step = 3e-3});
   ASSERT_TRUE(other.restore(body.save()));
   for (int k = 0; k < 50; ++k)
-    for (Body* one : {&body, &other}) ASSERT_TRUE(step_bones(paths, *one).converged);
+    for (ContactBody* one : {&body, &other}) ASSERT_TRUE(step_bones(paths, *one).converged);
   EXPECT_EQ(body.state().q, other.state().q);
   EXPECT_EQ(body.state().p, other.state().p);
   EXPECT_EQ(body.support_work(), other.support_work());
   EXPECT_EQ(positions_of(body), positions_of(other));
   // Another skin is another body.
   const std::vector<BoneSegment> bones = bar_bones();
-  Body narrow = make_rigged(bar.model, *skin_near_bones(*bar.model, bones, 0.02), {.step = 3e-3});
+  ContactBody narrow =
+      make_rigged(bar.model, *skin_near_bones(*bar.model, bones, 0.02), {.step = 3e-3});
   EXPECT_FALSE(narrow.restore(body.save()));
 }
 
 TEST(Skeleton, ContactAndRaysAreRefused) {
   const RiggedBar bar = rigged_bar(5);
-  Body body = make_rigged(bar.model, bar_skin(bar), {.step = 3e-3});
+  ContactBody body = make_rigged(bar.model, bar_skin(bar), {.step = 3e-3});
   EXPECT_EQ(body.set_contact({}).error().kind, ErrorKind::kUsage);
   EXPECT_EQ(body.pick({0, 0, 1}, {0, 0, -1}).error().kind, ErrorKind::kUsage);
 }
@@ -145,9 +147,9 @@ TEST(Skeleton, ContactAndRaysAreRefused) {
 TEST(Skeleton, BonesThatStandStillAreAHeldBody) {
   const RiggedBar bar = rigged_bar(5);
   for (const char* method : kDrivenMethods) {
-    Body fixed = make_framed(bar.model, FrameKind::kFixed, {}, method);
-    Body boned = make_rigged(bar.model, bar_skin(bar), {}, method);
-    for (Body* body : {&fixed, &boned})
+    ContactBody fixed = make_framed(bar.model, FrameKind::kFixed, {}, method);
+    ContactBody boned = make_rigged(bar.model, bar_skin(bar), {}, method);
+    for (ContactBody* body : {&fixed, &boned})
       ASSERT_TRUE(
           body->set_state(testing::random_vector(5, 0.02, 1), testing::random_vector(5, 0.3, 2)));
     testing::steps_of(fixed, 200);
@@ -164,7 +166,7 @@ TEST(Skeleton, BalanceClosesWithDampingLoadGravityAndBonesThatTurn) {
   const RiggedBar bar = rigged_bar(6);
   const std::vector<MotionPath> paths = {path_of(0), path_of(1), path_of(2)};
   for (const char* method : {"avf", "ep2", "ep4"}) {
-    Body body =
+    ContactBody body =
         make_rigged(bar.model, bar_skin(bar), {.step = 3e-3, .alpha = 0.2, .beta = 1e-3}, method);
     begin_bones(paths, body);
     ASSERT_TRUE(body.set_gravity({0.0, 2.0, -9.81}));
@@ -313,7 +315,7 @@ TEST(Skeleton, FollowsNewtonsLawsOfItsSharesInSecondOrder) {
   const State exact = run_shares(held, weights, paths, 3000);
   for (const char* method : kDrivenMethods)
     testing::expect_second_order(method, exact.q, [&](int steps) {
-      Body body = make_rigged(held.model, shared, testing::held_options(steps), method);
+      ContactBody body = make_rigged(held.model, shared, testing::held_options(steps), method);
       begin_bones(paths, body);
       EXPECT_TRUE(body.set_state(held.start.q, held.start.p));
       for (int k = 0; k < steps; ++k) EXPECT_TRUE(step_bones(paths, body).converged);
@@ -360,7 +362,7 @@ TEST(Skeleton, VerticesAreWhereTheBlendOfTheirBonesIs) {
   const RiggedBar bar = rigged_bar(5);
   const auto skin = bar_skin(bar);
   const std::vector<MotionPath> paths = {path_of(0), path_of(1), path_of(2)};
-  Body body = make_rigged(bar.model, skin, {.step = 3e-3});
+  ContactBody body = make_rigged(bar.model, skin, {.step = 3e-3});
   begin_bones(paths, body);
   for (int k = 0; k < 100; ++k) ASSERT_TRUE(step_bones(paths, body).converged);
   const std::vector<double> drawn = positions_of(body);
@@ -392,7 +394,7 @@ TEST(Skeleton, VerticesAreWhereTheBlendOfTheirBonesIs) {
 TEST(Skeleton, ForceOnAVertexDoesItsWorkOnTheSkinnedPlace) {
   const RiggedBar bar = rigged_bar(5, 2, 0.0);
   const auto skin = bar_skin(bar);
-  Body body = make_rigged(bar.model, skin, {.step = 3e-3, .tolerance = 1e-12});
+  ContactBody body = make_rigged(bar.model, skin, {.step = 3e-3, .tolerance = 1e-12});
   for (std::size_t b = 0; b < 3; ++b)
     ASSERT_TRUE(body.set_bone(b, {{0.1, 0.2, 0.3}, turn_by({0.0, 0.5 * double(b), 1.0})}));
   // Near the second joint, where two bones move it.
@@ -490,14 +492,14 @@ TEST(Skeleton, RefusesWhatItCannotBe) {
   EXPECT_FALSE(skin_near_bones(*bar.model, {}, 0.1));
   EXPECT_FALSE(skin_near_bones(*bar.model, bar_bones(), 0.0));
   const Model::Pointer other = testing::frame_model(3, false, 14.0, 90.0);
-  expect_in(Body::create(other, "ep4", {}, bar_skin(bar)).error().message, "another model");
-  EXPECT_FALSE(Body::create(bar.model, "verlet", {.step = 1e-4}, bar_skin(bar)));
-  Body body = make_rigged(bar.model, bar_skin(bar), {});
+  expect_in(ContactBody::create(other, "ep4", {}, bar_skin(bar)).error().message, "another model");
+  EXPECT_FALSE(ContactBody::create(bar.model, "verlet", {.step = 1e-4}, bar_skin(bar)));
+  ContactBody body = make_rigged(bar.model, bar_skin(bar), {});
   EXPECT_FALSE(body.set_bone(3, {}));
   EXPECT_FALSE(body.move_bone_to(0, {{NAN, 0.0, 0.0}, {}}));
   EXPECT_FALSE(body.move_bone_to(0, {{}, Eigen::Quaterniond(2.0, 0.0, 0.0, 0.0)}));
   EXPECT_EQ(body.bones(), 3U);
-  Body driven = make_framed(other, FrameKind::kDriven, {});
+  ContactBody driven = make_framed(other, FrameKind::kDriven, {});
   EXPECT_EQ(driven.bones(), 0U);
   EXPECT_FALSE(driven.set_bone(0, {}));
 }

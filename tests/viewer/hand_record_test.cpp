@@ -25,7 +25,7 @@ ViewFlags no_flags() {
 
 // A ray towards the middle of the triangle of the body's surface that is farthest along `way`.
 CameraRay ray_at(const SceneWorld& world, std::size_t i, const Vector3d& way) {
-  const Body& body = world.body(i);
+  const ContactBody& body = world.body(i);
   const auto& rest = body.model().drawn().rest;
   Vector3d farthest = rest.front();
   for (const Vector3d& x : rest)
@@ -68,7 +68,7 @@ void expect_replayed(const ViewedScene& viewed, const std::string& path, std::si
   auto again = SceneWorld::create(file->scene);
   ASSERT_TRUE(again) << again.error().message;
   for (int k = 0; k < kSteps; ++k) ASSERT_TRUE(again->step().empty());
-  EXPECT_GT(std::abs(live->world().body(body).hand_work()), 1e-9);
+  EXPECT_GT(std::abs(live->world().body(body).contact_sums().hand), 1e-9);
   for (std::size_t i = 0; i < again->size(); ++i) {
     EXPECT_EQ(again->body(i).state().q, live->world().body(i).state().q);
     EXPECT_EQ(again->body(i).state().p, live->world().body(i).state().p);

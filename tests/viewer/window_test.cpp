@@ -32,7 +32,7 @@ TEST(ViewerWindow, ADragPullsTheBodyAndTheRecordDoesItAgain) {
   auto world = SceneWorld::create(file->scene);
   ASSERT_TRUE(world) << world.error().message;
   while (world->steps() < json["steps"].get<int>()) ASSERT_TRUE(world->step().empty());
-  EXPECT_EQ(world->body(0).hand_work(), json["hand_work"].get<double>());
+  EXPECT_EQ(world->body(0).contact_sums().hand, json["hand_work"].get<double>());
 }
 
 }  // namespace

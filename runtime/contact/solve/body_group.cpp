@@ -30,7 +30,7 @@ bool is_disturbed(const ContactStep& contact, std::span<const PlacedCollider> co
 }  // namespace
 
 bool BodyGroup::has_to_wake(std::size_t i) const {
-  const Body& body = *bodies_[i];
+  const ContactBody& body = *bodies_[i];
   return !body.grips_.empty() || body.load_to_come() || body.gravity() != rest_[i].gravity ||
          body.alpha() != rest_[i].alpha || body.beta() != rest_[i].beta ||
          is_disturbed(*body.contact_, colliders_);
@@ -38,7 +38,7 @@ bool BodyGroup::has_to_wake(std::size_t i) const {
 
 // Begins the step of an awake body, and finds the colliders that it may be in contact with.
 void BodyGroup::begin(std::size_t i) {
-  Body& body = *bodies_[i];
+  ContactBody& body = *bodies_[i];
   if (const std::optional<StepReport> failed = body.begin_step()) {
     reports_[i] = *failed;
     return;
@@ -169,7 +169,7 @@ void BodyGroup::find_pairs() {
 void BodyGroup::put_to_sleep() {
   restless_.assign(bodies_.size(), 0);
   for (const std::size_t i : islands_) {
-    Body& body = *bodies_[i];
+    ContactBody& body = *bodies_[i];
     Rest& rest = rest_[i];
     bool quiet = reports_[i].converged && body.frame() == FrameKind::kFree && body.contact_ &&
                  (body.contact_account().active > 0 || is_joined(i));

@@ -2,7 +2,7 @@
 //
 // Bodies whose balls come near are checked point by point. Bodies that may be in contact form an
 // island, which is solved at once (contact_island.h). The others step by themselves, same as
-// Body::step(), with the same bits.
+// ContactBody::step(), with the same bits.
 //
 // A free body that has been nearly at rest for kQuiet falls asleep with all bodies in contact with
 // it: it then costs nothing. It wakes when something that is awake comes near, a load or a grab
@@ -20,10 +20,10 @@
 
 #include <Eigen/Core>
 
-#include "runtime/body.h"
 #include "runtime/contact/joint.h"
 #include "runtime/contact/solve/contact_island.h"
 #include "runtime/contact/solve/step_parts.h"
+#include "runtime/contact_body.h"
 #include "runtime/threads/thread_pool.h"
 
 namespace tremolo {
@@ -48,8 +48,8 @@ class BodyGroup {
   // same in each call. The order of the bodies decides the order of sums: choose an order that does
   // not depend on how they were added. reports: one for each body; a body that sleeps is converged
   // without iterations. If an island is not solved, none of its bodies moves and each reports it.
-  // Errors of a body's own step: same as Body::step().
-  void step(std::span<Body* const> bodies, std::span<const PlacedCollider> colliders,
+  // Errors of a body's own step: same as ContactBody::step().
+  void step(std::span<ContactBody* const> bodies, std::span<const PlacedCollider> colliders,
             std::span<StepReport> reports);
 
   // Joins the bodies a and b of step(), a != b, and wakes them; returns the joint's number. Sums
@@ -149,7 +149,7 @@ class BodyGroup {
   void share(std::size_t count, Work&& work);
 
   Options options_;
-  std::span<Body* const> bodies_;
+  std::span<ContactBody* const> bodies_;
   std::span<const PlacedCollider> colliders_;
   std::span<StepReport> reports_;
   std::vector<Rest> rest_;

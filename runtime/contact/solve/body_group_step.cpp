@@ -84,7 +84,7 @@ void BodyGroup::list_islands() {
 
 // Steps a body without contact with others.
 void BodyGroup::step_alone(std::size_t i) {
-  Body& body = *bodies_[i];
+  ContactBody& body = *bodies_[i];
   StepReport report;
   report = body.advance_near(near_[i] != 0);
   reports_[i] = body.end_step(report);
@@ -95,7 +95,7 @@ void BodyGroup::step_island(const Island& island, Worker& worker) {
   if (island.count == 1) return step_alone(who[0]);
   worker.members.clear();
   for (std::size_t m = 0; m < island.count; ++m) {
-    Body& body = *bodies_[who[m]];
+    ContactBody& body = *bodies_[who[m]];
     worker.members.push_back(
         {body.contact_.get(), &body.state_, &body.step_load_, body.free_.get(), who[m]});
     member_of_[who[m]] = m;
@@ -124,7 +124,7 @@ void BodyGroup::step_island(const Island& island, Worker& worker) {
   else if (step_in_parts(island, worker))
     note_touches(worker.parts.points(), who, worker.touches);
   for (std::size_t m = 0; m < island.count; ++m) {
-    Body& body = *bodies_[who[m]];
+    ContactBody& body = *bodies_[who[m]];
     if (whole) body.end_contact();
     reports_[who[m]] = body.end_step(reports[m]);
   }
@@ -188,8 +188,8 @@ void BodyGroup::step_islands() {
             [](const Touch& x, const Touch& y) { return x.a < y.a || (x.a == y.a && x.b < y.b); });
 }
 
-void BodyGroup::step(std::span<Body* const> bodies, std::span<const PlacedCollider> colliders,
-                     std::span<StepReport> reports) {
+void BodyGroup::step(std::span<ContactBody* const> bodies,
+                     std::span<const PlacedCollider> colliders, std::span<StepReport> reports) {
   bodies_ = bodies;
   colliders_ = colliders;
   reports_ = reports;
@@ -202,7 +202,7 @@ void BodyGroup::step(std::span<Body* const> bodies, std::span<const PlacedCollid
   make_islands();
   step_islands();
   for (std::size_t i = 0; i < bodies.size(); ++i)
-    if (bodies[i] != nullptr && rest_[i].asleep) bodies[i]->sleep_a_step();
+    if (bodies[i] != nullptr && rest_[i].asleep) bodies[i]->rest_a_step();
   if (options_.sleep) put_to_sleep();
 }
 

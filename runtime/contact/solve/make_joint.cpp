@@ -11,14 +11,14 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-Vector3d place_now(const Body& body, const VertexRows& place) {
+Vector3d place_now(const ContactBody& body, const VertexRows& place) {
   return body.pose() * Vector3d(place.rest + place.rows * body.state().q);
 }
 
 // h omega of the two masses on a stiff joint, same as for a pin.
 constexpr double kTurn = 30.0;
 
-Status set_springs(Joint& joint, const Body& first, const Body& second,
+Status set_springs(Joint& joint, const ContactBody& first, const ContactBody& second,
                    const JointOptions& options) {
   joint.length = options.length;
   joint.touch = options.touch;
@@ -36,7 +36,7 @@ Status set_springs(Joint& joint, const Body& first, const Body& second,
   return Success{};
 }
 
-Status check_bodies(const Body& first, const Body& second) {
+Status check_bodies(const ContactBody& first, const ContactBody& second) {
   if (&first == &second) return usage_error("a joint needs two bodies");
   if (first.contact() == nullptr || second.contact() == nullptr)
     return usage_error("joints need set_contact() of both bodies first");
@@ -47,12 +47,12 @@ Status check_bodies(const Body& first, const Body& second) {
 
 }  // namespace
 
-double joint_distance(const Joint& joint, const Body& first, const Body& second) {
+double joint_distance(const Joint& joint, const ContactBody& first, const ContactBody& second) {
   return (place_now(first, joint.first) - place_now(second, joint.second)).norm();
 }
 
-Result<Joint> make_joint(const Body& first, VertexId at, const Body& second, VertexId to,
-                         const JointOptions& options) {
+Result<Joint> make_joint(const ContactBody& first, VertexId at, const ContactBody& second,
+                         VertexId to, const JointOptions& options) {
   if (Status s = check_bodies(first, second); !s) return s.error();
   Joint joint;
   if (Status s = take(joint.first, first.model().vertex(at)); !s) return s.error();
@@ -61,7 +61,7 @@ Result<Joint> make_joint(const Body& first, VertexId at, const Body& second, Ver
   return joint;
 }
 
-Result<Joint> make_joint(const Body& first, VertexId at, const Body& second,
+Result<Joint> make_joint(const ContactBody& first, VertexId at, const ContactBody& second,
                          const JointOptions& options) {
   if (Status s = check_bodies(first, second); !s) return s.error();
   Joint joint;

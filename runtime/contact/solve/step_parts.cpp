@@ -34,7 +34,7 @@ bool StepParts::step(std::span<const PartBody> bodies, std::span<const PlacedCol
   wholes_.resize(bodies.size());
   part_reports_.resize(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const Body& body = *bodies[i].body;
+    const ContactBody& body = *bodies[i].body;
     Whole& whole = wholes_[i];
     whole.bytes = state_bytes(body);
     whole.load = body.step_load_;
@@ -55,7 +55,7 @@ bool StepParts::step(std::span<const PartBody> bodies, std::span<const PlacedCol
   for (const IslandJoint& joint : joints) joints_before_.push_back(*joint.joint);
   const bool made = halves(0.0, 1.0, 1);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    Body& body = *bodies[i].body;
+    ContactBody& body = *bodies[i].body;
     const Whole& whole = wholes_[i];
     body.options_.step = whole.step;
     body.contact_->set_step(whole.step);
@@ -76,7 +76,7 @@ bool StepParts::step(std::span<const PartBody> bodies, std::span<const PlacedCol
 
 void StepParts::put_back() {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    Body& body = *bodies_[i].body;
+    ContactBody& body = *bodies_[i].body;
     (void)restore_state(body, wholes_[i].bytes);
     for (std::size_t k = 0; k < body.grips_.size(); ++k) body.grips_[k].end = wholes_[i].to[k];
   }
@@ -103,7 +103,7 @@ bool StepParts::part(double from, double to, bool last) {
   members_.clear();
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     begin(i, from, to);
-    Body& body = *bodies_[i].body;
+    ContactBody& body = *bodies_[i].body;
     members_.push_back(
         {body.contact_.get(), &body.state_, &body.step_load_, body.free_.get(), bodies_[i].number});
   }
@@ -126,7 +126,7 @@ bool StepParts::part(double from, double to, bool last) {
 }
 
 void StepParts::begin(std::size_t i, double from, double to) {
-  Body& body = *bodies_[i].body;
+  ContactBody& body = *bodies_[i].body;
   const Whole& whole = wholes_[i];
   body.options_.step = whole.step * (to - from);
   body.contact_->set_step(body.options_.step);
@@ -152,7 +152,7 @@ void StepParts::find_points() {
 
 // Adds a part that succeeded to the sums. share: fraction of the step.
 void StepParts::book(std::size_t i, const StepReport& report, double share) {
-  Body& body = *bodies_[i].body;
+  ContactBody& body = *bodies_[i].body;
   body.contact_->keep_part();
   for (std::size_t k = 0; k < body.grips_.size(); ++k) {
     Grip& sum = wholes_[i].sums[k];

@@ -9,15 +9,15 @@
 #include <string>
 #include <vector>
 
-#include "runtime/body.h"
 #include "runtime/contact/joint.h"
 #include "runtime/contact/solve/contact_island.h"
+#include "runtime/contact_body.h"
 
 namespace tremolo {
 
 // A body of the step. Its begin_step() has succeeded, and it has contact.
 struct PartBody {
-  Body* body = nullptr;
+  ContactBody* body = nullptr;
   std::size_t number = 0;  // in its group
 };
 

@@ -59,7 +59,7 @@ struct TouchForces {
 
 TouchForces touch_forces(const SceneWorld& world, std::size_t body) {
   TouchForces forces;
-  const Body& known = world.body(body);
+  const ContactBody& known = world.body(body);
   forces.contact = known.contact_account().impulse_vector / known.step_size();
   for (const Grip& grip : known.grips()) forces.hands += grip.force;
   return forces;
@@ -160,7 +160,7 @@ BodyLog::BodyLog(std::size_t body, std::unique_ptr<RunOptions> options, Recorder
       shared_(&shared) {}
 
 Result<bool> BodyLog::observe(const SceneWorld& world) {
-  const Body& body = world.body(body_);
+  const ContactBody& body = world.body(body_);
   look_at(body, moment_);
   const EnergyAccount account = world.account(body_);
   report_.account = account;
@@ -219,7 +219,7 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
 }
 
 void BodyLog::note_shape(const SceneWorld& world) {
-  const Body& body = world.body(body_);
+  const ContactBody& body = world.body(body_);
   const Eigen::VectorXd& q = body.state().q;
   const double known = report_.largest_displacement;
   // Nothing is known of stretches here.
@@ -258,7 +258,7 @@ void BodyLog::judge_balance(const std::string& method) {
 }
 
 Status BodyLog::finish(const SceneWorld& world) {
-  const Body& body = world.body(body_);
+  const ContactBody& body = world.body(body_);
   note_shape(world);
   report_.rebound = rebound_.ratio();
   report_.end = place_of(world, body_);

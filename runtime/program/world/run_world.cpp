@@ -301,7 +301,7 @@ Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
 void take_notes(const SceneFile& file, const SceneWorld& world, std::vector<BodyLog>& logs) {
   std::vector<std::string> told;
   for (std::size_t i = 0; i < logs.size(); ++i) {
-    const Body& body = world.body(i);
+    const ContactBody& body = world.body(i);
     std::vector<std::string> notes =
         notes_before(body, Eigen::VectorXd::Zero(body.model().modes()));
     if (world.begins_within(i) > 0.0)

@@ -23,13 +23,13 @@ struct Ball {
   double radius;
 };
 
-Ball ball_of(const Body& body) {
+Ball ball_of(const ContactBody& body) {
   const ContactPoints& points = body.contact()->points();
   const double deformed = body.state().q.cwiseAbs().dot(points.reach);
   return {body.pose() * points.centre, points.radius + deformed};
 }
 
-bool feels(const Body& body) {
+bool feels(const ContactBody& body) {
   return body.contact() != nullptr && body.contact()->feels();
 }
 
@@ -49,7 +49,7 @@ std::span<const std::size_t> NearBodies::of(const SceneWorld& world, std::size_t
   return balls_.of(body);
 }
 
-double SurfaceDepth::behind_body(const Body& other, const Vector3d& x) {
+double SurfaceDepth::behind_body(const ContactBody& other, const Vector3d& x) {
   const ContactPoints& points = other.contact()->points();
   const Pose pose = other.pose();
   const BentShape bent{other.contact()->shape(), &points, &displacement_};
@@ -57,7 +57,7 @@ double SurfaceDepth::behind_body(const Body& other, const Vector3d& x) {
 }
 
 double SurfaceDepth::measure(const SceneWorld& world, std::size_t body, NearBodies& near) {
-  const Body& own = world.body(body);
+  const ContactBody& own = world.body(body);
   if (!feels(own)) return 0.0;
   positions_.resize(3 * own.model().drawn().rest.size());
   if (!own.surface_positions(positions_)) return 0.0;
@@ -74,7 +74,7 @@ double SurfaceDepth::measure(const SceneWorld& world, std::size_t body, NearBodi
       depth = std::max(depth, -signed_distance(collider.shape, into(x)).distance);
   }
   for (const std::size_t i : near.of(world, body)) {
-    const Body& other = world.body(i);
+    const ContactBody& other = world.body(i);
     if (other.contact()->shape() == nullptr || world.passes_through(body, i)) continue;
     const Ball its = ball_of(other);
     other.contact()->points().displacement(other.state().q, displacement_);

@@ -39,7 +39,7 @@ class SurfaceDepth {
   }
 
  private:
-  double behind_body(const Body& other, const Eigen::Vector3d& x);
+  double behind_body(const ContactBody& other, const Eigen::Vector3d& x);
 
   std::vector<double> positions_;
   Eigen::VectorXd displacement_;  // of the points of a body that is looked at

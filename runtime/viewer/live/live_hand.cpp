@@ -19,7 +19,7 @@ constexpr double kDampingShare = 0.5;  // of the critical one
 
 }  // namespace
 
-HandSprings suitable_springs(const Body& body, const VertexRows& place) {
+HandSprings suitable_springs(const ContactBody& body, const VertexRows& place) {
   // How far a force moves the vertex at rest, m/N, and how its inertia resists, 1/kg.
   const Eigen::Matrix3d give =
       place.rows * body.model().lambda().cwiseInverse().asDiagonal() * place.rows.transpose();
@@ -37,7 +37,7 @@ HandSprings suitable_springs(const Body& body, const VertexRows& place) {
 
 void LiveHand::make_holdable(SceneWorld& world) {
   for (std::size_t i = 0; i < world.size(); ++i) {
-    Body& body = world.body(i);
+    ContactBody& body = world.body(i);
     if (body.contact() == nullptr) {
       // As the scene would if it had the hand.
       ContactOptions contact = world.scene().bodies[i].contact;
@@ -51,7 +51,7 @@ void LiveHand::make_holdable(SceneWorld& world) {
 
 Status LiveHand::take(SceneWorld& world, const SceneWorld::Hit& hit, double firmness) {
   let_go(world);
-  Body& body = world.body(hit.body);
+  ContactBody& body = world.body(hit.body);
   const auto refused = [&](const std::string& why) {
     return usage_error(world.name(hit.body) + ": " + why);
   };
@@ -80,7 +80,7 @@ Status LiveHand::take(SceneWorld& world, const SceneWorld::Hit& hit, double firm
 }
 
 Eigen::Vector3d LiveHand::held(const SceneWorld& world) const {
-  const Body& body = world.body(body_);
+  const ContactBody& body = world.body(body_);
   return body.pose() * Eigen::Vector3d(place_.rest + place_.rows * body.state().q);
 }
 

@@ -17,7 +17,7 @@ namespace tremolo {
 struct HandSprings {
   double stiffness = 0.0, damping = 0.0;
 };
-HandSprings suitable_springs(const Body& body, const VertexRows& place);
+HandSprings suitable_springs(const ContactBody& body, const VertexRows& place);
 
 class LiveHand {
  public:

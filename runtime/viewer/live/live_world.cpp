@@ -11,7 +11,7 @@ namespace tremolo {
 namespace {
 
 // What the body's loads are at t = 0, r.
-Result<Eigen::VectorXd> push_at_start(const SceneBody& wanted, const Body& body) {
+Result<Eigen::VectorXd> push_at_start(const SceneBody& wanted, const ContactBody& body) {
   Eigen::VectorXd push = Eigen::VectorXd::Zero(body.model().modes());
   for (const SceneLoad& load : wanted.loads) {
     Signal signal = load.signal;
@@ -26,7 +26,7 @@ Result<Eigen::VectorXd> push_at_start(const SceneBody& wanted, const Body& body)
   return push;
 }
 
-Status start_body(const SceneBody& wanted, const std::string& start, Body& body) {
+Status start_body(const SceneBody& wanted, const std::string& start, ContactBody& body) {
   if (start.empty()) return Success{};
   const Result<Eigen::VectorXd> push = push_at_start(wanted, body);
   if (!push) return push.error();
@@ -69,7 +69,7 @@ Status LiveWorld::begin(ModelCache& models) {
       return s;
   held_.clear();
   for (std::size_t i = 0; i < viewed_.scene.hands.size(); ++i) {
-    const Body& body = world_->body(*world_->find(viewed_.scene.hands[i].body));
+    const ContactBody& body = world_->body(*world_->find(viewed_.scene.hands[i].body));
     Result<VertexRows> place = body.model().vertex(world_->hand(i).vertex());
     if (!place) return place.error();
     held_.push_back(std::move(*place));
@@ -81,7 +81,7 @@ Status LiveWorld::look(WorldMoment& moment) const {
   if (Status s = look_at_world(*world_, moment); !s) return s;
   moment.hands.resize(held_.size() + 1);
   for (std::size_t i = 0; i < held_.size(); ++i) {
-    const Body& body = world_->body(*world_->find(viewed_.scene.hands[i].body));
+    const ContactBody& body = world_->body(*world_->find(viewed_.scene.hands[i].body));
     HandMoment& hand = moment.hands[i];
     hand.holds = world_->hand(i).holds();
     hand.held = body.pose() * Eigen::Vector3d(held_[i].rest + held_[i].rows * body.state().q);

@@ -82,7 +82,7 @@ Result<toml::table> table_of(const SceneBody& body, const std::string& start,
 
 // What may have changed since the scene was read.
 void say_method(const LiveWorld& live, std::size_t i, toml::table& table) {
-  const Body& body = live.world().body(i);
+  const ContactBody& body = live.world().body(i);
   table.insert_or_assign("integrator", std::string(body.integrator().name()));
   // What the scene changes in time stays as the scene says it.
   const SceneBody& wanted = live.viewed().scene.bodies[i];

@@ -22,7 +22,7 @@ Status look_at_world(const SceneWorld& world, WorldMoment& moment) {
   moment.time = world.time();
   moment.bodies.resize(world.size());
   for (std::size_t i = 0; i < world.size(); ++i) {
-    const Body& body = world.body(i);
+    const ContactBody& body = world.body(i);
     BodyMoment& seen = moment.bodies[i];
     seen.q = body.shown();
     if (body.bones() == 0) {

@@ -322,7 +322,8 @@ class Viewer {
     json["steps"] = live.world().steps();
     json["largest_displacement"] = most_moved_;
     double hand = 0.0;
-    for (std::size_t i = 0; i < live.world().size(); ++i) hand += live.world().body(i).hand_work();
+    for (std::size_t i = 0; i < live.world().size(); ++i)
+      hand += live.world().body(i).contact_sums().hand;
     json["hand_work"] = hand;
     json["integrators"] = report.methods;
     json["trouble"] = report.trouble;

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "runtime/body.h"
 #include "runtime/contact/solve/contact_step.h"
+#include "runtime/contact_body.h"
 #include "tests/lab/speed/speed.h"
 #include "tests/lab/work/failure.h"
 
@@ -37,17 +37,17 @@ State moving_state(const Model& model) {
   return state;
 }
 
-void start(Body& body, const State& state) {
+void start(ContactBody& body, const State& state) {
   or_fail(body.set_state(state.q, state.p));
 }
 
-void step_once(Body& body, std::span<const PlacedCollider> colliders = {}) {
+void step_once(ContactBody& body, std::span<const PlacedCollider> colliders = {}) {
   const StepReport report = body.step(colliders);
   if (!report.converged) throw Failure({ErrorKind::kSolver, why_not_made(report, body.time())});
 }
 
 // Moves a support that shakes, and rotates by `spin` (rad/s); its motion is known with it.
-void drive(Body& body, double size, const Vector3d& spin) {
+void drive(ContactBody& body, double size, const Vector3d& spin) {
   const double t = body.time() + 0.5 * kStep, rate = 2.0 * std::numbers::pi * 2.0;
   const double far = 0.02 * size;
   FrameMotion motion;
@@ -79,11 +79,13 @@ void add_driven(const std::string& name, const Options& options, SpeedSection& s
   Eigen::AlignedBox3d box;
   for (const Vector3d& x : model->surface().rest) box.extend(x);
   const double size = box.sizes().maxCoeff();
-  Body fixed = or_fail(Body::create(model, "ep4", {.step = kStep}));
-  Body moved = or_fail(Body::create(model, "ep4", {.step = kStep}, FrameKind::kDriven));
-  Body turned = or_fail(Body::create(model, "ep4", {.step = kStep}, FrameKind::kDriven));
+  ContactBody fixed = or_fail(ContactBody::create(model, "ep4", {.step = kStep}));
+  ContactBody moved =
+      or_fail(ContactBody::create(model, "ep4", {.step = kStep}, FrameKind::kDriven));
+  ContactBody turned =
+      or_fail(ContactBody::create(model, "ep4", {.step = kStep}, FrameKind::kDriven));
   const Vector3d none = Vector3d::Zero(), spin(0.6, 0.4, 2.0);
-  const auto run_driven = [&](Body& body, const Vector3d& about) {
+  const auto run_driven = [&](ContactBody& body, const Vector3d& about) {
     start(body, state);
     for (int k = 0; k < kWindow; ++k) {
       drive(body, size, about);
@@ -112,9 +114,9 @@ void add_free(const std::string& name, const Options& options, SpeedSection& sec
   if (!std::filesystem::exists(path)) return;
   const Model::Pointer model = or_fail(Model::load(path));
   const State state = moving_state(*model);
-  Body fixed = or_fail(Body::create(model, "ep4", {.step = kStep}));
-  Body free = or_fail(Body::create(model, "ep4", {.step = kStep}, FrameKind::kFree));
-  const auto run = [&](Body& body) {
+  ContactBody fixed = or_fail(ContactBody::create(model, "ep4", {.step = kStep}));
+  ContactBody free = or_fail(ContactBody::create(model, "ep4", {.step = kStep}, FrameKind::kFree));
+  const auto run = [&](ContactBody& body) {
     start(body, state);
     if (body.frame() == FrameKind::kFree)
       or_fail(body.set_motion({0.1, 0.2, 0.3}, {2.0, 1.0, 3.0}));
@@ -129,7 +131,7 @@ void add_free(const std::string& name, const Options& options, SpeedSection& sec
 }
 
 // The body has come to rest on the plane.
-void settle(Body& body, const PlacedCollider& plane) {
+void settle(ContactBody& body, const PlacedCollider& plane) {
   start(body,
         {Eigen::VectorXd::Zero(body.model().modes()), Eigen::VectorXd::Zero(body.model().modes())});
   for (int k = 0; k < 300; ++k) step_once(body, std::span(&plane, 1));
@@ -137,7 +139,7 @@ void settle(Body& body, const PlacedCollider& plane) {
 
 // A plane that holds the body at rest at about kTouching of its points, found by bisection.
 // damped: a body that comes to rest.
-PlacedCollider plane_below(Body& damped) {
+PlacedCollider plane_below(ContactBody& damped) {
   Eigen::AlignedBox3d box;
   for (const Vector3d& x : damped.model().surface().rest) box.extend(x);
   PlacedCollider plane;
@@ -159,11 +161,11 @@ void add_contact(const std::string& name, const Options& options, SpeedSection& 
   const Model::Pointer model =
       or_fail(Model::load(fmt::format("{}/{}.tremolo", options.models_dir, name)));
   const auto make = [&](bool contact, double beta) {
-    Body body = or_fail(Body::create(model, "ep4", {.step = kStep, .beta = beta}));
+    ContactBody body = or_fail(ContactBody::create(model, "ep4", {.step = kStep, .beta = beta}));
     if (contact) or_fail(body.set_contact({.points = kPoints}));
     return body;
   };
-  Body alone = make(false, 1e-3), touching = make(true, 1e-3), damped = make(true, 2e-2);
+  ContactBody alone = make(false, 1e-3), touching = make(true, 1e-3), damped = make(true, 2e-2);
   const PlacedCollider near = plane_below(damped);
   settle(damped, near);
   const State state = damped.state();
@@ -172,7 +174,7 @@ void add_contact(const std::string& name, const Options& options, SpeedSection& 
   const double depth = ContactOptions{}.margin * box.sizes().maxCoeff();
   double active = 0.0;
   // away: m, by which the plane is lower.
-  const auto run = [&](Body& body, double away) {
+  const auto run = [&](ContactBody& body, double away) {
     start(body, state);
     active = 0.0;
     PlacedCollider plane = near;

@@ -12,8 +12,8 @@
 #include <fmt/format.h>
 
 #include "common/processor_time.h"
-#include "runtime/body.h"
 #include "runtime/contact/solve/contact_step.h"
+#include "runtime/contact_body.h"
 #include "tests/lab/speed/speed.h"
 #include "tests/lab/work/failure.h"
 
@@ -65,8 +65,8 @@ struct HandRun {
 // The hand goes round in a circle and up and down, so that the body is pressed on the collider,
 // slides over it and leaves it.
 HandRun run_hand(const Model::Pointer& model, FrameKind frame, const PlacedCollider& collider) {
-  Body body =
-      or_fail(Body::create(model, kDefaultIntegrator, {.step = kHandStep, .beta = 1e-3}, frame));
+  ContactBody body = or_fail(
+      ContactBody::create(model, kDefaultIntegrator, {.step = kHandStep, .beta = 1e-3}, frame));
   or_fail(body.set_contact());
   or_fail(body.set_gravity({0.0, 0.0, -9.81}));
   const double size = box_of(*model).sizes().maxCoeff();
@@ -127,7 +127,7 @@ void add_rays(const std::string& name, const Options& options, SpeedSection& sec
   constexpr int kRays = 400;
   const Model::Pointer model =
       or_fail(Model::load(fmt::format("{}/{}.tremolo", options.models_dir, name)));
-  Body body = or_fail(Body::create(model));
+  ContactBody body = or_fail(ContactBody::create(model));
   const Eigen::AlignedBox3d box = box_of(*model);
   std::mt19937 engine(7);
   std::normal_distribution<double> normal;

@@ -15,7 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "common/packed_index.h"
-#include "runtime/body.h"
+#include "runtime/contact_body.h"
 #include "runtime/model.h"
 #include "tests/support/dynamics.h"
 #include "tests/support/sample_basis.h"
@@ -159,9 +159,9 @@ inline Model::Pointer frame_model(Eigen::Index modes, bool free, double lowest, 
   return *model;
 }
 
-inline Body make_framed(const Model::Pointer& model, FrameKind kind,
-                        const IntegratorOptions& options, std::string_view method = "ep4") {
-  Result<Body> body = Body::create(model, method, options, kind);
+inline ContactBody make_framed(const Model::Pointer& model, FrameKind kind,
+                               const IntegratorOptions& options, std::string_view method = "ep4") {
+  Result<ContactBody> body = ContactBody::create(model, method, options, kind);
   EXPECT_TRUE(body) << (body ? "" : body.error().message);
   return std::move(*body);
 }
@@ -191,7 +191,7 @@ struct Balance {
 
 // The energy balance of `count` steps that begin at rest; step(): makes one of the body's.
 template <class Step>
-Balance balance_of(Body& body, int count, const Step& step) {
+Balance balance_of(ContactBody& body, int count, const Step& step) {
   Balance balance;
   for (int k = 0; k < count; ++k) {
     EXPECT_TRUE(step().converged) << k;
@@ -203,14 +203,14 @@ Balance balance_of(Body& body, int count, const Step& step) {
 }
 
 // The balance closes to rounding although support and gravity did work.
-inline void expect_balance(const Balance& balance, const Body& body, const char* method) {
+inline void expect_balance(const Balance& balance, const ContactBody& body, const char* method) {
   std::printf("%s: balance %.1e of %.3g J\n", method, balance.worst / balance.most, balance.most);
   EXPECT_GT(std::abs(body.support_work()), 0.1 * balance.most) << method;
   EXPECT_GT(std::abs(body.gravity_work()), 1e-3 * balance.most) << method;
   EXPECT_LE(balance.worst, 1e-12 * balance.most) << method;
 }
 
-inline void steps_of(Body& body, int count) {
+inline void steps_of(ContactBody& body, int count) {
   for (int k = 0; k < count; ++k) ASSERT_TRUE(body.step().converged) << k;
 }
 

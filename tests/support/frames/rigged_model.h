@@ -134,9 +134,9 @@ inline std::shared_ptr<const Skin> bar_skin(const RiggedBar& bar, double blend =
   return *skin;
 }
 
-inline Body make_rigged(const Model::Pointer& model, std::shared_ptr<const Skin> skin,
-                        const IntegratorOptions& options, std::string_view method = "ep4") {
-  Result<Body> body = Body::create(model, method, options, std::move(skin));
+inline ContactBody make_rigged(const Model::Pointer& model, std::shared_ptr<const Skin> skin,
+                               const IntegratorOptions& options, std::string_view method = "ep4") {
+  Result<ContactBody> body = ContactBody::create(model, method, options, std::move(skin));
   EXPECT_TRUE(body) << (body ? "" : body.error().message);
   return std::move(*body);
 }

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/body.h"
+#include "runtime/contact_body.h"
 #include "tests/support/programs.h"
 
 namespace tremolo::testing {
@@ -38,7 +38,7 @@ inline Model::Pointer made_cube(const std::string& name, const Eigen::Vector3d& 
 }
 
 // Energy of the body and its contact less the energy put in, J.
-inline double balance(const Body& body) {
+inline double balance(const ContactBody& body) {
   return body.energy().total() - body.work() + body.dissipated();
 }
 

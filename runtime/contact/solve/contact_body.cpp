@@ -1,4 +1,6 @@
-// Body: contact with colliders.
+// ContactBody: its step, and the hands that hold it.
+#include "runtime/contact_body.h"
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -9,7 +11,6 @@
 
 #include "common/mesh/tet_mesh.h"
 #include "common/number_text.h"
-#include "runtime/body.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/contact/solve/shape_reach.h"
 #include "runtime/contact/solve/step_parts.h"
@@ -62,7 +63,22 @@ Status check_reach_once(const Model::Pointer& model, const Collider& shape) {
 
 }  // namespace
 
-Status Body::set_contact(const ContactOptions& options) {
+Result<ContactBody> ContactBody::create(Model::Pointer model, std::string_view integrator,
+                                        const IntegratorOptions& options, FrameKind frame) {
+  Result<Body> body = Body::create(std::move(model), integrator, options, frame);
+  if (!body) return body.error();
+  return ContactBody(std::move(*body));
+}
+
+Result<ContactBody> ContactBody::create(Model::Pointer model, std::string_view integrator,
+                                        const IntegratorOptions& options,
+                                        std::shared_ptr<const Skin> skin) {
+  Result<Body> body = Body::create(std::move(model), integrator, options, std::move(skin));
+  if (!body) return body.error();
+  return ContactBody(std::move(*body));
+}
+
+Status ContactBody::set_contact(const ContactOptions& options) {
   if (bones() > 1) return usage_error("a body on several bones touches nothing");
   if (model_->inertia() == nullptr)
     return usage_error(
@@ -81,7 +97,7 @@ Status Body::set_contact(const ContactOptions& options) {
                        ", must be from 0 to 1");
   if (options.shape)
     if (Status s = check(*options.shape); !s) return s;
-  if (!energy_method_ && frame() != FrameKind::kFixed)
+  if (!has_energy_method() && frame() != FrameKind::kFixed)
     return usage_error("contact goes with avf, ep2 and ep4");
   if (!(bounding_box(model_->surface().rest).diagonal() > 0.0))
     return usage_error("contact needs a boundary of more than one vertex");
@@ -92,39 +108,24 @@ Status Body::set_contact(const ContactOptions& options) {
   return Success{};
 }
 
-ContactAccount Body::contact_account() const {
+ContactAccount ContactBody::contact_account() const {
   return contact_ ? contact_->account() : ContactAccount{};
 }
 
-// Poses of the frame at both ends of the step, as far as they are known.
-StepPoses Body::step_poses() const {
-  if (driven_ && frame() == FrameKind::kDriven) return {driven_->pose(), driven_->next_pose()};
-  if (!free_) return {};
-  const RigidState& rigid = free_->rigid();
-  const double h = options_.step;
-  Pose end;
-  end.rotation = rigid.rotation * turn_by(h * rigid.spin);
-  const Eigen::Vector3d centre = rigid.centre + h * rigid.velocity;
-  end.position = centre - end.rotation * free_->mesh_centre();
-  return {free_->pose(), end};
+StepReport ContactBody::step(std::span<const PlacedCollider> colliders) {
+  if (const std::optional<StepReport> failed = begin_step()) return *failed;
+  return end_step(advance_near(near_something(colliders)));
 }
 
 // Takes the step with contact if something is near, or is found to have been near.
-StepReport Body::advance_among(std::span<const PlacedCollider> colliders) {
-  return advance_near(near_something(colliders));
-}
-
-StepReport Body::advance_near(bool near) {
+StepReport ContactBody::advance_near(bool near) {
   if (!near) {
     if (!contact_) return advance();
     contact_->reset();
     p_before_ = state_.p;
     const StepReport report = advance();
     if (!report.converged || !contact_->find_missed(step_end(), state_.q)) return report;
-    state_.q = q_before_;
-    state_.p = p_before_;
-    if (free_) free_->restore(rigid_before_);
-    integrator_->reset();
+    take_back(p_before_);
   }
   const StepReport report = contact_->step(state_, step_load_, free_.get(), !can_be_cut());
   if (!report.converged) return advance_in_parts(report);
@@ -132,18 +133,7 @@ StepReport Body::advance_near(bool near) {
   return report;
 }
 
-// False: a frame that follows given poses moves in the step.
-bool Body::can_be_cut() const {
-  if (!driven_) return true;
-  for (std::size_t b = 0; b < driven_->bones(); ++b) {
-    const Pose &now = driven_->pose(b), &next = driven_->next_pose(b);
-    if (now.position != next.position || now.rotation.coeffs() != next.rotation.coeffs())
-      return false;
-  }
-  return !driven_->turning();
-}
-
-StepReport Body::advance_in_parts(const StepReport& failure) {
+StepReport ContactBody::advance_in_parts(const StepReport& failure) {
   StepReport report = failure;
   StepParts parts;
   const PartBody self{this, 0};
@@ -152,19 +142,14 @@ StepReport Body::advance_in_parts(const StepReport& failure) {
 }
 
 // All known forces of the next step.
-StepPush Body::step_push() const {
+StepPush ContactBody::step_push() const {
   StepPush push{&step_load_.average};
   if (!free_) return push;
-  push.acceleration = gravity_;
+  push.acceleration = gravity();
   return push;
 }
 
-// Pose of the frame at the end of a step that succeeded.
-Pose Body::step_end() const {
-  return free_ ? free_->pose() : step_poses().end;
-}
-
-void Body::reserve_contact(std::span<const PlacedCollider> colliders, std::size_t hands) {
+void ContactBody::reserve_contact(std::span<const PlacedCollider> colliders, std::size_t hands) {
   if (!contact_) return;
   grips_.reserve(hands);
   hands_.reserve(hands);
@@ -175,47 +160,63 @@ void Body::reserve_contact(std::span<const PlacedCollider> colliders, std::size_
 }
 
 // Finds the points that may be in contact in the step.
-bool Body::near_something(std::span<const PlacedCollider> colliders) {
+bool ContactBody::near_something(std::span<const PlacedCollider> colliders) {
   if (!contact_) return false;
   contact_->hold(grips_);
   return contact_->gather(colliders, step_poses(), state_.q, state_.p, step_push());
 }
 
 // After a step with contact: resets the integrator, and each grab starts where it ended.
-void Body::end_contact() {
+void ContactBody::end_contact() {
   integrator_->reset();
   for (Grip& grip : grips_) grip.start = grip.end;
 }
 
+// Adds contact's energies of a step, or of a part of it, to the sums.
+void ContactBody::book_step(const StepReport& report) {
+  const ContactAccount account = contact_account();
+  touched_.hand += account.hand_work;
+  touched_.joint += account.joint_work;
+  touched_.work += account.work;
+  touched_.lost += account.lost;
+  touched_.rubbed += account.rubbed;
+  touched_.given += account.given;
+  touched_.error += account.surplus;
+  Body::book_step(report, account.work + account.hand_work + account.joint_work);
+}
+
+StepReport ContactBody::end_step(StepReport report) {
+  if (report.converged && !booked_) {
+    book_step(report);
+    booked_ = true;
+  }
+  report = Body::end_step(report, 0.0, booked_);
+  if (!report.converged || place_forces_.none()) return report;
+  for (std::size_t i = 0; i < grips_.size(); ++i) {
+    const auto place = model().response_place(grips_[i].vertex);
+    // A grab may be at a point of a triangle at the vertex.
+    if (!place || !grips_[i].at_vertex) continue;
+    place_forces_.push(*place, turn_at_place(*place).transpose() * hand_force(hands_[i]));
+  }
+  return report;
+}
+
 // Removes the motion of a body that falls asleep; contact takes its energy.
-void Body::fall_asleep() {
-  const double before = total_energy();
-  if (free_)
-    free_->set_motion(Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), state_.q,
-                      Eigen::VectorXd::Zero(state_.q.size()));
-  state_.p.setZero();
-  integrator_->reset();
-  const double taken = before - total_energy();
-  sums_.lost += taken;
-  sums_.contact -= taken;
-  sums_.work -= taken;
+void ContactBody::fall_asleep() {
+  const double taken = stop_motion();
+  touched_.lost += taken;
+  touched_.work -= taken;
   keep_sound_state();
 }
 
-// One step of time for a body that sleeps.
-void Body::sleep_a_step() {
-  ++steps_;
-  age_applied_forces();
-}
-
-Result<std::size_t> Body::grab(VertexId vertex, double stiffness, double damping) {
+Result<std::size_t> ContactBody::grab(VertexId vertex, double stiffness, double damping) {
   Result<VertexRows> place = model_->vertex(vertex);
   if (!place) return place.error();
   return grab(vertex, std::move(*place), stiffness, damping);
 }
 
-Result<std::size_t> Body::grab(VertexId vertex, VertexRows place, double stiffness,
-                               double damping) {
+Result<std::size_t> ContactBody::grab(VertexId vertex, VertexRows place, double stiffness,
+                                      double damping) {
   if (!contact_) return usage_error("hands need set_contact() first");
   if (!(stiffness >= 0.0) || !(damping >= 0.0) || !std::isfinite(stiffness) ||
       !std::isfinite(damping))
@@ -228,7 +229,7 @@ Result<std::size_t> Body::grab(VertexId vertex, VertexRows place, double stiffne
   return next_hand_++;
 }
 
-Result<std::size_t> Body::grab(const SurfacePlace& place, double stiffness, double damping) {
+Result<std::size_t> ContactBody::grab(const SurfacePlace& place, double stiffness, double damping) {
   Result<VertexRows> rows = model_->place(place);
   if (!rows) return rows.error();
   const Result<std::size_t> hand =
@@ -237,7 +238,7 @@ Result<std::size_t> Body::grab(const SurfacePlace& place, double stiffness, doub
   return hand;
 }
 
-double Body::mass_at(const VertexRows& place) const {
+double ContactBody::mass_at(const VertexRows& place) const {
   const double h = options_.step;
   const Eigen::VectorXd& lambda = model_->lambda();
   double lightness = 0.0;
@@ -253,7 +254,7 @@ double Body::mass_at(const VertexRows& place) const {
   return 1.0 / lightness;
 }
 
-HandSpring Body::stiffest_hand(const VertexRows& place) const {
+HandSpring ContactBody::stiffest_hand(const VertexRows& place) const {
   // h omega of the mass on its spring, which the damper makes critical. It is far enough above 2,
   // where the step stops a motion at once, that the spring is stiff, and low enough that it does
   // not ring long.
@@ -262,24 +263,24 @@ HandSpring Body::stiffest_hand(const VertexRows& place) const {
   return {kTurn * kTurn * mass / (h * h), 2.0 * kTurn * mass / h};
 }
 
-void Body::limit_hand(Grip& grip) const {
+void ContactBody::limit_hand(Grip& grip) const {
   limit_spring(stiffest_hand(grip.place), options_.step, grip.stiffness, grip.damping);
 }
 
-Result<std::size_t> Body::pin(VertexId vertex, VertexRows place) {
+Result<std::size_t> ContactBody::pin(VertexId vertex, VertexRows place) {
   const HandSpring pin = stiffest_hand(place);
   if (!std::isfinite(pin.stiffness))
     return usage_error("the place does not move: there is nothing to pin");
   return grab(vertex, std::move(place), pin.stiffness, pin.damping);
 }
 
-Result<std::size_t> Body::pin(VertexId vertex) {
+Result<std::size_t> ContactBody::pin(VertexId vertex) {
   Result<VertexRows> place = model_->vertex(vertex);
   if (!place) return place.error();
   return pin(vertex, std::move(*place));
 }
 
-Result<std::size_t> Body::pin(const SurfacePlace& place) {
+Result<std::size_t> ContactBody::pin(const SurfacePlace& place) {
   Result<VertexRows> rows = model_->place(place);
   if (!rows) return rows.error();
   const Result<std::size_t> hand = pin(model_->vertex_near(place), std::move(*rows));
@@ -287,16 +288,16 @@ Result<std::size_t> Body::pin(const SurfacePlace& place) {
   return hand;
 }
 
-const Grip* Body::find_hand(std::size_t hand) const {
+const Grip* ContactBody::find_hand(std::size_t hand) const {
   const auto found = std::find(hands_.begin(), hands_.end(), hand);
   return found == hands_.end() ? nullptr : &grips_[found - hands_.begin()];
 }
 
-Grip* Body::find_hand(std::size_t hand) {
+Grip* ContactBody::find_hand(std::size_t hand) {
   return const_cast<Grip*>(std::as_const(*this).find_hand(hand));
 }
 
-Status Body::move_hand(std::size_t hand, const Eigen::Vector3d& place) {
+Status ContactBody::move_hand(std::size_t hand, const Eigen::Vector3d& place) {
   Grip* grip = find_hand(hand);
   if (grip == nullptr) return usage_error("there is no hand " + std::to_string(hand));
   if (!place.allFinite()) return usage_error("the hand's place is not finite");
@@ -304,17 +305,17 @@ Status Body::move_hand(std::size_t hand, const Eigen::Vector3d& place) {
   return Success{};
 }
 
-Eigen::Vector3d Body::hand_force(std::size_t hand) const {
+Eigen::Vector3d ContactBody::hand_force(std::size_t hand) const {
   const Grip* grip = find_hand(hand);
   return grip == nullptr ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : grip->force;
 }
 
-HandSpring Body::hand_spring(std::size_t hand) const {
+HandSpring ContactBody::hand_spring(std::size_t hand) const {
   const Grip* grip = find_hand(hand);
   return grip == nullptr ? HandSpring{} : HandSpring{grip->stiffness, grip->damping};
 }
 
-Status Body::release(std::size_t hand) {
+Status ContactBody::release(std::size_t hand) {
   const Grip* grip = find_hand(hand);
   if (grip == nullptr) return usage_error("there is no hand " + std::to_string(hand));
   const auto at = grip - grips_.data();

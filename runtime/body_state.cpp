@@ -6,20 +6,11 @@
 #include <utility>
 
 #include "common/hash.h"
-#include "common/restore_state.h"
-#include "formats/saved/saved_file.h"
 #include "runtime/body.h"
-#include "runtime/contact/solve/contact_step.h"
+#include "runtime/saved_body.h"
 
 namespace tremolo {
 namespace {
-
-SavedState state_of(const Body& body) {
-  return {"a body",
-          TREMOLO_VERSION,
-          {{"model", body.model().content_hash()}, {"method or frame", body.content_hash()}},
-          {}};
-}
 
 // Whether everything that the thing carries, doubles alone, is finite.
 template <class Doubles>
@@ -33,19 +24,6 @@ bool all_finite(const Doubles& thing) {
   return true;
 }
 
-bool is_finite_account(const ContactAccount& account) {
-  for (const double value : {account.energy, account.work, account.lost, account.rubbed,
-                             account.given, account.surplus, account.hand_work, account.hand_damped,
-                             account.penetration, account.joint_work, account.way, account.impulse})
-    if (!std::isfinite(value)) return false;
-  return account.impulse_vector.allFinite();
-}
-
-bool is_finite_grip(const Grip& grip) {
-  return std::isfinite(grip.work) && std::isfinite(grip.damped) && grip.start.allFinite() &&
-         grip.end.allFinite() && grip.force.allFinite();
-}
-
 }  // namespace
 
 std::uint64_t Body::content_hash() const {
@@ -54,9 +32,8 @@ std::uint64_t Body::content_hash() const {
   std::string name(integrator_->name());
   IntegratorOptions options = options_;
   FrameKind frame = frame_;
-  bool touches = contact_ != nullptr;
   stream.sized(name);
-  stream(frame, touches, options.step, options.newmark_beta, options.newmark_gamma);
+  stream(frame, options.step, options.newmark_beta, options.newmark_gamma);
   stream(options.split.rule, options.split.count, options.split.safety, options.tolerance);
   stream(options.max_iterations, options.halvings);
   if (skin_) {
@@ -65,30 +42,15 @@ std::uint64_t Body::content_hash() const {
     stream(count);
     stream.sized(weights);
   }
-  if (touches) {
-    ContactLaw law = contact_->law();
-    std::vector<VertexId> ids = contact_->points().ids;
-    bool feels = contact_->feels(), shape = contact_->shape() != nullptr;
-    stream(law.margin, law.stiffness, law.friction, law.restitution, feels, shape);
-    stream.sized(ids);
-  }
   return hash_bytes(std::as_bytes(std::span(bytes)));
 }
 
 std::vector<std::byte> Body::save() const {
-  SavedState saved = state_of(*this);
-  saved.state = state_bytes(*this);
-  return encode_saved(saved);
+  return save_body(*this);
 }
 
 Status Body::restore(std::span<const std::byte> bytes) {
-  const std::string name = "the saved body";
-  const Result<SavedState> saved = read_saved(bytes, name);
-  if (!saved) return saved.error();
-  if (Status s = check_belongs(*saved, state_of(*this)); !s) return error_of_file(name, s.error());
-  if (!restore_state(*this, saved->state))
-    return content_error(name + ": it does not fit this body: other loads, or made by hand");
-  return Success{};
+  return restore_body(*this, bytes);
 }
 
 void Body::carry(StateStream& stream) {
@@ -102,12 +64,7 @@ void Body::carry(StateStream& stream) {
   if (stream.reads()) stream.require(all_finite(sums_) && all_finite(sound_sums_));
   carry_frame(stream);
   carry_forces(stream);
-  carry_hands(stream);
   place_forces_.carry(stream);
-  if (contact_) contact_->carry(stream);
-  if (contact_ && stream.reads()) stream.require(is_finite_account(contact_->account()));
-  if (stream.reads())
-    for (const Grip& grip : grips_) stream.require(is_finite_grip(grip));
   if (stream.good()) integrator_->carry(stream);
 }
 
@@ -170,25 +127,6 @@ void Body::carry_forces(StateStream& stream) {
   }
 }
 
-void Body::carry_hands(StateStream& stream) {
-  std::size_t count = grips_.size();
-  stream(count, next_hand_);
-  stream.require(count == 0 || (contact_ != nullptr && count <= stream.left() / 64) ||
-                 !stream.reads());
-  if (!stream.good()) return;
-  if (stream.reads()) {
-    grips_.resize(count);
-    hands_.resize(count);
-  }
-  for (std::size_t i = 0; i < count && stream.good(); ++i) {
-    tremolo::carry(stream, grips_[i], model_->modes());
-    stream(hands_[i]);
-    const Result<VertexRows> vertex = model_->vertex(grips_[i].vertex);
-    grips_[i].at_vertex = vertex && vertex->rest == grips_[i].place.rest;
-    stream.require(hands_[i] < next_hand_);
-  }
-}
-
 Status Body::set_damping(double alpha, double beta) {
   if (alpha == options_.alpha && beta == options_.beta) return Success{};
   IntegratorOptions options = options_;
@@ -199,7 +137,6 @@ Status Body::set_damping(double alpha, double beta) {
   (*made)->follow(*integrator_);
   integrator_ = std::move(*made);
   options_ = options;
-  if (contact_) contact_->set_damping(alpha, beta);
   return Success{};
 }
 
@@ -209,8 +146,6 @@ Status Body::set_method(std::string_view integrator, double step) {
   // The caller that makes such a body checks all that may be wrong.
   Result<Body> made = create(model_, integrator, options, frame_);
   if (!made) return made.error();
-  if (contact_ && frame() != FrameKind::kFixed && !made->energy_method_)
-    return usage_error("contact goes with avf, ep2 and ep4");
   // A method with a staggered momentum passes on the momentum at the state's own time.
   integrator_->synchronized_momentum(state_, momentum_);
   state_.p = momentum_;
@@ -220,8 +155,6 @@ Status Body::set_method(std::string_view integrator, double step) {
   low_ = made->low_;
   energy_method_ = made->energy_method_;
   if (driven_) driven_->set_step(step);
-  if (contact_) contact_->set_step(step);
-  for (Grip& grip : grips_) limit_hand(grip);
   keep_sound_state();
   return Success{};
 }

@@ -1,0 +1,148 @@
+// A body that meets colliders and other bodies, and that hands hold.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/result.h"
+#include "common/state_stream.h"
+#include "runtime/body.h"
+#include "runtime/contact/contact_law.h"
+#include "runtime/contact/contact_values.h"
+
+namespace tremolo {
+
+class BodyGroup;
+class ContactStep;
+
+// Sums of contact since the start, J. work: on the body, a part of Body::work(). lost, rubbed:
+// taken by restitution and friction. given: by moving colliders. error: contact energy found at the
+// start of a step but not at the end of the step before; it should be zero. Then work = given -
+// lost - rubbed - growth of contact_account().energy + error. hand, joint: work of grabs and joints
+// on the body, also parts of Body::work().
+struct ContactSums {
+  double work = 0.0, lost = 0.0, rubbed = 0.0, given = 0.0, error = 0.0;
+  double hand = 0.0, joint = 0.0;
+
+  void carry(StateStream& stream) { stream(work, lost, rubbed, given, error, hand, joint); }
+};
+
+// Without set_contact() it is a Body. Not thread-safe; different bodies may step on different
+// threads.
+class ContactBody : public Body {
+ public:
+  explicit ContactBody(Body&& body) : Body(std::move(body)) {}
+  // Errors as Body::create. A body on several bones cannot have contact.
+  static Result<ContactBody> create(Model::Pointer model,
+                                    std::string_view integrator = kDefaultIntegrator,
+                                    const IntegratorOptions& options = {},
+                                    FrameKind frame = FrameKind::kFixed);
+  static Result<ContactBody> create(Model::Pointer model, std::string_view integrator,
+                                    const IntegratorOptions& options,
+                                    std::shared_ptr<const Skin> skin);
+
+  // As those of Body, with contact and grabs. A saved body with other contact is refused.
+  std::vector<std::byte> save() const;
+  Status restore(std::span<const std::byte> bytes);
+  void carry(StateStream& stream);
+  std::uint64_t content_hash() const;
+  Status set_damping(double alpha, double beta);
+  // kUsage also for a method that does not support contact.
+  Status set_method(std::string_view integrator, double step);
+
+  // Enables contact with colliders. Error kUsage: options out of range, a method that does not
+  // support contact (a fixed body supports any; near a collider it takes the step of
+  // runtime/contact/solve/contact_step.h), a model without inertia integrals.
+  Status set_contact(const ContactOptions& options = {});
+  // Energy balance of contact in the last step; zeros without contact.
+  ContactAccount contact_account() const;
+  const ContactSums& contact_sums() const { return touched_; }
+  const ContactStep* contact() const { return contact_.get(); }
+  // Reserves memory for steps among these colliders with this number of grabs; call set_contact()
+  // first.
+  void reserve_contact(std::span<const PlacedCollider> colliders, std::size_t hands);
+
+  // As Body::step() among colliders, which must stay in memory until it returns; call set_contact()
+  // first.
+  StepReport step(std::span<const PlacedCollider> colliders = {});
+
+  // Grabs a vertex at its position by a spring (N/m) and a damper (N s/m) to a point that
+  // move_hand() moves. Returns the grab's number. Needs set_contact(). A spring stiffer than that
+  // of stiffest_hand() is replaced by that spring and its damper, as for pin(): beyond it rounding
+  // errors exceed the step's tolerance. A damper is limited to h/2 times that stiffness.
+  // hand_spring() returns the values in use. Errors as Model::vertex; kUsage for values that are
+  // not finite or negative.
+  Result<std::size_t> grab(VertexId vertex, double stiffness, double damping = 0.0);
+  // The same for a vertex from Model::vertex: allocates nothing where reserve_contact() has
+  // reserved memory.
+  Result<std::size_t> grab(VertexId vertex, VertexRows place, double stiffness, double damping);
+  // The same at any point of a surface, as returned by pick(). Errors as Model::place.
+  Result<std::size_t> grab(const SurfacePlace& place, double stiffness, double damping = 0.0);
+  // Holds a vertex, or a point of a surface, at its position, or where move_hand() moves it, until
+  // release(). The stiffness follows from mass and step, k = (30/h)^2 m, and the damper is 60 m/h,
+  // with m the effective mass of the point in a step. Under a force F the point is displaced by
+  // F/k; with a hanging body of mass M by M g h^2/(900 m). An initial motion decays by an eighth in
+  // each step. Errors as grab(), and kUsage for a point that cannot move.
+  Result<std::size_t> pin(VertexId vertex);
+  Result<std::size_t> pin(const SurfacePlace& place);
+  Result<std::size_t> pin(VertexId vertex, VertexRows place);  // as grab() of such a vertex
+  // The spring and damper of a pin at the point with the present step; infinite for a point that
+  // cannot move.
+  HandSpring stiffest_hand(const VertexRows& place) const;
+  // Sets the grab's point at the end of the next step, m, world. Error kUsage: no such grab, not
+  // finite.
+  Status move_hand(std::size_t hand, const Eigen::Vector3d& place);
+  std::span<const Grip> grips() const { return grips_; }  // those that are not released
+  // The force on the body in the last step, N, world; the hand feels the opposite. Zero if there is
+  // no such grab.
+  Eigen::Vector3d hand_force(std::size_t hand) const;
+  // The spring and damper in use; zeros if there is no such grab. A longer step (set_method()) may
+  // lower them again.
+  HandSpring hand_spring(std::size_t hand) const;
+  // Ends a grab; numbers of other grabs are unchanged.
+  Status release(std::size_t hand);
+  // The effective mass of a point for a force in a step, the mean over all directions, kg; infinite
+  // for a point that cannot move. A coordinate of the frequency omega has the resistance 1 + (h
+  // omega)^2/4.
+  double mass_at(const VertexRows& place) const;
+
+ private:
+  // The parts of a step, for groups of bodies that touch each other.
+  friend class BodyGroup;
+  friend class StepParts;
+  std::optional<StepReport> begin_step() {
+    booked_ = false;
+    return Body::begin_step();
+  }
+  bool near_something(std::span<const PlacedCollider> colliders);
+  StepReport advance_near(bool near);
+  StepReport advance_in_parts(const StepReport& failure);
+  void end_contact();
+  StepReport end_step(StepReport report);
+  void book_step(const StepReport& report);
+  StepPush step_push() const;
+  void fall_asleep();
+  void keep_outside_sums() override { sound_touched_ = touched_; }
+  void put_back_outside_sums() override { touched_ = sound_touched_; }
+  const Grip* find_hand(std::size_t hand) const;
+  Grip* find_hand(std::size_t hand);
+  void limit_hand(Grip& grip) const;
+  void carry_hands(StateStream& stream);
+
+  std::shared_ptr<ContactStep> contact_;  // its type is incomplete here; it is not shared
+  ContactSums touched_, sound_touched_;   // the latter at the last valid check of the energy
+  std::vector<Grip> grips_;               // those that are not released
+  std::vector<std::size_t> hands_;        // the number of each
+  std::size_t next_hand_ = 0;
+  bool booked_ = false;  // the present step was taken in parts whose energies are in the sums
+  Eigen::VectorXd p_before_;
+};
+
+}  // namespace tremolo
