@@ -1,4 +1,4 @@
-// What a run of a scene with [[cloths]] measures and writes.
+// Measurements and output files of a run of a scene with [[cloths]].
 #pragma once
 
 #include <optional>

@@ -144,7 +144,7 @@ void print_contents(const Json& json) {
 }  // namespace
 
 int inspect_cloth_command(const ClothFile& file, bool json) {
-  // A method beyond its limit would be refused, which is to be told here.
+  // Implicit Euler has no stability limit: a method beyond its limit is reported, not refused.
   ClothScene scene = file.scene;
   scene.integrator = "implicit-euler";
   const Result<ClothWorld> world = ClothWorld::create(scene);

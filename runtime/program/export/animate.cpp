@@ -121,7 +121,7 @@ Status record_frame(const SceneWorld& world, const WorldTracks& tracks, Recordin
   for (std::size_t i = 0; i < world.size(); ++i)
     if (Status s = recording.record(i, world.body(i)); !s) return s;
   for (std::size_t k = 0; k < tracks.colliders.size(); ++k) {
-    // Where it is now: the end of the step that was made, the start of the first.
+    // The collider at the end of the last step; before the first step, at its start.
     const PlacedCollider& placed = world.colliders()[tracks.colliders[k]];
     const Pose& pose = world.steps() == 0 ? placed.start : placed.end;
     if (Status s = recording.record(world.size() + k, {}, std::span(&pose, 1)); !s) return s;

@@ -239,7 +239,7 @@ Result<Json> write_motion_files(const MotionOutputs& outputs, const Animation& a
   return files;
 }
 
-// A series is told by its list alone, many caches by the first.
+// Prints the list of a series instead of its files, and only the first of many point caches.
 void print_files(const Json& files) {
   constexpr std::size_t kShown = 24;
   constexpr double kMuchTurned = 10;  // degrees: shading then shows it

@@ -33,8 +33,8 @@ struct MotionOutputs {
   }
 };
 
-// Runs and writes. What was written stands on stdout. Returns the exit code; errors are printed,
-// and no file is then there that was not there before, but for complete ones of a series.
+// Runs the motion and writes the files; prints their names on stdout. Returns the exit code. Errors
+// are printed; after one no new file remains, except complete files of a series.
 int export_motion_command(const MotionOutputs& outputs, const MotionSource& source);
 
 }  // namespace tremolo

@@ -24,8 +24,8 @@ struct FrameSteps {
   double even_step = 0.0;
 };
 
-// h: the step, s; duration: of the run, s. Errors: kContent for a range that is none or lies beyond
-// the run, or more frames than steps.
+// h: the step, s; duration: of the run, s. Errors: kContent for an empty range, one beyond the run,
+// or more frames than steps.
 Result<FrameSteps> frame_steps(const FrameRange& range, double h, double duration);
 
 }  // namespace tremolo

@@ -35,7 +35,7 @@ Result<double> cell_value(std::string_view cell, const std::string& where) {
   return value;
 }
 
-// Where the columns t, total and high_band are in a line of names; -1: not there.
+// Positions of the columns t, total and high_band in a line of names; -1: absent.
 Result<std::array<std::ptrdiff_t, 3>> energy_columns(std::string_view header,
                                                      const std::string& csv) {
   const std::vector<std::string_view> names = cells_of(header);

@@ -34,7 +34,7 @@ std::string head_of(const fs::path& path) {
   return head;
 }
 
-// Whether the file begins as our writers of surfaces begin.
+// True if the file begins as this program's surface writers begin a file.
 bool is_our_surface(const fs::path& path) {
   const std::string head = head_of(path), ending = path.extension().string();
   if (ending == ".ply") return head.starts_with("ply\nformat binary_little_endian 1.0\n");

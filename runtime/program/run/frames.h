@@ -21,7 +21,7 @@ class Frames {
   // steps: of the whole run. The options must outlive this.
   Frames(const RunOptions& options, std::int64_t steps) : options_(options), steps_(steps) {}
 
-  // Whether a surface is due after `steps` steps; they are due at k/N of the run, k = 1 ... N.
+  // True if a surface is due after `steps` steps. Surfaces are due at k/N of the run, k = 1 ... N.
   bool due(std::int64_t steps) const;
   // body: as it is at `time`, s.
   Status write(const Body& body, double time);

@@ -11,20 +11,19 @@
 
 namespace tremolo {
 
-// A body as it was at the end of a step. state.p: the momentum at the time of state.q. work,
-// dissipated, iterations, halved_steps: since the start, as Body tells them. loaded: a load can
-// still act. split: of a method that splits. bound: what has been put in so far.
+// The state of a body at the end of a step. work, dissipated, iterations and halved_steps count
+// from the start.
 struct Moment {
   std::int64_t steps = 0;
   double time = 0.0;  // s
-  State state;
+  State state;        // p: the momentum at the time of q
   double work = 0.0;        // J
   double dissipated = 0.0;  // J
   std::int64_t iterations = 0;
   std::int64_t halved_steps = 0;
-  bool loaded = false;
-  std::optional<Split> split;
-  EnergyBound bound;
+  bool loaded = false;         // a load can still act
+  std::optional<Split> split;  // of a splitting method
+  EnergyBound bound;           // with the energy put in so far
 };
 
 // Copies the body's state into `moment`; allocates only if that has not held as many coordinates

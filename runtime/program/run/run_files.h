@@ -40,8 +40,8 @@ class RunOutputs {
   // kSystem if one cannot be written.
   Status check(const std::vector<NamedFile>& inputs) const;
 
-  // Removes what earlier runs left in the folders when they were added, but for what this run has
-  // written (paths). Errors: kSystem.
+  // Removes files of earlier runs, found in the folders when these were added, except those in
+  // `written` (paths). Errors: kSystem.
   Status remove_earlier(const std::vector<std::string>& written) const;
 
  private:
@@ -49,8 +49,8 @@ class RunOutputs {
   std::vector<EarlierRun> earlier_;
 };
 
-// What a run of these bodies writes, each by itself. Several have a folder each, NAME in the folder
-// that was asked for, which gets the report of all.
+// The files that a run of these bodies writes. Several bodies have one folder each, NAME in the
+// requested folder, which also gets the report of all.
 RunOutputs outputs_of(const std::vector<RunOptions>& bodies);
 
 // The folder that was asked for as the body's --out: of one body its own.

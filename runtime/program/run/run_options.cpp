@@ -134,7 +134,7 @@ Status read_body(const std::string& path, const toml::table& table, RunOptions& 
                       "the value of '" + std::string(key.str()) + "' holds a NUL");
   }
   if (body.model.empty())
-    return error_at(path, table.source(), "body '" + body.name + "' names no model");
+    return error_at(path, table.source(), "body '" + body.name + "' has no key 'model'");
   if (table.contains("signal") && table.contains("load"))
     return error_at(path, table.source(),
                     "body '" + body.name +

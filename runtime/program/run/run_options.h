@@ -1,4 +1,4 @@
-// What `tremolo run` is told, by flags or by a scene file.
+// Options of `tremolo run`, from flags or from a scene file.
 #pragma once
 
 #include <string>

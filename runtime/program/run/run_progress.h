@@ -1,4 +1,4 @@
-// How far a long run has come, told on stderr.
+// Progress of a long run, printed on stderr.
 #pragma once
 
 #include <chrono>
@@ -15,7 +15,7 @@ class RunProgress {
 
   // seconds: since the start of the work; reached: s of simulated time. Empty: nothing is due.
   std::string due(double seconds, double reached);
-  // What takes the line on a terminal away again; empty if there is none.
+  // The text that erases the line on a terminal; empty if no line is shown.
   std::string end();
 
  private:

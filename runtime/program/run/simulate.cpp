@@ -46,7 +46,8 @@ RunReport start_report(const RunOptions& options, const Body& body) {
   return report;
 }
 
-// What may stop a run from outside, and what is told of its progress; null: nothing.
+// Connections of a run to the outside: the signal that ends it early and the display of its
+// progress; null: none.
 struct RunLinks {
   const Interruption* interruption = nullptr;
   ToldProgress* progress = nullptr;

@@ -11,13 +11,11 @@
 
 namespace tremolo {
 
-// What a run begins with. table: of --signal. options: as told, but with the step that --wav needs
-// and the factor of the load that --deflect asked for. It must outlive the body that make_body()
-// makes of it.
+// Input of a run. It must outlive the body that make_body() makes of it.
 struct RunInput {
   Model::Pointer model;
-  SignalTable table;
-  RunOptions options;
+  SignalTable table;   // of --signal
+  RunOptions options;  // as given, with the step that --wav needs and the factor found by --deflect
 };
 
 // Checks the options, loads the model and looks for the load. Errors: kUsage, kContent and kSystem
@@ -31,14 +29,14 @@ struct SplitMove {
   Eigen::Index low_after = 0;
 };
 
-// How a run ended and what it measured. Energies in J; not-a-number means "not known".
+// End and measurements of a run. Energies in J; not-a-number: not known.
 struct RunReport {
   std::string name;
   std::string integrator;
   double step = 0;
   double duration = 0;
   double first_frequency = 0;  // of the first mode, Hz
-  double scale = 1;            // of the load: as told, or as --deflect found it
+  double scale = 1;            // of the load: as given, or found by --deflect
   std::int64_t steps = 0;      // made
   double reached = 0;          // s of simulated time
   double iterations_per_step = 0;
@@ -55,10 +53,10 @@ struct RunReport {
   std::optional<Split> split;      // at the end
   std::vector<SplitMove> moves;    // all changes of it
   std::int64_t halved_steps = 0;   // steps whose solve failed and that were taken in parts
-  StretchRange stretch;            // of the surface, widest of the moments looked at
+  StretchRange stretch;            // of the surface, the widest in all samples
   double squeezed_at = -1;         // s; first of them with a stretch below kSofteningStretch
   double size = 0;                 // largest extent of the surface at rest, m
-  Excursion farthest;              // of the surface in all moments looked at
+  Excursion farthest;              // of the surface in all samples
   double farthest_at = 0;          // s
   std::optional<RigidLoss> rigid;  // of a free body with a load
   std::vector<std::string> files;  // written, under options.out

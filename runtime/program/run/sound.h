@@ -1,4 +1,4 @@
-// What bodies sound like: `tremolo run --wav`.
+// The sound of vibrating bodies: `tremolo run --wav`.
 #pragma once
 
 #include <string>
@@ -29,11 +29,11 @@ inline void take_sound_step(RunOptions& options) {
   options.sound_steps = 0;
 }
 
-// A mode that is heard has its frequency within this fraction, five hundredths of a semitone: less
-// than what is told apart by ear. Beyond, --wav takes several steps a sample.
+// The largest relative frequency error of an audible mode: 5 cents, less than an ear can
+// distinguish. Above it --wav takes several steps per sample.
 inline constexpr double kSoundError = 3e-3;
 
-// How well a method follows the modes below half the rate of a sound.
+// Accuracy of a method for the modes below half the sample rate.
 struct SoundFit {
   double worst = 0.0;      // the largest relative error of a frequency
   double frequency = 0.0;  // whose, Hz
@@ -78,8 +78,8 @@ class SoundTrack {
   // place: of the start and then of every sample, m.
   void add(double place) { places_.push_back(place); }
 
-  // Writes the second differences, the loudest sample at nine tenths; tells of what acceleration
-  // that is. interval: between samples, s.
+  // Writes the second differences of the displacement, scaled so that the loudest sample is at 0.9,
+  // and prints the acceleration of that sample. interval: between samples, s.
   Status write(const std::string& path, double interval) const;
 
  private:

@@ -1,4 +1,4 @@
-// What is known of a run before it begins and may surprise: printed and in the reports as `notes`.
+// Warnings about a run, known before it begins: printed, and listed in the reports as `notes`.
 #pragma once
 
 #include <string>

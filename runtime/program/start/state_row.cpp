@@ -17,7 +17,7 @@ bool to_number(std::string_view cell, double& value) {
   return error == std::errc{} && stop == cell.data() + cell.size() && std::isfinite(value);
 }
 
-// Where in a row t, q0 ... and p0 ... stand.
+// Positions of t, q0 ... and p0 ... in a row.
 struct Columns {
   std::size_t time = 0;
   std::vector<std::size_t> q, p;

@@ -30,11 +30,11 @@ struct TetsTimes {
   double sum() const { return steps + drawing; }
 };
 
-// How a run ended. busy: processor time of all threads; wall: what passed. slowest: of the second
-// of motion that took the longest, wall.
+// The end of a run. Times in s.
 struct TetsEnding : SceneEnding {
-  TetsTimes busy, wall;
-  double slowest = 0.0, reached = 0.0;
+  TetsTimes busy, wall;  // processor time of all threads; elapsed time
+  double slowest = 0.0;  // the longest elapsed time, per second of motion
+  double reached = 0.0;  // simulated
   std::int64_t steps = 0;
 };
 
@@ -309,7 +309,7 @@ void TetsRun::print() const {
   }
 }
 
-// What a run of the scene writes.
+// Lists the files that a run of the scene writes.
 RunOutputs tets_outputs(const TetScene& scene) {
   const std::string& out = scene.outputs.out;
   RunOutputs outputs;

@@ -1,4 +1,4 @@
-// What a run measures and writes of one body of tetrahedra.
+// Measurements and output files of a run for one body of tetrahedra.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ struct TetsEnergies {
   double total() const { return kinetic + elastic + gravity; }
 };
 
-// What a run found of a body.
+// Measurements of one body in a run.
 struct TetsReport {
   TetsEnergies start, end;
   Momenta momenta_start, momenta_end;  // angular: about the centre of mass
@@ -28,8 +28,8 @@ struct TetsReport {
   // The largest sum of all elastic forces, and of their torques about the centre, over the largest
   // sum of their sizes: what the elements alone would add to the momenta.
   double elastic_error = 0.0;
-  // What steps in which only gravity acted on the body have added to its momentum and its angular
-  // momentum about the centre, at most, over the largest sums of their sizes; 0: it never moved.
+  // The largest change of momentum, and of angular momentum about the centre, summed over steps in
+  // which only gravity acted, relative to the largest sums of their sizes; 0: the body never moved.
   double linear_lost = 0.0, angular_lost = 0.0;
   double displacement = 0.0;  // m, of a vertex, largest
   std::int64_t iterations = 0, switched = 0, in_parts = 0, linearised = 0, unsolved = 0,
