@@ -306,7 +306,7 @@ TEST_F(RunProgram, AWrongSceneNamesItsLine) {
   expect("[a]\nmodel = \"" + model() + "\"\nstep = \"fast\"\n", "line 3");
   expect("[a\n", "line 1");
   expect("step = 1\n", "outside a table");
-  expect("[a]\nstep = 1\n", "has no key .model.");
+  expect("[a]\nstep = 1\n", "has no key 'model'");
   expect("", "empty");
   expect("# nothing\n", "no body");
   expect("[\"a/../../b\"]\nmodel = \"x\"\n", "letters");  // it would become a folder's name

@@ -36,7 +36,7 @@ std::vector<double> numbers_of(const std::string& text) {
   }
 }
 
-// How the points lie in the picture from the camera's place: the tangents of their directions.
+// The range of the points in the picture, as tangents of their directions from the eye.
 struct SeenRange {
   double low_x = std::numeric_limits<double>::infinity(), high_x = -low_x;
   double low_y = low_x, high_y = -low_x;

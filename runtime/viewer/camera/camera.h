@@ -1,9 +1,9 @@
-// Where the picture is taken from.
+// The camera of a picture.
 //
-// A camera looks at `target` from `distance` metres away, in the direction that azimuth and
-// elevation name: at both zero it stands towards -y of a world with z up (towards +z of one with y
-// up, that is in front), a positive azimuth walks it counter-clockwise seen from above, a positive
-// elevation lifts it.
+// A camera is `distance` metres from `target`, in the direction given by azimuth and elevation. If
+// both are zero it is towards -y of a world with z up (towards +z of one with y up, that is in
+// front). A positive azimuth moves it counter-clockwise seen from above, a positive elevation moves
+// it up.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-// What the user's hand did to a cloth, as hands of a scene.
+// A record of the user's grabs of a cloth, as hands of a scene.
 #pragma once
 
 #include <string>
@@ -15,12 +15,12 @@ class ClothHandRecord {
   // Before a step of the world in which the particle is held, `way` m from where it was taken.
   void before_step(const ClothWorld& world, std::size_t cloth, std::size_t particle,
                    const Eigen::Vector3d& way);
-  // The hand has let go, at `time`, s.
+  // Ends the grab at `time`, s.
   void end(double time);
-  // The world has begun anew.
+  // Discards all records, when the world restarts.
   void clear();
 
-  // In a world that begins alike they do the same.
+  // In a world with the same start they give the same motion.
   const std::vector<ClothHand>& hands() const { return hands_; }
 
  private:

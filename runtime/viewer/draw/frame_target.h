@@ -1,4 +1,4 @@
-// What a picture is drawn into: light at four samples a pixel, then their means.
+// The target of a picture: linear light at four samples per pixel, averaged at the end.
 #pragma once
 
 #include "common/result.h"

@@ -55,7 +55,7 @@ vec3 moved_colour(float share) {
   return mix(stops[low], stops[low + 1], at - float(low));
 }
 
-// What is brighter than 0.8 is bent so that it stays below 1.
+// Values above 0.8 are compressed so that they stay below 1.
 float bend(float x) { return x < 0.8 ? x : 1.0 - 0.2 * exp(-(x - 0.8) / 0.2); }
 
 float seen(int i, vec3 place) {
@@ -99,7 +99,7 @@ void main() {
     } else
       sky += reaches;
   }
-  // What the ground throws back.
+  // Light reflected by the ground.
   float below = 0.5 - 0.5 * dot(n, up);
   vec3 all = lamp_colour * lamp + sky_colour * (sky + 0.05) + vec3(0.17, 0.165, 0.16) * below;
   vec3 seen_colour = base * all + gloss * shine * lamp_colour;

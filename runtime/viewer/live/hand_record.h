@@ -1,4 +1,4 @@
-// What the user's hand did, as hands of a scene.
+// A record of the user's grabs, as hands of a scene.
 #pragma once
 
 #include <vector>
@@ -13,13 +13,13 @@ class HandRecord {
  public:
   // Before and after each step of the world.
   void before_step(const LiveWorld& world);
-  // When the world has begun anew, nothing has been done yet.
+  // Discards all records, when the world restarts.
   void clear();
-  // The hand has let go, or does so now.
+  // Ends the grab at `time`, s, if one is active.
   void end(double time);
 
-  // Each holds a vertex with the springs that it had, and goes on straight lines through where it
-  // was at the end of each step: in a world that begins alike it does the same.
+  // Each hand holds a vertex with the same springs and moves on straight lines through its
+  // positions at the ends of the steps: in a world with the same start it gives the same motion.
   const std::vector<SceneHand>& hands() const { return hands_; }
 
  private:

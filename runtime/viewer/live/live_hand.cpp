@@ -20,7 +20,7 @@ constexpr double kDampingShare = 0.5;  // of the critical one
 }  // namespace
 
 HandSprings suitable_springs(const Body& body, const VertexRows& place) {
-  // How far a force moves the vertex at rest, m/N, and how its inertia resists, 1/kg.
+  // Compliance of the vertex at rest, m/N; its inverse mass, 1/kg, is below.
   const Eigen::Matrix3d give =
       place.rows * body.model().lambda().cwiseInverse().asDiagonal() * place.rows.transpose();
   const double most = give.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();

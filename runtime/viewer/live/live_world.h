@@ -18,7 +18,7 @@ class LiveWorld {
   // Errors of SceneWorld::create, and of the bodies' starts.
   static Result<LiveWorld> create(const ViewedScene& viewed, ModelCache& models);
 
-  // Begins anew, with the methods and the step of now.
+  // Restarts with the present methods and step.
   Status begin_again(ModelCache& models);
 
   SceneWorld& world() { return *world_; }
@@ -27,10 +27,10 @@ class LiveWorld {
   LiveHand& hand() { return hand_; }
   const LiveHand& hand() const { return hand_; }
 
-  // One step of everything. A body whose step fails stands still from then on, and trouble() says
-  // why. Errors of look_at_world.
+  // Steps the world. A body whose step fails stays at rest from then on, and trouble() gives the
+  // reason. Errors of look_at_world.
   Status step();
-  // What the first body that failed said; empty if none has. code: its exit code.
+  // The message of the first body that failed; empty: none has. code: its exit code.
   const std::string& trouble() const { return trouble_; }
   int trouble_code() const { return trouble_code_; }
 

@@ -99,7 +99,7 @@ class Photographer {
     return first_camera(setup_, *studio_.stage);
   }
 
-  // What is red: what was asked for, or the largest so far.
+  // The value shown in red: the requested one, or the largest so far.
   float full_colour(const Stage& stage, ShotList& shots) {
     moved_ = std::max(moved_, stage.most_moved());
     const bool stress = stage_look_.colour == ColourBy::kStress;

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What makes a film that browsers show, by the ending.
+// Encoder options for a film that browsers play, by file extension.
 std::vector<std::string> codec_of(const std::string& ending) {
   if (ending == ".mp4")
     return {"-c:v", "libx264", "-crf", "18", "-preset", "medium", "-movflags", "+faststart"};
@@ -66,7 +66,7 @@ Result<VideoFile> VideoFile::create(const std::string& path, double rate, int wi
   video.width_ = width;
   video.height_ = height;
   video.temporary_ = fmt::format("{}.partial-{}{}", path, ::getpid(), ending);
-  // Whether it can be written at all is found out before anything is rendered.
+  // Checks that the file can be written before anything is rendered.
   const int trial =
       ::open(video.temporary_.c_str(), O_CREAT | O_WRONLY | O_TRUNC | O_CLOEXEC, 0666);
   if (trial < 0) return system_error(path + ": cannot create: " + std::strerror(errno));
@@ -136,7 +136,7 @@ int VideoFile::end_encoder() {
 Status VideoFile::add(const Picture& picture) {
   if (picture.width != width_ || picture.height != height_)
     return system_error(path_ + ": a picture of another size came");
-  // Where ffmpeg has ended, writing must not end this process too.
+  // If ffmpeg has ended, writing to its pipe must not end this process.
   struct sigaction ignore {
   }, before{};
   ignore.sa_handler = SIG_IGN;

@@ -1,4 +1,4 @@
-// What a view writes is kept apart from what it reads, before it begins.
+// Checks, before a view begins, that its outputs are not among its inputs.
 #pragma once
 
 #include <vector>

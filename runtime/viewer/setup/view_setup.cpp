@@ -90,7 +90,7 @@ Result<std::vector<std::optional<Material>>> solids_of(const Scene& scene, bool 
   }
   if (needed && !known)
     return content_error(
-        "--colour stress: no body's stress can be told: its model's file must name one isotropic "
+        "--colour stress: no body's material is known: its model's file must name one isotropic "
         "material, and it must not be on bones");
   return solids;
 }

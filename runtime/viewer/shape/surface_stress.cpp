@@ -92,10 +92,11 @@ std::optional<Material> material_of_provenance(std::string_view provenance) {
       },
       false);
   if (deep || !json.is_object() || !json.contains("material")) return std::nullopt;
-  const nlohmann::json& told = json["material"];
-  const auto number = [&told](const char* key) {
-    return told.is_object() && told.contains(key) && told[key].is_number() ? told[key].get<double>()
-                                                                           : -1.0;
+  const nlohmann::json& entry = json["material"];
+  const auto number = [&entry](const char* key) {
+    return entry.is_object() && entry.contains(key) && entry[key].is_number()
+               ? entry[key].get<double>()
+               : -1.0;
   };
   Material material;
   material.young = number("young_pa");

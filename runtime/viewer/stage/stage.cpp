@@ -23,7 +23,7 @@ constexpr std::array<float, 4> kMaterialShades = {1.0f, 0.55f, 1.35f, 0.3f};
 constexpr float kGlass = 0.22f;          // how much of it is seen
 constexpr std::size_t kMostHidden = 64;  // bodies that are looked for
 constexpr double kHandRadius = 0.012;    // of the world's size
-constexpr double kPlaneReach = 3.0;      // likewise: of a plane that is not the ground
+constexpr double kPlaneReach = 3.0;      // of the world's size, for a plane that is not the ground
 constexpr double kLevel = 0.9998;        // cosine of how far a ground may be out of level
 
 float linear_share(std::uint32_t value) {
@@ -348,7 +348,7 @@ const std::vector<DrawnThing>& Stage::things(const StageLook& look, const Vector
       thing.first = range.first;
       thing.count = range.count;
       thing.colour = body.colour;
-      // Materials without an image or colours of their own are told apart by their brightness.
+      // Materials without an image or colours of their own differ by brightness.
       if (body.ranges.size() > 1)
         thing.colour *= kMaterialShades[range.material % kMaterialShades.size()];
       thing.paint = body.paint;

@@ -192,7 +192,7 @@ class SurfaceViewer {
     tell("tremolo: {}\n", trouble_);
   }
 
-  // What cannot be kept of the clock's pace is given up.
+  // Steps up to the clock's time; time beyond the budget is dropped.
   void follow_clock() {
     if (paused_ || !trouble_.empty()) {
       set_clock();

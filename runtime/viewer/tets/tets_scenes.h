@@ -43,7 +43,7 @@ class TetsScenes : public MovingSurfaces {
   void move_to(const Eigen::Vector3d& point) override;
   void let_go() override;
   std::optional<Eigen::Vector3d> hand() const override;
-  // Where the vertex that is held is, m.
+  // Position of the grabbed vertex, m.
   std::optional<Eigen::Vector3d> held() const;
 
  private:

@@ -131,7 +131,7 @@ class Viewer {
     return recording_.end();
   }
 
-  // Writes what was recorded and tells what was measured.
+  // Writes the recording and prints the measurements.
   Status finish() {
     const RunnerReport report = runner_->report();
     const LiveWorld live = runner_->stop();
