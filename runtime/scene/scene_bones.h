@@ -27,11 +27,11 @@ Result<std::shared_ptr<const Skin>> make_scene_skin(const SceneBody& body, const
 // h_b puts the origin; the parent of a bone that names none is the body's frame.
 class BonePaths {
  public:
-  // Errors: kContent, with the bone's name, for a motion that is none or that jumps.
+  // Errors: kContent, with the bone's name, for a motion that is not valid or that jumps.
   static Result<BonePaths> create(const SceneBody& body);
 
   std::size_t size() const { return bones_.size(); }
-  // One a bone. Nothing is allocated.
+  // Writes one pose per bone. Allocates nothing.
   void poses(double t, std::span<Pose> out) const;
   // The motion of every bone in the k-th step, counted from 0, and where it ends. Nothing is
   // allocated. Valid until the next call.

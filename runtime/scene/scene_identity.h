@@ -1,4 +1,4 @@
-// What a saved world belongs to: every part of a scene, and a hash of what it is.
+// The identity of a scene in a saved world: each part with a hash of its contents.
 #pragma once
 
 #include <vector>

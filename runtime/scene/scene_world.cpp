@@ -263,7 +263,6 @@ Status SceneWorld::add_joints() {
   return Success{};
 }
 
-// Whether a joint holds the two that do not touch each other.
 bool SceneWorld::passes_through(std::size_t a, std::size_t b) const {
   return passing_.contains(std::minmax(a, b));
 }
@@ -304,7 +303,7 @@ Status SceneWorld::damp(std::size_t i) {
   return body.set_damping(now(wanted.alphas, body.alpha()), now(wanted.betas, body.beta()));
 }
 
-// Poses of a path are of length one and finite: the call cannot fail.
+// Poses of a path are finite with quaternions of unit length: the call cannot fail.
 void SceneWorld::move_bones(Actor& actor) const {
   const BonePaths::Step step = actor.bones->step(steps_, scene_.step);
   for (std::size_t b = 0; b < actor.bones->size(); ++b)
@@ -316,7 +315,7 @@ void SceneWorld::move_frame(Actor& actor) const {
   if (actor.path.still()) return;
   const double h = scene_.step, t = time();
   const std::size_t piece = actor.path.piece(t + 0.5 * h);
-  // Poses of a path are of length one and finite: neither call can fail.
+  // Poses of a path are finite with quaternions of unit length: neither call can fail.
   if (piece != actor.piece) (void)actor.body.set_pose(actor.path.pose_in(piece, t));
   actor.piece = piece;
   (void)actor.body.move_to(actor.path.pose_in(piece, static_cast<double>(steps_ + 1) * h),

@@ -10,7 +10,7 @@
 
 namespace tremolo {
 
-// What is chosen from. render: nullptr if there is none. vertex_count: n of the whole mesh.
+// The boundary of a mesh. render: nullptr if there is none. vertex_count: n of the whole mesh.
 struct Boundary {
   const VertexBlock& surface;
   const RenderBlock* render;
@@ -25,7 +25,7 @@ struct Boundary {
 struct Selection {
   std::vector<VertexId> ids;
   std::vector<Eigen::Vector3d> places;
-  std::vector<std::string> notes;  // for the user: what a `near:` took
+  std::vector<std::string> notes;  // for the user: the vertex chosen by a `near:`
 };
 Result<Selection> select_on_boundary(const std::string& text, const Boundary& boundary);
 
@@ -37,7 +37,7 @@ Result<std::vector<VertexId>> vertices_of(const std::string& text, const Model& 
 DefaultLoad shared_by_area(const std::vector<VertexId>& vertices, const Eigen::Vector3d& force,
                            const Model& model);
 
-// What each `near:` of the text took, for the user; empty where vertices_of gives an error.
+// For each `near:` of the text, a note with the chosen vertex; empty if vertices_of gives an error.
 std::vector<std::string> nearest_of(const std::string& text, const Model& model);
 
 }  // namespace tremolo

@@ -54,7 +54,7 @@ class Solver {
     return false;
   }
 
-  // Whether the energy grows with every small motion that the hold leaves.
+  // True if the energy grows with every small motion that the hold permits.
   bool stable(const Standing& at) {
     potential_.evaluate(at.q, kWantTangent, workspace_, evaluation_);
     Eigen::MatrixXd tangent = evaluation_.tangent;
