@@ -29,8 +29,8 @@ inline std::size_t plain_character(std::string_view text) {
   return too_long || half || steers || code > 0x10FFFF ? 0 : length;
 }
 
-// Text for a terminal: bytes that steer it, as in names that come from files, are told as \x1b. The
-// ends of lines, tabs, and a return at the very end stay.
+// Text for a terminal: control characters, which names in files may contain, are printed as \x1b.
+// Line ends, tabs, and a return at the very end are kept.
 inline std::string printable(std::string_view text) {
   constexpr char kDigits[] = "0123456789abcdef";
   std::string shown;

@@ -1,4 +1,4 @@
-// How a force on a face is shared among its vertices.
+// Distribution of a force on a face over its vertices.
 #pragma once
 
 #include <span>

@@ -64,7 +64,7 @@ class Ring {
   std::size_t next(std::size_t i) const { return next_[i]; }
   std::array<std::size_t, 3> triangle(std::size_t i) const { return {before_[i], i, next_[i]}; }
 
-  // Whether the triangle at corner i lies inside: nothing of the outline reaches into it.
+  // True if the triangle at corner i is inside the polygon: no part of the outline reaches into it.
   bool is_ear(std::size_t i) const {
     if (turn(i) <= least_) return false;
     const Vector2d &a = points_[before_[i]], &b = points_[i], &c = points_[next_[i]];

@@ -1,5 +1,5 @@
-// What the C header's sources share: the objects behind the handles, and guarded(), through which
-// every entry point passes: whatever happens inside becomes a status and a message.
+// Common parts of the C interface's sources: the objects behind the handles, and guarded(), which
+// wraps every entry point: it converts every error inside to a status and a message.
 #pragma once
 
 #include <algorithm>
@@ -70,7 +70,7 @@ Status need(std::initializer_list<Argument> arguments);
 // kUsage unless the buffer is there and has the length that is needed.
 Status need_buffer(const void* buffer, std::size_t length, std::size_t needed);
 
-// What is behind a handle, and what a message calls it.
+// The object behind a handle, and its name in messages.
 inline const Model& behind(const tremolo_model& handle) {
   return *handle.pointer;
 }
@@ -136,7 +136,8 @@ tremolo_status with_all(std::initializer_list<Argument> arguments, const Action&
   });
 }
 
-// What bodies and worlds hand out. p and the parts of the energy may be NULL. length: of q and p.
+// Copies the state or energy of a body or a world's body. p and the parts of the energy may be
+// NULL. length: of q and p.
 Status copy_state(const State& state, double* q, double* p, std::size_t length);
 void copy_energy(const Energy& energy, double* kinetic, double* potential, double* high_band);
 

@@ -29,7 +29,7 @@ void put(double value, double* out) {
   if (out != nullptr) *out = value;
 }
 
-// NULL for what is missing is told by `need` before.
+// Calls `check` on the shape and creates the collider.
 tremolo_status make(const Collider& shape, tremolo_collider** collider) noexcept {
   return tremolo::c_api::guarded([&]() -> Status {
     if (Status s = need({{collider, "the place for the collider"}}); !s) return s;

@@ -1,4 +1,4 @@
-// What a cloth is made of: particles, springs of three kinds, triangles.
+// The parts of a cloth: particles, springs of three kinds, triangles.
 #pragma once
 
 #include <cstdint>

@@ -56,7 +56,7 @@ Status check_cloth_motion(const Motion& motion) {
 }
 
 Status check_pin(const ClothPin& pin, std::size_t particles) {
-  if (pin.particles.empty()) return content_error("it names no particle");
+  if (pin.particles.empty()) return content_error("its list of particles is empty");
   for (const std::size_t particle : pin.particles)
     if (particles > 0 && particle >= particles)
       return content_error("there is no particle " + std::to_string(particle) + ", only " +

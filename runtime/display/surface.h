@@ -1,14 +1,14 @@
-// u = U q for display: where a solid's surface is, and its normals, in float.
+// u = U q for display: positions and normals of a solid's surface, in float.
 //
 //     x = X + sum_i q_i U_i        the rows of U are read once: 4 * 3s * r bytes are the cost, or
 //                                  half of them where the file's rows are 16-bit integers
 //
-// Where a model keeps its response to forces at p places, the 3p columns of W stand behind those of
-// U, and the forces behind q.
+// If a model keeps its response to forces at p points, the 3p columns of W follow those of U, and
+// the forces follow q.
 //
-//     n_v = sum over the triangles at v of (b - a) x (c - a), made a unit vector
+//     n_v = sum over the triangles at v of (b - a) x (c - a), normalised
 //
-// so each triangle counts with its area; the normal points outwards.
+// so each triangle is weighted by its area; the normal points outwards.
 #pragma once
 
 #include <cstddef>

@@ -42,8 +42,8 @@ TREMOLO_CLONES Bent bend(const float* bounds, const float* q, const float* size,
   return {x, y, z, spread};
 }
 
-// Where the ray enters the box, 0 inside; infinity where it passes by. What is not a number does
-// not pass.
+// Distance at which the ray enters the box, 0 if it starts inside; infinity if it misses. A box
+// with a coordinate that is not a number counts as hit.
 double entry(const Vector3d& low, const Vector3d& high, const Vector3d& origin,
              const Vector3d& direction) {
   double from = 0.0, to = std::numeric_limits<double>::infinity();

@@ -30,7 +30,7 @@ std::string object(const std::vector<std::string>& members) {
   return text;
 }
 
-// What a byte of a picture means in amounts of light (IEC 61966-2-1).
+// Converts an sRGB byte to linear light (IEC 61966-2-1).
 double light(std::uint8_t byte) {
   const double v = byte / 255.0;
   return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
@@ -42,7 +42,7 @@ std::size_t add_colours(GlbFile& file, const std::vector<Colour>& colours) {
     return static_cast<std::uint16_t>(std::lround(65535.0 * share));
   };
   for (const Colour& colour : colours) {
-    // Where nothing is painted the surface looks as if it had no colours.
+    // Unpainted parts have the colour of a surface without colours.
     for (std::size_t k = 0; k < 3; ++k)
       values.push_back(sixteen_bits(colour[3] == 0 ? kBodyColour[k] : light(colour[k])));
     values.push_back(sixteen_bits(1.0));

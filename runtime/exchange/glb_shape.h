@@ -1,4 +1,4 @@
-// A shape's part of a .glb: its arrays, its materials and what of it a mesh needs.
+// A shape's part of a .glb: its arrays, its materials and the members of its mesh.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace tremolo {
 
-// What the file's top level lists beside accessors; the entries are JSON.
+// Lists at the file's top level, besides accessors; the entries are JSON.
 struct GlbLists {
   std::vector<std::string> materials;
   std::vector<std::string> textures;

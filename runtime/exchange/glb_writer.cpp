@@ -11,7 +11,7 @@
 namespace tremolo {
 namespace {
 
-// What a .glb's top level lists of bodies; the entries are JSON.
+// Lists of a .glb's top level about bodies; the entries are JSON.
 struct GlbScene {
   std::vector<std::string> nodes, meshes, skins, samplers, channels;
   std::vector<std::size_t> below_root, beside_root;
@@ -109,7 +109,7 @@ void add_body(GlbFile& file, GlbScene& scene, const Animation& animation, const 
     scene.below_root.push_back(node);
     return add_weight_keys(file, scene, animation, body, shape, node);
   }
-  // What a skin moves is where its joints are; its own node stands for itself.
+  // A skinned mesh is placed by its joints; the transform of its own node is ignored.
   std::vector<std::size_t> joints;
   for (std::size_t b = 0; b < body.bones(); ++b)
     joints.push_back(add_posed_node(file, scene, body, b,

@@ -45,7 +45,7 @@ Matrix3Xd area_normals(const AnimatedShape& shape, const Matrix3Xd& x) {
   return sums;
 }
 
-// How these change along u, 3 x s, from x on.
+// Derivatives of the normals along u, 3 x s, at x.
 Matrix3Xd normal_rates(const AnimatedShape& shape, const Matrix3Xd& x, const Matrix3Xd& u) {
   Matrix3Xd sums = Matrix3Xd::Zero(3, x.cols());
   for (const Triangle& t : shape.surface.triangles) {

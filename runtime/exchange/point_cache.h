@@ -42,8 +42,9 @@ Result<WrittenFile> write_rest_obj(const std::string& path, const Animation& ani
 std::string path_of_body(const std::string& path, const Animation& animation, std::size_t body);
 // Bodies that have coordinates: scenery has none.
 std::vector<std::size_t> deforming_bodies(const Animation& animation);
-// What a name is in the name of a file, and kUsage where two bodies would get the same one.
+// Converts a body's name to a part of a file name.
 std::string file_name_of(std::string_view name);
+// kUsage if two bodies would get the same file name.
 Status check_file_names(const Animation& animation);
 // "OUT" of "FOLDER/OUT.pc2" with its folder.
 std::string without_ending(const std::string& path);

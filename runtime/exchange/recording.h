@@ -16,7 +16,7 @@
 
 namespace tremolo {
 
-// What is drawn of the model (Model::drawn) as a shape.
+// The drawn surface of the model (Model::drawn) as a shape.
 AnimatedShape animated_shape(const Model& model, std::string name);
 
 // First tracks, then frames; in each frame every track is recorded once. Not for a step loop: it

@@ -51,14 +51,14 @@ bool is_digits(std::string_view text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-// What stands in front of the frame's number; empty of a name without one.
+// The part before the frame's number; empty for a name without one.
 std::string_view before_number(std::string_view stem) {
   const std::size_t dash = stem.rfind('-');
   if (dash == std::string_view::npos || stem.size() - dash < 5) return {};
   return is_digits(stem.substr(dash + 1)) ? stem.substr(0, dash) : std::string_view();
 }
 
-// Whether a name is that of a file of the series `path`.
+// True if the name is that of a file of the series `path`.
 bool is_of_series(const fs::path& path, std::string_view name) {
   const fs::path file(name);
   const std::string_view front =

@@ -194,7 +194,7 @@ class ChartPanel {
         cx: this.sx.pixel(curve.x[i]), cy: this.sy.pixel(curve.y[i]), stroke: this.figure.looks.get(curve).colour }));
   }
 
-  // Where the film is.
+  // Marks the time of the film.
   follow(time) {
     if (!this.chart.time) return;
     this.now = time;

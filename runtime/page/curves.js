@@ -1,4 +1,4 @@
-// What curves of charts look like, where their axes lie, and what of them is drawn.
+// Curves of charts: their colours and dashes, the range of their axes, and their points.
 
 // A method looks the same on every page. Eight colours, dark enough for thin lines on white and
 // apart for the colour-blind as far as eight can be, each with two dashes; marks tell the sixteen
@@ -123,8 +123,8 @@ function indexAt(curve, value) {
   return low;
 }
 
-// What a curve's path goes through, in pixels; null is a gap. Of long series each column of pixels
-// keeps its first, lowest, highest and last point, which looks the same.
+// Points of a curve's path, in pixels; null is a gap. For long series only the first, lowest,
+// highest and last point of each column of pixels are kept, which gives the same picture.
 function pixelsOf(curve, sx, sy) {
   const sorted = ascends(curve), end = curve.x.length;
   const first = sorted ? Math.max(0, indexAt(curve, sx.low) - 1) : 0;

@@ -52,7 +52,7 @@ class Film {
     return q;
   }
 
-  // The matrices of a body's poses. What stands still has them once.
+  // The matrices of a body's poses. A body at rest has one set for all frames.
   matrices(body, { frame, next, share }) {
     const width = 7 * body.bones, still = body.poses.length === width, matrices = [];
     for (let b = 0; b < body.bones; ++b) {
@@ -72,7 +72,7 @@ class Film {
     return this.bodies.map((body) => ({ q: this.coordinates(body, moment), poses: this.matrices(body, moment) }));
   }
 
-  // Where a body's vertices are in the body's own frame, X + U q; for tests, and for the curious.
+  // Positions of a body's vertices in the body's own frame, X + U q; for tests and inspection.
   positions(number, time) {
     const body = this.bodies[number], { rest, shapes, modes } = body.of, q = this.coordinates(body, this.moment(time));
     return Array.from(rest, (x, k) => {
@@ -81,7 +81,7 @@ class Film {
     });
   }
 
-  // Where a body's vertices are in the world, each `every`-th of them: (x, y, z) for each.
+  // World positions of every `every`-th vertex of a body: [x, y, z] for each.
   places(body, { q, poses }, every) {
     const { rest, shapes, modes } = body.of, places = [];
     for (let v = 0; v < rest.length / 3; v += every) {
@@ -97,7 +97,7 @@ class Film {
     return places;
   }
 
-  // What the camera looks at: the box of all bodies at twenty moments.
+  // The region in the camera's view: the box of all bodies at twenty times.
   bounds() {
     const low = [Infinity, Infinity, Infinity], high = low.map((x) => -x);
     const bodies = this.bodies.filter((body) => !body.scenery);
@@ -113,7 +113,7 @@ class Film {
     return [low, high];
   }
 
-  // The height of level scenery that stands still, which is drawn as the floor; null: none.
+  // The height of level scenery at rest, which is drawn as the floor; null: none.
   floorOf(number) {
     const body = this.bodies[number];
     if (!body.scenery || body.poses.length !== 7) return null;

@@ -75,7 +75,7 @@ std::string told_name(const toml::table& table, const char* kind, std::size_t nu
   return std::string(kind) + " " + std::to_string(number);
 }
 
-// A mesh that is not there is told where the scene names it, not where a pin asks for it.
+// A missing mesh is reported at the key `file`, not at a pin that needs it.
 Status check_mesh(TomlKeys& keys, const SceneCloth& cloth) {
   if (cloth.file.empty()) return Success{};
   const auto seen = examine_input(cloth.file);
@@ -206,8 +206,8 @@ Result<ClothFile> parse_cloths(std::string_view text, const std::string& path) {
   std::vector<std::string>& files = file.files;
   if (Status s = read_all(keys, kClothTables, path, files, scene.cloths, read_cloth); !s)
     return s.error();
-  // Nothing keeps cloths apart, so whoever has several must say that they may go through each
-  // other.
+  // There is no contact between cloths, so a scene with several must allow them to pass through
+  // each other.
   bool may_pass = false;
   keys.read("cloths-pass", may_pass);
   if (scene.cloths.size() > 1 && !may_pass)

@@ -136,7 +136,7 @@ void read_what(TomlKeys& keys, SceneBody& body) {
   constexpr FrameKind kKinds[] = {FrameKind::kFixed, FrameKind::kDriven, FrameKind::kFree};
   body.kind = kKinds[keys.read_word("kind", {"fixed", "driven", "free"}, 0)];
   keys.read_path("model", body.model);
-  if (!keys.has("model")) keys.fail("model", "it names no `model`");
+  if (!keys.has("model")) keys.fail("model", "it has no key `model`");
   keys.read("made-by", body.made_by);
   keys.read("modes", body.model_options.modes);
   keys.read("linear", body.model_options.linear);
@@ -185,7 +185,8 @@ Copies read_copies(TomlKeys& keys) {
   return copies;
 }
 
-// A turn that depends on k alone, all alike likely: a point of the sphere of quaternions.
+// A rotation that depends on k alone, uniform over all rotations: a point of the sphere of
+// quaternions.
 Eigen::Quaterniond random_turn(int k) {
   std::minstd_rand numbers(static_cast<unsigned>(k) + 1U);
   numbers.discard(10);

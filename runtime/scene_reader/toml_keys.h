@@ -17,7 +17,7 @@ namespace tremolo {
 // "FILE: line 12: WHAT", kContent.
 Error error_at(const std::string& path, const toml::source_region& where, const std::string& what);
 
-// What the file `path` names, relative to it.
+// The path of `name`, a name relative to the file `path`.
 std::string beside(const std::string& path, const std::string& name);
 
 // An integer, or a float that is one. Nothing for what is none or does not fit.
@@ -39,8 +39,8 @@ std::optional<std::vector<double>> numbers_of(const toml::node& node);
 // them, which is done by recursion, could exhaust the stack.
 Result<toml::table> parse_toml(std::string_view text, const std::string& path);
 
-// Reads known keys of a table; the first error is kept and finish() tells it, or else the first key
-// that nobody has asked for. A key that is not there leaves its target as it is.
+// Reads known keys of a table. finish() returns the first error, or else an error for the first key
+// that was never read. A missing key leaves its target unchanged.
 class TomlKeys {
  public:
   // what: the table's name in errors, as "body 'horse'"; may be empty. The table must outlive this.

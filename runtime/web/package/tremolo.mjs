@@ -39,7 +39,7 @@ class Scratch {
     this.held.push(at);
     return at;
   }
-  // The engine's memory moves when it grows: views are made anew.
+  // Growing the engine's memory moves it, so a view is created for each use.
   doubles(values) {
     const at = this.bytes(8 * values.length);
     new Float64Array(this.engine.HEAPU8.buffer, at, values.length).set(values);
@@ -57,7 +57,7 @@ class Scratch {
   }
 }
 
-// What a module lacks throws when it is called, and says where it is.
+// A function that the module lacks throws when it is called, and names the module that has it.
 const absent = new Proxy({}, {
   get(none, name) {
     if (typeof name !== 'string' || !name.startsWith('_tremolo_')) return undefined;
@@ -93,7 +93,7 @@ export class Tremolo {
     }
   }
 
-  // What call(pointer, length) writes: an array of the type.
+  // Returns an array of the type, filled by call(pointer, length).
   read(Type, length, call) {
     return this.with((scratch) => {
       const at = scratch.bytes(Type.BYTES_PER_ELEMENT * length);
@@ -343,7 +343,7 @@ export class Body {
     this.callWith('_tremolo_body_set_motion', velocity, spin);
   }
 
-  // What a ray meets first, or null.
+  // The first hit of a ray, or null.
   pick(origin, direction) {
     return this.tremolo.with((s) => {
       const at = s.bytes(72);

@@ -2,7 +2,7 @@
 // many as the time since the last one asks for; the picture lies between the last two states.
 const kFirst = 'horse';
 const kShown = 10; // seconds of energy in the plot
-const kBudget = 12; // ms of a frame that steps may take; what is over is told as lag
+const kBudget = 12;  // ms of a frame that steps may take; the excess is shown as lag
 
 const get = (id) => document.getElementById(id);
 const canvas = get('scene');
@@ -92,7 +92,7 @@ async function choose(name) {
   }
 }
 
-// How much a place gives: m a newton, and 1/kg, the mean over the directions.
+// Compliance of a vertex, m/N, and its inverse mass, 1/kg, both means over the directions.
 function give(vertex) {
   const { shapes, lambda } = page;
   const n = 3 * page.model.vertices;

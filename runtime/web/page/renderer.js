@@ -177,8 +177,8 @@ export class Renderer {
     this.zoom = 1;
     this.bodies = [];
     this.prepare();
-    // A browser may take the context away, when the graphics card is reset or too many pages want
-    // one; what was shown is made anew when it comes back.
+    // The browser may take the context away, when the graphics card is reset or too many pages use
+    // one; the picture is drawn again when the context returns.
     canvas.addEventListener('webglcontextlost', (event) => {
       event.preventDefault();
       this.lost = true;
@@ -258,10 +258,10 @@ export class Renderer {
     return body;
   }
 
-  // What is drawn from now on. Of each: rest: 3 s; shapes: modes x 3 s; corners: 3 t; colour; of
-  // some groups (normalFields), of bodies on bones their number and weights, s x bones. scenery: it
-  // is not looked at. bounds: what is looked at, [low, high]; else the bodies. floor: its height; else
-  // the floor is below the lowest place, unless scenery takes its place.
+  // Sets the bodies to draw. Of each: rest: 3 s; shapes: modes x 3 s; corners: 3 t; colour; of some
+  // groups (normalFields), of bodies on bones their number and weights, s x bones. scenery: the
+  // camera ignores it. bounds: the region in view, [low, high]; else that of the bodies. floor: its
+  // height; else the floor is below the lowest point, unless scenery replaces it.
   show(list, bounds, floor) {
     const { gl } = this;
     for (const old of this.bodies) {
