@@ -79,7 +79,7 @@ class BasisReader {
   // Order of the elements that the model was made of: 2 if the file has edge points.
   int order() const { return has(basis_layout::kEdgePoints) ? 2 : 1; }
 
-  // The rows of a basis alone, likewise.
+  // The rows of a basis alone, in the same form.
   Result<BasisRows> basis_rows(std::string_view basis);
   // r, of a compact file; else none.
   Result<Eigen::VectorXd> column_scales();

@@ -19,7 +19,7 @@ using namespace basis_layout;
 // The bytes of the sections that a file gets. They stay where they are in the caller's data.
 using Contents = std::map<std::string_view, std::span<const std::byte>>;
 
-// What a file holds beside the caller's own arrays.
+// Values in the file that are not in the caller's own arrays.
 struct Additions {
   std::array<std::uint64_t, dimension::kCount> dimensions{};
   std::string objects;  // names, each ended by a zero byte

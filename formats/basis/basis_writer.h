@@ -21,8 +21,8 @@ Result<std::vector<std::byte>> encode_basis(const BasisData& data,
                                             BasisEncoding encoding = BasisEncoding::kFull);
 
 // A source of basis rows that no process holds as a whole. It fills `out`, 3*count x r, row-major,
-// with those of the block's vertices first .. first+count-1. Called in ascending order, each vertex
-// once, kRowsAtOnce vertices at a time but for the last.
+// with the rows of the block's vertices first .. first+count-1. It is called in ascending order,
+// once for each vertex, with kRowsAtOnce vertices except in the last call.
 using RowSource = std::function<Status(std::size_t first, std::size_t count, double* out)>;
 inline constexpr std::size_t kRowsAtOnce = 4096;
 struct RowSources {

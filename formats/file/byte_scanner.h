@@ -15,7 +15,7 @@
 
 namespace tremolo {
 
-// Whether numbers of a little-endian file have the other byte order than this machine.
+// True if a little-endian file's numbers have another byte order than this machine's.
 inline constexpr bool kSwapsLittleEndian = std::endian::native != std::endian::little;
 
 // Walks over bytes that must outlive it. A read that fails returns false and leaves an error

@@ -48,7 +48,7 @@ struct NamedArray {
   std::span<const std::byte> bytes;
 };
 
-// What is named must outlive the array. `values` holds rows * columns numbers, column by column.
+// The values must outlive the array. `values` holds rows * columns numbers, column by column.
 NamedArray named_array(std::string name, std::span<const double> values, std::uint64_t rows,
                        std::uint64_t columns = 1);
 NamedArray named_array(std::string name, std::span<const std::int64_t> values);

@@ -27,8 +27,8 @@ inline void refuse_empty_values(CLI::App& app) {
     refuse_empty_values(*command);
 }
 
-// The first word of the form --flag=, of which CLI11 would take the next word for the value; empty:
-// there is none. What stands behind -- is not looked at.
+// The first word of the form --flag=, for which CLI11 would take the next word as the value; empty:
+// there is none. Words after -- are ignored.
 inline std::string flag_without_value(const std::vector<std::string>& words) {
   for (const std::string& word : words) {
     if (word == "--") break;
@@ -37,8 +37,7 @@ inline std::string flag_without_value(const std::vector<std::string>& words) {
   return {};
 }
 
-// What is wrong before CLI11 looks at the words, or in words that it knows nothing of; empty: CLI11
-// says it.
+// An error in the words that CLI11 does not report, or not well; empty: CLI11 checks the rest.
 inline std::string problem_of_words(const CLI::App& app, const std::vector<std::string>& words) {
   if (const std::string flag = flag_without_value(words); !flag.empty())
     return flag + " has no value";

@@ -26,8 +26,8 @@ namespace {
 namespace fs = std::filesystem;
 using Inode = std::pair<dev_t, ino_t>;
 
-// Where paths lead: absolute, links resolved as far as there is something. Folders are looked up
-// once, so that the files of many folders cost a look each.
+// Resolves paths: absolute, with links followed as far as files exist. Each folder is resolved
+// once, so that many files in many folders are cheap.
 class Places {
  public:
   // Empty if that fails.
@@ -42,7 +42,7 @@ class Places {
       return fs::weakly_canonical(absolute, error).string();
     return (parent.place == "/" ? "/" : parent.place + "/") + name.string();
   }
-  // What stands at a place whose folder is there; nothing if there is nothing.
+  // stat() of a path if its folder exists; false if there is nothing.
   bool look(const std::string& path, struct stat& status) {
     const fs::path absolute = fs::path(path).is_absolute() ? fs::path(path) : current() / path;
     return folder(absolute.parent_path()).there && ::stat(path.c_str(), &status) == 0;
@@ -81,7 +81,7 @@ class Places {
     if (const fs::path real = fs::canonical(path, error); !error) return {real.string(), true};
     const fs::path known = fs::weakly_canonical(path, error);
     if (error) return {};
-    // What ends in "." or ".." comes out with a slash behind it.
+    // A path that ends in "." or ".." is returned with a trailing slash.
     return {(known.has_filename() ? known : known.parent_path()).string(), false};
   }
 
@@ -103,7 +103,7 @@ bool holds_text(const std::string& path, std::string_view text) {
          std::string_view::npos;
 }
 
-// Whether an output that is there already, at `place`, belongs to the input.
+// True if an existing output, at `place`, belongs to the input.
 bool is_named_by(const fs::path& place, const NamedFile& input, const fs::path& owner) {
   if (owner.empty() || !lies_in(place, owner.parent_path())) return false;
   const std::string extension = owner.extension().string();
@@ -169,7 +169,7 @@ class KnownOutputs {
     return is_new ? Status(Success{}) : twice(output, other->second);
   }
 
-  // Whether one of them would have to be a folder for another one.
+  // An error if one output would have to be a folder for another one.
   Status check_folders() const {
     std::unordered_set<std::string> seen;
     for (const auto& [place, output] : by_place_) {
@@ -204,7 +204,7 @@ fs::path nearest_folder(const fs::path& path) {
   return fs::exists(fs::symlink_status(folder, error)) ? folder : fs::path(".");
 }
 
-// Whether folders can be made there for the output: a file is made where the first of them would
+// Checks that the output's folders can be created, by creating a file where the first of them would
 // be.
 Status check_new_folders(const std::string& output) {
   const fs::path there = nearest_folder(output);

@@ -39,7 +39,7 @@ void append_bytes(std::string& bytes, T value) {
   append_bytes(bytes, &value, 1);
 }
 
-// How many of the bytes are zero before the first that is not.
+// The number of zero bytes before the first other byte.
 inline std::size_t leading_zeros(std::span<const std::byte> bytes) {
   return std::find_if(bytes.begin(), bytes.end(), [](std::byte b) { return b != std::byte{0}; }) -
          bytes.begin();

@@ -15,7 +15,7 @@
 
 namespace tremolo {
 
-// How a text is cut into tokens. Blanks, tabs, CR and LF always separate.
+// Rules for splitting a text into tokens. Blanks, tabs, CR and LF always separate.
 struct TextStyle {
   char comment = '\0';       // from this character to the end of the line nothing counts
   bool commas = false;       // commas separate like blanks
@@ -32,12 +32,12 @@ inline std::string_view without_mark(std::string_view text) {
   return text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text;
 }
 
-// What was found, for an error message: short, in quotes, without control characters.
+// Text from a file for an error message: short, in quotes, without control characters.
 std::string quoted_text(std::string_view found);
 
-// Walks over a text that must outlive it, from behind its byte-order mark if it has one. A read
-// that fails returns false and leaves an error (kContent) that names file and line, what was
-// expected and what was found.
+// Reads tokens of a text that must outlive it, after its byte-order mark if there is one. A read
+// that fails returns false and leaves an error (kContent) with file, line, the expected and the
+// found text.
 class TextScanner {
  public:
   TextScanner(std::string_view text, std::string file, TextStyle style = {});
@@ -65,7 +65,7 @@ class TextScanner {
   bool read_quoted(std::string& text, std::string_view what);
   bool expect(std::string_view word);
 
-  // Whether `count` items of at least `bytes` each can follow; asked before memory is taken.
+  // True if `count` items of at least `bytes` each can follow; call it before memory is allocated.
   bool fits(std::size_t count, std::size_t bytes, std::string_view what);
 
   // Byte positions in the whole text.

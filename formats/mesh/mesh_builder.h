@@ -1,5 +1,5 @@
-// What the mesh readers have in common: file ids become indices, tetrahedra are kept, other cells
-// are counted.
+// Common part of the mesh readers: file ids become indices, tetrahedra are kept, other cells are
+// counted.
 #pragma once
 
 #include <array>

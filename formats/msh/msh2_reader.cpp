@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int64_t kMaxTags = 1000;  // far above what partitioned meshes need
 
-// What the elements of a file are read into, reused from element to element.
+// The target of the file's elements; its lists are reused for each element.
 struct Reading {
   MshInput& input;
   MeshBuilder& builder;

@@ -12,7 +12,7 @@ namespace {
 // many blocks would make sets far larger than the file.
 constexpr std::size_t kMaxGroupsOfEntity = 64;
 
-// How many numbers of a list follow, which are read to the end; each: called with every number.
+// Reads a count and as many numbers. each: called with every number.
 template <class Each>
 bool read_tags(MshInput& input, std::string_view items, std::string_view item, const Each& each) {
   std::uint64_t count = 0;

@@ -12,7 +12,7 @@
 
 namespace tremolo {
 
-// How many numbers of each kind an item of a list holds at least.
+// The minimum of numbers of each kind in an item of a list.
 struct MshItem {
   std::size_t integers = 0;  // int32 in a binary file
   std::size_t sizes = 0;     // u64

@@ -165,7 +165,8 @@ class ObjParser {
     return true;
   }
 
-  // The number of an entry from 0, which may still follow, or false for text that is none.
+  // Converts a number of an entry to an index from 0; the entry may follow later. False for other
+  // text.
   static bool index_of(std::string_view digits, std::size_t entries, std::int64_t& index) {
     std::int64_t number = 0;
     const auto [end, code] = std::from_chars(digits.data(), digits.data() + digits.size(), number);

@@ -175,7 +175,7 @@ bool Parser::read_coordinate(std::string_view& written) {
   return scanner_.read(value, "a coordinate");
 }
 
-// What else stands on the line.
+// Reads the remaining numbers of the line.
 bool Parser::read_extras(Extras& extras) {
   extras.count = 0;
   while (!scanner_.at_line_end()) {

@@ -1,4 +1,4 @@
-// What a .ply file says of itself, and its numbers one after the other.
+// Reads the header of a .ply file, and its numbers in order.
 #pragma once
 
 #include <cstddef>

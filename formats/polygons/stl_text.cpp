@@ -46,7 +46,7 @@ class StlText {
     mesh_.materials = {""};
   }
 
-  // Whether the first words are those of a text.
+  // True if the first words are those of a text file.
   static bool opens(std::string_view bytes) {
     TextScanner scanner(bytes, "");
     if (!same_word(scanner.token(), "solid")) return false;

@@ -16,8 +16,8 @@
 
 namespace tremolo {
 
-// What a state belongs to: its parts (a body's model, a scene's colliders ...), each with a name of
-// its own, one line, and a hash of all that it is.
+// A part of the model or scene that a state belongs to (a body's model, a scene's colliders ...),
+// with a unique name of one line and a hash of its contents.
 struct SavedPart {
   std::string name;
   std::uint64_t hash = 0;
@@ -37,14 +37,14 @@ std::vector<std::byte> encode_saved(const SavedState& saved);
 // The same, written under a temporary name and renamed to `path`. Errors: kSystem.
 Status write_saved(const std::string& path, const SavedState& saved);
 
-// Reads with distrust. Errors name the file and the section: kContent for what is cut off, damaged
-// or no such file, kSystem for one that cannot be read.
+// Reads an untrusted file. Errors name the file and the section: kContent for what is cut off,
+// damaged or no such file, kSystem for one that cannot be read.
 Result<SavedState> read_saved(const std::string& path);
 // `name` is for errors.
 Result<SavedState> read_saved(std::span<const std::byte> bytes, const std::string& name);
 
-// kContent, which says what differs, unless the state was saved by this version and belongs to
-// `here`, whose `state` is not looked at.
+// Checks that the state was saved by this version and belongs to `here`, whose `state` is ignored;
+// kContent with the difference.
 Status check_belongs(const SavedState& saved, const SavedState& here);
 
 }  // namespace tremolo

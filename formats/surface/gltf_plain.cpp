@@ -99,7 +99,7 @@ class PlainMaker {
   PlainMaker(json& document, std::string_view binary, const GltfData::Open& open)
       : document_(document), original_(document), data_(original_, binary, open) {}
 
-  // Whether anything was changed.
+  // Returns whether anything was changed.
   Result<bool> make() {
     if (Status s = make_meshes(); !s) return s.error();
     if (Status s = make_animations(); !s) return s.error();
@@ -169,7 +169,7 @@ class PlainMaker {
     return Success{};
   }
 
-  // Whether assimp unpacks the primitive, of which the accessors are then floats alone.
+  // True if assimp decompresses the primitive; all its accessors are then floats.
   Result<bool> is_draco(const json& primitive) const {
     const auto extensions = primitive.find("extensions");
     if (extensions == primitive.end() || !extensions->is_object() ||
@@ -310,7 +310,7 @@ Result<std::optional<std::string>> plain_gltf(std::string_view bytes, bool glb,
                                               const GltfData::Open& open) {
   const GlbParts parts = glb ? glb_parts(bytes) : GlbParts{without_mark(bytes), {}};
   json document = json::parse(parts.json, nullptr, false);
-  // What is wrong with it, assimp says; of version 1 it reads all that there was.
+  // assimp reports errors in the JSON, and reads version 1 completely.
   if (!document.is_object() || !document.contains("asset") ||
       gltf_text(document["asset"], "version").starts_with("1"))
     return std::optional<std::string>();

@@ -19,7 +19,8 @@
 namespace tremolo {
 namespace {
 
-// What assimp 5.2.5 reads, without files that hold movements alone, and without XML of any kind.
+// Extensions that assimp 5.2.5 reads, without files of animations alone and without any kind of
+// XML.
 constexpr std::array<std::string_view, 64> kExtensions = {
     ".3d",   ".3ds",     ".3mf",  ".ac",       ".ac3d", ".acc", ".amf",    ".ase",
     ".ask",  ".assbin",  ".b3d",  ".blend",    ".bsp",  ".cob", ".dae",    ".dxf",

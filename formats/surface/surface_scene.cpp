@@ -112,7 +112,7 @@ std::string lower_extension(const std::string& path) {
   return lower_case(extension);
 }
 
-// What assimp says, or what it means by it.
+// The error of assimp, replaced where its text is misleading.
 std::string reason(const std::string& said) {
   if (said.empty() || said.starts_with("No suitable reader"))
     return "it is not of the format that its extension says";

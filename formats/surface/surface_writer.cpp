@@ -18,8 +18,8 @@ void append(std::string& text, const char* format, Values... values) {
   text += line;
 }
 
-// What the formats know of a surface beside its triangles' objects and materials. An empty list:
-// the surface has none. channels: of a colour that is written, 3 or 4.
+// The parts of a surface that the formats write, besides its triangles' objects and materials. An
+// empty list: the surface has none. channels: of a colour that is written, 3 or 4.
 template <class Normals>
 struct Drawn {
   const std::vector<Eigen::Vector3d>& vertices;

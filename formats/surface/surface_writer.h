@@ -32,9 +32,9 @@ std::vector<Eigen::Vector3d> vertex_normals(const SurfaceMesh& surface);
 Status write_render_surface(const std::string& path, const RenderSurface& surface,
                             const std::string& library = "");
 
-// What such an .mtl file holds: a `newmtl` for each material, with the mean colour of its
-// triangles' vertices, or a light grey where the surface has no colours. Textures and shininess are
-// not known here.
+// The text of such an .mtl file: a `newmtl` for each material, with the mean colour of its
+// triangles' vertices, or a light grey if the surface has no colours. Textures and shininess are
+// not written.
 std::string material_library(const RenderSurface& surface);
 
 }  // namespace tremolo

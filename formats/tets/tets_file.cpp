@@ -72,7 +72,7 @@ Material from_row(const double* row) {
   return material;
 }
 
-// What the list of sections refers to beside the caller's data.
+// Values in the list of sections that are not in the caller's data.
 struct TetsNumbers {
   TetsCounts counts{};
   std::vector<MaterialRow> materials;

@@ -7,7 +7,7 @@
 namespace tremolo {
 namespace {
 
-// What a kind of orthotropic material has behind density and E1, E2, E3.
+// The numbers that a kind of orthotropic material has after density and E1, E2, E3.
 struct OrthotropicKind {
   std::string_view name;
   std::size_t poisson;  // 3 or 1

@@ -20,8 +20,8 @@ struct VegFile {
   VegRegions regions;
 };
 
-// How many items of `bytes` each this file can hold: the count may be a lie, and the items may
-// stand in an included file.
+// The number of items of `bytes` each that this file can hold. The given count may be wrong, and
+// the items may be in an included file.
 std::size_t at_most(VegInput& input, std::uint64_t count, std::size_t bytes) {
   return std::min<std::size_t>(count, input.line().remaining() / bytes);
 }

@@ -30,9 +30,9 @@ std::string append_vtk_cells(const VtkCells& piece, std::span<const std::int64_t
 // sealed. Returns a complaint that names the cell, empty if all is well.
 std::string add_vtk_cells(VtkCells& cells, MeshBuilder& builder);
 
-// How well a cell array's name says that it numbers regions: 0 is best, -1 if it does not. Known
-// are material, region, gmsh:physical, medit:ref, CellEntityIds, subdomain, whatever their case,
-// also with Id or Ids behind them.
+// Rates the name of a cell array as region numbers: 0 is best, -1 if it is no such name. Known are
+// material, region, gmsh:physical, medit:ref, CellEntityIds, subdomain, in any case, also followed
+// by Id or Ids.
 int region_rank(std::string_view array);
 
 // values: of the array `array`, one a cell. Integers become regions called "region 3"; other

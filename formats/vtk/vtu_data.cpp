@@ -253,7 +253,8 @@ Status read_root(VtuDocument& document) {
   return Success{};
 }
 
-// Where the element AppendedData begins, npos without one. Its bytes are no XML if they are raw.
+// Finds the data of the element AppendedData, whose tag is at `begin`. They are not XML if they are
+// raw.
 Status cut_appended(std::string_view text, std::size_t begin, VtuDocument& document) {
   const std::size_t end = text.find('>', begin);
   if (end == std::string_view::npos)
