@@ -58,11 +58,11 @@ void require_refined_fits(const Problem& fine, const std::optional<double>& memo
   const double couplings = 9.0 * static_cast<double>(map.graph.neighbours.size() + map.nodes());
   const double bytes = 8.0 * entries + kBytesACoupling * couplings;
   if (memory ? bytes <= *memory : entries <= kMostRefinedEntries) return;
-  throw Failure(
-      system_error(text("the mesh refined once has %d unknowns, whose factor has %.2g entries: it "
-                        "takes about %.2g GB%s; a coarser mesh of the same body tells as well",
-                        3 * map.nodes(), entries, 1e-9 * bytes,
-                        memory ? "" : " and minutes, and is tried if --memory allows as much")));
+  throw Failure(system_error(
+      text("the mesh refined once has %d unknowns, whose factor has %.2g entries: it "
+           "takes about %.2g GB%s; a coarser mesh of the same body gives an estimate, too",
+           3 * map.nodes(), entries, 1e-9 * bytes,
+           memory ? "" : " and minutes, and is tried if --memory allows as much")));
 }
 
 // |u_h - u_{h/2}| / |u_{h/2}|.
@@ -134,7 +134,7 @@ ErrorBudget measure_budget(const BudgetSubject& subject) {
   if (budget.reduction)
     budget.discretisation = attempt(
         "discretisation", [&] { return mesh_error(at_rest(), subject); }, budget);
-  // What is halved loses three quarters.
+  // Halving the element size reduces an error of order 2 to a quarter.
   if (budget.discretisation) budget.limit = *budget.discretisation * 4.0 / 3.0;
   budget.integration = attempt(
       "integration", [&] { return step_error(subject.file); }, budget);

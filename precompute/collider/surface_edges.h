@@ -16,8 +16,8 @@ struct Orientation {
 };
 Orientation orient_triangles(SurfaceMesh& surface);
 
-// Where the surface ends, as closed loops of vertices in the direction of the triangles there; an
-// edge that k more triangles pass in one direction than in the other is in k loops.
+// The boundary of the surface as closed loops of vertices, in the direction of the adjacent
+// triangles. An edge is in k loops if k more triangles pass it in one direction than in the other.
 std::vector<std::vector<VertexId>> boundary_loops(const SurfaceMesh& surface);
 
 }  // namespace tremolo

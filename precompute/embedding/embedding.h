@@ -43,7 +43,7 @@ BasisRows embedded_rows(const Embedding& embedding, const TetMesh& mesh, const B
 // For each point the mesh's vertex with the largest weight.
 std::vector<VertexId> heaviest_vertices(const Embedding& embedding, const TetMesh& mesh);
 
-// How the points lie in the mesh, for the user.
+// Describes the positions of the points in the mesh, for the user.
 std::vector<std::string> describe(const Embedding& embedding, const TetMesh& mesh);
 
 }  // namespace tremolo

@@ -146,8 +146,8 @@ std::optional<int> parse(int count, char** words, Options& options) {
   CLI::App app{
       "Cuts a surface, or one of the sample solids, into tetrahedra. Holes, crossings, repeats "
       "and\n"
-      "turned triangles are found, mended and told; what cannot be meshed is told with what to "
-      "do."};
+      "reversed triangles are repaired and reported. For a surface that cannot be meshed the "
+      "message says what to do."};
   app.name("tremolo-mesh");
   app.failure_message(one_line_message);
   app.set_version_flag("--version", std::string("tremolo-mesh ") + TREMOLO_VERSION);

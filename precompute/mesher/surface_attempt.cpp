@@ -35,8 +35,8 @@ constexpr double kMostVertices = 2, kVerticesAtLeast = 25'000;
 // Budgets of the second and the last attempt by solid angle, over that of the first, and the least
 // factor by which the tetrahedra of the last one are larger.
 constexpr double kSecondQueries = 0.3, kLastQueries = 0.6, kLastSize = 1.4;
-// What all queries of an attempt about the solid may cost (side_cost), about 12 s, and the fewest a
-// tetrahedron with which an attempt is worth its time.
+// The largest cost of an attempt's queries about the solid (side_cost), about 12 s, and the fewest
+// queries per tetrahedron for which an attempt is worth its time.
 constexpr double kMostCost = 1.2e9, kFewSidesPerTet = 20;
 // Queries a tetrahedron of the last attempt, by which its size is chosen where they are expensive.
 constexpr double kLastSidesPerTet = 60;

@@ -90,7 +90,7 @@ Result<Outcome> mesh_close_to_surface(const SurfaceSolid& solid, const SurfaceFi
   }
 }
 
-// What the user should know about the mesh, as sentences.
+// Notes about the mesh for the user, as sentences.
 std::vector<std::string> notes_on(const Outcome& outcome, const MeshQuality& quality,
                                   int wanted_count) {
   std::vector<std::string> notes;

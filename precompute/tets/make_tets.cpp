@@ -51,7 +51,7 @@ TetsSurface drawn_surface(const Problem& problem, unsigned threads) {
   return drawn;
 }
 
-// The distances of the drawn surface; without them where it encloses nothing, which is told.
+// Adds the distances of the drawn surface; if that encloses nothing, a note instead.
 void add_distances(const TetsOptions& options, TetsData& data, StageLog& log) {
   if (options.cells == 0) return;
   RenderSurface surface;

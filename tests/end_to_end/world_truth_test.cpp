@@ -278,7 +278,7 @@ TEST_F(WorldTruth, WhatDoesNotGoTogetherIsRefused) {
   EXPECT_EQ(code(held + "--duration 0.1 --spin 1,0,0", "--spin"), 2);
   EXPECT_EQ(code(held + "--duration 0.1 --spin 1,0", "three numbers"), 2);
   EXPECT_EQ(code(held + "--duration 0.1 --fix-x 'x>0.29'", "--fix-x"), 3);
-  EXPECT_EQ(code("--fix none --duration 0.1 --support-motion motion.csv", "held nowhere"), 3);
+  EXPECT_EQ(code("--fix none --duration 0.1 --support-motion motion.csv", "not fixed anywhere"), 3);
   EXPECT_EQ(code("--fix 'x<0.001' --duration 0.1 --velocity 1,0,0", "--fix none"), 3);
   EXPECT_EQ(code("--fix none --velocity 1,0,0 --alpha 0.1", "--alpha"), 2);
   EXPECT_EQ(code("--fix 'x<0.001' --duration 0.1 --support-motion gone.csv", "gone.csv"), 1);

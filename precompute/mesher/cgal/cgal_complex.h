@@ -1,5 +1,5 @@
-// What the two meshers share: quality bounds, sizes, the watch over refinement, and how a result is
-// read out of CGAL.
+// Common part of the two meshers: quality bounds, sizes, the watch over refinement, and reading a
+// result from CGAL.
 #pragma once
 
 #include <functional>
@@ -25,7 +25,7 @@ inline constexpr double kSliverBound = 15.0;
 // CGAL's random numbers begin with it, so that the same input gives the same mesh.
 inline constexpr unsigned kSeed = 1;
 
-// A size as Mesh_3 asks for it: wanted edge length at a point.
+// A size for Mesh_3: the requested edge length at a point.
 template <class Domain>
 struct Sizing {
   using FT = double;

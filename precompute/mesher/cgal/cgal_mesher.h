@@ -27,8 +27,8 @@ struct ImplicitRequest {
   std::size_t most_queries = 0;  // of `inside`, beyond which the mesher gives up
   // CGAL's perturbation of slivers before ours: up to thirty times the time for the same angles.
   bool perturb = false;
-  // Whether the boundary must be a two-manifold. Where a solid touches itself in an edge or a point
-  // it cannot be.
+  // The boundary must be a two-manifold. This is impossible if the solid touches itself in an edge
+  // or a point.
   bool manifold = true;
 };
 

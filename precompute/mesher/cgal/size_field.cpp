@@ -21,8 +21,8 @@ constexpr double kParallel = 0.8;
 constexpr double kCone = 30.0 * std::numbers::pi / 180.0;
 // Volume of a tetrahedron over the cube of the wanted edge, as the mesher fills space; measured.
 constexpr double kVolumePerCube = 0.2;
-// Triangles within the solid that a ray passes, and how far behind one it goes on; surfaces are
-// scaled to a diagonal of 1.
+// The number of triangles within the solid that a ray may pass, and the distance behind each at
+// which it continues; surfaces are scaled to a diagonal of 1.
 constexpr int kMostHits = 8;
 constexpr double kPassing = 1e-6;
 constexpr std::size_t kNoTriangle = static_cast<std::size_t>(-1);

@@ -21,9 +21,9 @@ struct WallSample {
 // Says whether a point lies in the solid.
 using Inside = std::function<bool(const Eigen::Vector3d&)>;
 
-// About `count` samples spread by area; those behind which no wall is found are left out. `inside`
-// tells walls of the solid from triangles within it; none: the surface is closed and has no others.
-// The same surface gives the same samples.
+// About `count` samples distributed by area; samples without a wall behind them are left out.
+// `inside` distinguishes walls of the solid from triangles within it; none: the surface is closed
+// and has no others. The same surface gives the same samples.
 std::vector<WallSample> wall_samples(const SurfaceMesh& surface, const TriangleTree& tree,
                                      const Inside& inside, std::size_t count);
 

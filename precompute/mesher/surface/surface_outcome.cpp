@@ -37,8 +37,8 @@ double mesh_to_surface(const SurfaceSolid& solid, const SurfaceMesh& boundary, d
   return largest;
 }
 
-// Whether a point of the surface lies between inside and outside. On either side of a fin the
-// winding number is one half.
+// True if a point of the surface is between inside and outside. On either side of a fin the winding
+// number is one half.
 bool is_border(const SurfaceSolid& solid, const SurfacePoint& at) {
   constexpr double kStep = 1e-4;
   constexpr double kBacked = 0.65;

@@ -1,6 +1,6 @@
-// What is wrong with a surface, and what can be mended without guessing. CGAL's
-// orient_to_bound_a_volume() makes every inner shell a cavity; here one that faces the same way as
-// the shell around it is superfluous and left out.
+// Finds defects of a surface and repairs those with a unique repair. CGAL's
+// orient_to_bound_a_volume() makes every inner shell a cavity; here an inner shell with the same
+// orientation as the shell around it is superfluous and left out.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace tremolo {
 
-// Counts of triangles unless said otherwise. The first group was mended, the second is still there.
+// Counts of triangles unless said otherwise. The first group has been repaired, the second remains.
 struct SurfaceFindings {
   std::size_t triangles = 0;  // as given
   std::size_t welded = 0;     // vertices that lay where another did
@@ -32,7 +32,7 @@ struct SurfaceFindings {
   std::size_t cavities = 0;
   double open_share = 0;  // area of shells that have a hole over the whole area
 
-  // Whether the surface is closed and free of crossings, so that no solid angle is needed.
+  // True if the surface is closed and free of crossings, so that no solid angle is needed.
   bool clean() const {
     return holes == 0 && branching_edges == 0 && one_sided_edges == 0 && crossings == 0;
   }

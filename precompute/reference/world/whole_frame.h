@@ -1,4 +1,4 @@
-// Where a flying body is as a whole, read off all its vertices.
+// The frame of a flying body, computed from all its vertices.
 #pragma once
 
 #include <Eigen/Geometry>
