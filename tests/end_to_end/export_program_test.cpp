@@ -175,9 +175,9 @@ TEST_F(ExportProgram, WhatFewerCoordinatesLeaveOutIsTold) {
   const json some = exported("bar.tremolo" + kTimes + "--glb a.glb --modes 1");
   EXPECT_GT(some["left_out_error"].get<double>(), 0.0);
   EXPECT_LT(some["left_out_error"].get<double>(), 0.1);
-  const ProgramResult told =
+  const ProgramResult result =
       run(kTremolo + "export bar.tremolo" + kTimes + "--glb a.glb --modes 1");
-  EXPECT_NE(told.err.find("the first 1 coordinates"), std::string::npos) << told.err;
+  EXPECT_NE(result.err.find("the first 1 coordinates"), std::string::npos) << result.err;
 }
 
 TEST_F(ExportProgram, WrongUseIsSaidAndNothingIsWritten) {

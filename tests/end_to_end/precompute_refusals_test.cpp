@@ -186,11 +186,11 @@ TEST_F(PrecomputeRefusals, UnderALimitOfAddressSpaceItEndsInWords) {
     EXPECT_FALSE(std::filesystem::exists(folder_ + "/limited.tremolo")) << limit;
   }
   EXPECT_GE(refused, 4) << "the limits are no limits here";
-  const ProgramResult told = run_program(
+  const ProgramResult result = run_program(
       folder_, "ulimit -v 400000; OPENBLAS_NUM_THREADS=2 " + kPrecompute + "block.veg " + kGood);
-  expect_failure(told, 1,
+  expect_failure(result, 1,
                  "MB of address space would do for the start, the limit (ulimit -v) is 410 MB");
-  expect_failure(told, 1, "with OPENBLAS_NUM_THREADS=1 and --threads 1 it is ");
+  expect_failure(result, 1, "with OPENBLAS_NUM_THREADS=1 and --threads 1 it is ");
 }
 
 TEST_F(PrecomputeRefusals, MoreFreePartsThanCanBeTakenAreRefusedAtOnce) {

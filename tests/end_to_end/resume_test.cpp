@@ -265,7 +265,7 @@ TEST_F(Resume, AnotherMeshOrOtherOptionsAreRefusedWithWhatDiffers) {
       << petsc.err;
   // Anew, and nothing of the old run is found.
   const std::string bytes = undisturbed("other.veg " + few + kHeld);
-  expect_same(run("other.veg " + few + kHeld + "--checkpoint"), bytes, "anew");
+  expect_same(run("other.veg " + few + kHeld + "--checkpoint"), bytes, "from the start");
 }
 
 TEST_F(Resume, ADamagedStageIsToldAndComputedAgain) {

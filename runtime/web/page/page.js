@@ -183,8 +183,9 @@ function tell() {
   curve(1, '#1f4e9c');
   const energy = page.energies.at(-1)?.[1] ?? 0;
   const lag = page.lag > 0 ? `, ${(1e3 * page.lag).toFixed(0)} ms behind` : '';
-  get('told').textContent = `t = ${end.toFixed(2)} s, energy ${energy.toPrecision(4)} J (kinetic pale), ` +
-    `${(1e3 * page.stepCost).toFixed(0)} µs a step${lag}`;
+  get('readout').textContent =
+      `t = ${end.toFixed(2)} s, energy ${energy.toPrecision(4)} J (kinetic pale), ` +
+      `${(1e3 * page.stepCost).toFixed(0)} µs a step${lag}`;
 }
 
 // Pulling: the hand holds on to the place under the pointer, at its distance from the eye.

@@ -24,14 +24,14 @@ template <class Work>
 void for_all(const std::string& what, std::size_t count, unsigned threads, const Work& work) {
   std::mutex mutex;
   std::size_t finished = 0;
-  auto told = std::chrono::steady_clock::now();
+  auto last_report = std::chrono::steady_clock::now();
   parallel_for(count, threads, [&](std::size_t i) {
     work(i);
     const std::lock_guard lock(mutex);
     ++finished;
     const auto now = std::chrono::steady_clock::now();
-    if (finished < count && now - told < std::chrono::seconds(10)) return;
-    told = now;
+    if (finished < count && now - last_report < std::chrono::seconds(10)) return;
+    last_report = now;
     tell("tremolo: {}: {} of {}\n", what, finished, count);
   });
 }
