@@ -178,8 +178,8 @@ struct Parser {
   }
 };
 
-// Replaces this process by another program, which is installed beside this one, with the same
-// arguments. task: what it is for; how: to build it. Returns only if that cannot be started.
+// Replaces this process by another program of the same folder, with the same arguments. task: its
+// purpose; how: the way to build it; both are for the error. Returns only if it cannot be started.
 int start_beside(const char* program, const std::string& task, const char* how, char** words) {
   std::error_code error;
   const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", error);

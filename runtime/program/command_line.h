@@ -1,4 +1,4 @@
-// The command line of `tremolo`, and of the program beside it that knows other kinds of scenes.
+// The command line of `tremolo` and of tremolo-nodal, which runs other kinds of scenes.
 #pragma once
 
 #include <functional>
@@ -34,8 +34,8 @@ struct NodalScenes {
   int (*inspect_tets)(const std::string& text, const SceneCommand& command);
 };
 
-// Parses the words and does what they ask for; the exit code. nodal: null where another program,
-// tremolo-nodal beside this one, is to be started for such scenes.
+// Parses the words and runs the command; returns the exit code. nodal: null if such scenes are run
+// by another program, tremolo-nodal in the same folder.
 int run_command_line(int count, char** words, const NodalScenes* nodal);
 
 }  // namespace tremolo

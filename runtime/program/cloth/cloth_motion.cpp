@@ -131,7 +131,7 @@ std::pair<double, double> cloths_extent(const Animation& animation) {
   return {low, high};
 }
 
-// The name, with "-2" behind it as long as it is taken; then it is taken.
+// Returns the name, with "-2" appended until it is unique, and adds it to `taken`.
 std::string free_name(std::string name, std::set<std::string>& taken) {
   while (!taken.insert(name).second) name += "-2";
   return name;

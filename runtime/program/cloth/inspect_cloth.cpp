@@ -71,7 +71,8 @@ Json contacts_of(const ClothFile& file, const ClothWorld& world) {
   return contacts;
 }
 
-// The smallest over the cloths of what each method stands, s; methods without a limit are left out.
+// The longest stable step of each method, s, the smallest over the cloths; methods without a limit
+// are left out.
 Json step_limits(const ClothWorld& world) {
   Json limits = Json::object();
   for (const std::string_view name : nodal_integrator_names()) {

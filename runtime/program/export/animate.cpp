@@ -17,7 +17,7 @@
 namespace tremolo {
 namespace {
 
-// A body with what it needs while it goes.
+// A body during its run, with everything that it refers to.
 struct StartedBody {
   RunInput input;
   std::optional<Body> body;
@@ -66,7 +66,7 @@ Status step_to(SceneWorld& world, std::int64_t step) {
   return Success{};
 }
 
-// Planes are seen as far as bodies come, and some more.
+// The radius of drawn planes: the largest extent of the bodies in all frames, with a margin.
 double reach_of(const Animation& animation, const Eigen::Vector3d& centre) {
   double reach = 0.0;
   for (const AnimatedBody& body : animation.bodies) {
@@ -80,7 +80,7 @@ double reach_of(const Animation& animation, const Eigen::Vector3d& centre) {
   return 1.25 * reach;
 }
 
-// colliders: of the world, those that were recorded, behind its bodies.
+// colliders: numbers, in the world, of the recorded ones, which follow the bodies.
 void widen_planes(const SceneWorld& world, const std::vector<std::size_t>& colliders,
                   Animation& animation) {
   for (std::size_t k = 0; k < colliders.size(); ++k) {

@@ -24,8 +24,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Motion that no modes describe gets so many modes of the recording, or as many as keep it to
-// this share of the size.
+// A motion without modes gets this many modes of the recording, or fewer if their error is below
+// this fraction of the size.
 constexpr std::size_t kMostRecorded = 160;
 constexpr double kRecordedError = 1e-3;
 
@@ -70,7 +70,7 @@ Status check_endings(const MotionOutputs& outputs) {
   return Success{};
 }
 
-// Bodies whose names become the same name of a file.
+// Refuses bodies whose names give the same file name.
 Status check_names(const MotionOutputs& outputs, const MotionSource& source) {
   if (outputs.pc2.empty() && outputs.mdd.empty() && outputs.pvd.empty() && outputs.series.empty())
     return Success{};
@@ -89,8 +89,8 @@ Status check_names(const MotionOutputs& outputs, const MotionSource& source) {
   return Success{};
 }
 
-// The files that are asked for by name and those beside point caches. numbered: files that a series
-// may write over or remove.
+// The files that are requested by name, and those next to point caches. numbered: files that a
+// series may overwrite or remove.
 struct MotionPaths {
   std::vector<std::string> named, numbered;
 };
@@ -185,8 +185,8 @@ Result<Json> write_as_page(const MotionOutputs& outputs, const Animation& animat
   return json;
 }
 
-// Page and glb, which move vertices by few numbers a frame: what has none gets the modes of its
-// recorded motion.
+// Writes page and glb, which need few numbers per frame: a motion without modes gets the modes of
+// its recording.
 Status write_by_modes(const MotionOutputs& outputs, const Animation& recorded,
                       const std::string& subtitle, Json& files) {
   if (outputs.page.empty() && outputs.glb.empty()) return Success{};

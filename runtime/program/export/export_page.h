@@ -25,7 +25,7 @@ struct PageReport {
   double position_error = 0.0;
 };
 
-// subtitle: what moved and how. Errors: page_motion's; read_energies' for a run; kSystem.
+// subtitle: a description of the motion. Errors: page_motion's; read_energies' for a run; kSystem.
 Result<PageReport> write_page_report(const std::string& path, const Animation& animation,
                                      const PageExtras& extras, const std::string& subtitle,
                                      bool z_up);

@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using OrderedJson = nlohmann::ordered_json;
 
-constexpr std::size_t kBuckets = 2500;  // of a curve: what a wide screen can show, and some zoom
+constexpr std::size_t kBuckets = 2500;  // of a curve: enough for a wide screen with some zoom
 
 Result<double> cell_value(std::string_view cell, const std::string& where) {
   if (cell.empty()) return std::numeric_limits<double>::quiet_NaN();

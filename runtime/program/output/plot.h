@@ -20,8 +20,8 @@ inline constexpr const char* kPictureName = "energy.svg";
 // total, kSystem if gnuplot is missing (the message says how to install it) or fails.
 Status plot_energies(const std::vector<PlotSource>& sources, const std::string& output);
 
-// The same as energy.html in a folder and, where gnuplot is installed, energy.svg; the paths of
-// what was written join `files`. Errors: as above, but that gnuplot may be missing.
+// Writes energy.html to a folder and, if gnuplot is installed, energy.svg; adds the paths to
+// `files`. Errors: as above, except for a missing gnuplot.
 Status plot_run(const PlotSource& source, const std::string& folder,
                 std::vector<std::string>& files);
 

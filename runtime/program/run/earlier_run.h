@@ -12,9 +12,9 @@ namespace tremolo {
 // True if frame_name() makes such a name, now or in earlier versions, which left out the time.
 bool is_frame_name(std::string_view name);
 
-// Files in a run's folder that a program of ours wrote in an earlier run. A file is known by its
-// name together with what stands in it, in a list of surfaces or in report.json: one that somebody
-// else put there is none, whatever its name.
+// Files in a run's folder that one of these programs wrote in an earlier run. A file is identified
+// by its name together with its contents, a list of surfaces or report.json: a file from elsewhere
+// is never one of them, whatever its name.
 class EarlierRun {
  public:
   // Lists the files present now; call it before the run writes. bodies: folders in `folder` that

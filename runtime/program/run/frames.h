@@ -11,8 +11,8 @@
 
 namespace tremolo {
 
-// Writes the present shape of what is drawn of `body`: its render surface, else the boundary.
-// materials: the name of the .mtl file that an .obj refers to; empty: none. Errors are those of the
+// Writes the present shape of `body` as it is drawn: its render surface, else the boundary.
+// materials: the name of the .mtl file that an .obj refers to; empty: none. Errors: those of the
 // writers.
 Status write_shape(const Body& body, const std::string& path, const std::string& materials = "");
 

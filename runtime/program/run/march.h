@@ -26,13 +26,13 @@ struct Moment {
   EnergyBound bound;           // with the energy put in so far
 };
 
-// Copies the body's state into `moment`; allocates only if that has not held as many coordinates
+// Copies the body's state into `moment`; allocates only if it has not held as many coordinates
 // before.
 void look_at(const Body& body, Moment& moment);
 
-// Steps a body in blocks. Energies, shapes and CSV rows use far more memory than a step, and
-// between two steps they would evict the step's own numbers from the caches: so the moments of a
-// block are stored and examined when the block is complete.
+// Steps a body in blocks. Energies, shapes and CSV rows use far more memory than a step and would
+// evict a step's data from the caches: so the states of a block are stored, and examined when the
+// block is complete.
 class March {
  public:
   // block: steps at once, at least 1. The body must outlive this.
@@ -42,7 +42,7 @@ class March {
   // does not converge. The result is valid until the next call.
   std::span<const Moment> advance(std::int64_t last);
 
-  // The step that did not converge, after the last moment; nullopt while all have.
+  // The step that did not converge, after the last state; nullopt while all have.
   const std::optional<StepReport>& failed() const { return failed_; }
   // The mean processor time of a step in microseconds: this thread's, over all blocks.
   double microseconds_per_step() const;

@@ -6,8 +6,8 @@
 
 namespace tremolo {
 
-// When something is said and what. terminal: every half second, the line taking its own place;
-// else a line after ten seconds and then every thirty. Short runs say nothing.
+// The lines about the progress. terminal: every half second, each line replaces the previous one;
+// else a line after ten seconds and then every thirty. Short runs print nothing.
 class RunProgress {
  public:
   // duration: of the run, s of simulated time.
@@ -23,7 +23,7 @@ class RunProgress {
   double duration_;
   bool terminal_;
   double next_;
-  std::size_t shown_ = 0;  // characters that stand on the terminal's line
+  std::size_t shown_ = 0;  // characters on the terminal's line
 };
 
 // The same on stderr by the clock.

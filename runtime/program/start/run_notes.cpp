@@ -15,10 +15,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// A load that sets in at once carries a body about twice as far as one that grows slowly.
+// A load applied suddenly moves a body about twice as far as one that grows slowly.
 constexpr double kOvershoot = 2.0;
 
-// Methods whose explicit half does not follow the motion.
+// Methods with a fixed explicit part.
 bool has_fixed_explicit_half(std::string_view method) {
   return method == "imexv" || method == "imexv-linear" || method == "imexv-coupled" ||
          method == "imexv-thesis";

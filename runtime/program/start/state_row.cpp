@@ -46,8 +46,8 @@ Result<Columns> find_columns(std::string_view head, Eigen::Index modes, const st
   return columns;
 }
 
-// The line nearest to the time, or the last one; 0: there is none. A line without an end may be cut
-// off and does not count.
+// The line nearest to the time, or the last one; 0: there is none. A line without a line end may be
+// cut off and is ignored.
 struct Found {
   std::size_t line = 0;
   std::string_view text;

@@ -14,7 +14,7 @@
 
 namespace tremolo {
 
-// J. switches: what changes of degree took out so far.
+// J. switches: energy removed by changes of degree so far.
 struct TetsEnergies {
   double kinetic = 0.0, elastic = 0.0, gravity = 0.0, switches = 0.0;
   double total() const { return kinetic + elastic + gravity; }
@@ -25,8 +25,8 @@ struct TetsReport {
   TetsEnergies start, end;
   Momenta momenta_start, momenta_end;  // angular: about the centre of mass
   double share = 0.0;                  // of quadratic edges, mean over the steps
-  // The largest sum of all elastic forces, and of their torques about the centre, over the largest
-  // sum of their sizes: what the elements alone would add to the momenta.
+  // The largest sum of all elastic forces, and of their torques about the centre, relative to the
+  // largest sum of their sizes: the momenta that the elements alone would add.
   double elastic_error = 0.0;
   // The largest change of momentum, and of angular momentum about the centre, summed over steps in
   // which only gravity acted, relative to the largest sums of their sizes; 0: the body never moved.
@@ -41,10 +41,10 @@ struct TetsReport {
   double momentum_error() const { return std::max({elastic_error, linear_lost, angular_lost}); }
 };
 
-// Sums of what steps add to the momenta that nothing outside gives.
+// Sums of changes of the momenta without an external cause.
 class MomentumLoss {
  public:
-  // alone: whether only gravity acted in the step of h, s, that ends at the body's state.
+  // alone: only gravity acted in the step of h, s, that ends at the body's state.
   void note(const TetBody& body, bool alone);
   const Momenta& now() const { return now_; }
   // The largest sums, over the largest sizes.
@@ -88,7 +88,7 @@ class TetsLog {
   std::int64_t steps_ = 0;  // of the whole run
   std::shared_ptr<const TetSurface> surface_;
   bool held_ = false;  // the mesh has fixed vertices
-  TetSystem forces_;   // of its own, to look at them between steps
+  TetSystem forces_;   // a separate system, for evaluations between steps
   Eigen::VectorXd force_, first_;
   double force_sum_ = 0.0, force_size_ = 0.0, torque_sum_ = 0.0, torque_size_ = 0.0;
   MomentumLoss loss_;

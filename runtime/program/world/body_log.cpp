@@ -69,7 +69,7 @@ BodyPlace place_of(const SceneWorld& world, std::size_t body) {
   return {world.body(body).pose(), world.momenta(body)};
 }
 
-// J that came and went, whatever their sign.
+// Energy exchanged, J, the sum over all causes without sign.
 double turnover(const EnergyAccount& account) {
   double sum = 0.0;
   for (const double cause :
@@ -245,7 +245,7 @@ void BodyLog::give_up(const StepReport& step, double time) {
   report_.reason = why_not_made(step, time);
 }
 
-// Judges the methods whose energy balances to rounding. A run that ended early has its own reason.
+// Checks the methods whose energy balances to rounding. A run that ended early has its own reason.
 void BodyLog::judge_balance(const std::string& method) {
   if (method != "avf" && method != "ep2" && method != "ep4") return;
   const double most = std::max(report_.energy_max, report_.turnover_max);

@@ -34,9 +34,9 @@ struct BodyPlace {
 struct BodyReport {
   BodyPlace start, end;
   EnergyAccount account;       // at the end
-  double energy_max = 0.0;     // of T + V and what contact stores
+  double energy_max = 0.0;     // of T + V and the energy stored in contact
   double remainder_max = 0.0;  // the largest |change of that - all energy exchanged|
-  double turnover_max = 0.0;   // the largest sum of |what a cause gave or took|
+  double turnover_max = 0.0;   // the largest sum of |energy exchanged| over all causes
   double high_band_final = 0.0;
   double largest_displacement = 0.0;  // of the surface's vertices in the body's frame, m
   double size = 0.0;                  // the largest extent of the surface at rest, m
@@ -59,8 +59,7 @@ struct BodyReport {
   std::vector<std::string> notes;  // start/run_notes.h
   std::vector<std::string> files;
 
-  // change of the energy - all energy exchanged| over the largest energy; 0 where nothing ever
-  // moved.
+  // |change of the energy - all energy exchanged| over the largest energy; 0 if nothing ever moved.
   double balance_error() const { return energy_max > 0.0 ? remainder_max / energy_max : 0.0; }
 };
 
@@ -76,9 +75,9 @@ struct SharedLooks {
 
 class BodyLog {
  public:
-  // Makes the body's folder, out/NAME, if there is an `out`. Errors: kUsage and kContent for
-  // columns that the model does not have; kSystem.
-  // shared: what the logs of all bodies have in common; it must outlive them.
+  // Makes the body's folder, out/NAME, if there is an `out`. shared: data of all bodies' logs; it
+  // must outlive them. Errors: kUsage and kContent for columns that the model does not have;
+  // kSystem.
   static Result<BodyLog> create(const SceneFile& file, const SceneWorld& world, std::size_t body,
                                 SharedLooks& shared);
 
@@ -86,7 +85,7 @@ class BodyLog {
   // says so.
   Result<bool> observe(const SceneWorld& world);
   void give_up(const StepReport& step, double time);
-  // Puts the files in their places.
+  // Renames the files from their temporary names.
   Status finish(const SceneWorld& world);
 
   void add_notes(const std::vector<std::string>& notes) { report_.notes = notes; }

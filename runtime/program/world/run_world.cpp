@@ -173,7 +173,7 @@ void add_spring_warnings(const Scene& scene, const SceneWorld& world, Warnings& 
   }
 }
 
-// Bodies whose first mode the step does not follow, one warning a model.
+// Adds a warning per model about bodies whose first mode the step does not resolve.
 void add_step_warnings(const Scene& scene, const SceneWorld& world, Warnings& warnings) {
   std::vector<const Model*> seen;
   for (std::size_t i = 0; i < world.size(); ++i) {
@@ -269,8 +269,8 @@ void tell_end(const std::vector<BodyLog>& logs, WorldEnding& ending) {
   }
 }
 
-// Steps the world to the end of its time. clock: s, of the steps. sound: null where nobody listens.
-// An orbit or a step that breaks off ends the run.
+// Steps the world to the end of its time. clock: s, of the steps. sound: null without --wav. An
+// orbit or a step that fails ends the run.
 Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
                                  std::vector<BodyLog>& logs, WorldSound* sound, double (*clock)()) {
   const Interruption interruption;

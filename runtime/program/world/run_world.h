@@ -23,8 +23,8 @@ Status apply_flags(const RunOptions& flags, const std::function<bool(const char*
 std::vector<NamedFile> inputs_of(const Scene& scene);
 std::vector<NamedFile> inputs_of(const SceneFile& file);
 
-// Runs the scene. threads: that step its bodies, 0: one a core. json: one object on stdout, also
-// when the run failed. The exit code; errors are printed on stderr.
+// Runs the scene. threads: that step its bodies, 0: one per core. json: one object on stdout, also
+// when the run failed. Returns the exit code; errors are printed on stderr.
 int run_world_command(const SceneFile& file, unsigned threads, bool json);
 
 }  // namespace tremolo

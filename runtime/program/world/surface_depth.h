@@ -29,7 +29,7 @@ class NearBodies {
 // Measures the vertices of the drawn surface of one body.
 class SurfaceDepth {
  public:
-  // The depth of the deepest vertex, m; 0 if none is behind anything. Ignores bodies that do not
+  // The depth of the deepest vertex, m; 0 if none is inside anything. Ignores bodies that do not
   // feel contact and pairs that a joint lets pass. near: a cache for the world's present state,
   // shared by all bodies.
   double measure(const SceneWorld& world, std::size_t body, NearBodies& near);
