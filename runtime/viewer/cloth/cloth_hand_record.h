@@ -12,7 +12,8 @@ namespace tremolo {
 
 class ClothHandRecord {
  public:
-  // Before a step of the world in which the particle is held, `way` m from where it was taken.
+  // Call this before a step of the world in which the particle is held, displaced by `way`, m, from
+  // its position when grabbed.
   void before_step(const ClothWorld& world, std::size_t cloth, std::size_t particle,
                    const Eigen::Vector3d& way);
   // Ends the grab at `time`, s.
@@ -28,8 +29,8 @@ class ClothHandRecord {
   bool holds_ = false;
 };
 
-// The scene that was viewed, with its method and step of now, and the hands behind its own ones;
-// every path as seen from `path`. Written whole or not at all. Errors: kSystem.
+// Writes the viewed scene with its present method and step, and with these hands after its own;
+// paths are relative to that of the file. Written whole or not at all. Errors: kSystem.
 Status write_recorded_cloth(const std::string& path, const ClothFile& file, const ClothScene& now,
                             const std::vector<ClothHand>& hands);
 

@@ -14,7 +14,7 @@ class FrameTarget {
   Status resize(const PictureSize& size);
   const PictureSize& size() const { return size_; }
 
-  void begin() const;    // what is drawn from now on goes into it
+  void begin() const;    // makes it the target of drawing
   void resolve() const;  // light() then has it
   GLuint light() const { return light_.name(); }
 

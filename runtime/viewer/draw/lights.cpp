@@ -30,7 +30,7 @@ std::vector<StudioLight> studio_lights(const LightCounts& counts, const Vector3d
     const Vector3d direction = (lamp + kLampAngle * radius * off).normalized();
     lights.push_back({direction.cast<float>(), kLampBrightness / static_cast<float>(counts.lamps)});
   }
-  double level = 0.0;  // what ground gets that sees all of the sky
+  double level = 0.0;  // light on ground that sees all of the sky
   for (int i = 0; i < counts.sky; ++i) {
     const double height = (i + 0.5) / counts.sky, level_out = std::sqrt(1.0 - height * height);
     const Vector3d direction = level_out * std::cos(kGolden * i) * right +

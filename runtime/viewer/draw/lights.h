@@ -27,8 +27,8 @@ struct StudioLight {
   float brightness = 0.0f;
 };
 
-// up: of the world; right: to the right of the camera's first place, level. Lamps come first. At
-// most kMostLights (runtime/viewer/draw/shaders.h).
+// up: of the world; right: to the right of the camera's first position, horizontal. Lamps are
+// first. At most kMostLights (runtime/viewer/draw/shaders.h).
 std::vector<StudioLight> studio_lights(const LightCounts& counts, const Eigen::Vector3d& up,
                                        const Eigen::Vector3d& right);
 
@@ -36,10 +36,10 @@ std::vector<StudioLight> studio_lights(const LightCounts& counts, const Eigen::V
 Eigen::Matrix4f clip_of_light(const Eigen::Vector3f& direction, const Eigen::Vector3d& centre,
                               double radius);
 
-// Depth maps of one size, one a light.
+// Depth maps of one size, one per light.
 class ShadowMaps {
  public:
-  // With a context current. count: 0 makes one that nobody draws into.
+  // A context must be current. count: with 0 one map is made, which stays unused.
   void make(int count, int side);
   int count() const { return count_; }
   // Clears this map and selects it as the target of drawing.

@@ -23,9 +23,9 @@ void main() {
 }
 )";
 
-// Each light is a direction with a map of depths seen along it: a few near each other are the lamp,
-// whose shadows are soft for that, all others are the sky, whose sum darkens what little of it is
-// seen from.
+// Each light is a direction with a depth map along it. A few close directions form the lamp, whose
+// shadows are therefore soft; all others form the sky, whose sum darkens points that see little of
+// it.
 const char* const kSurfaceFragmentShader = R"(#version 330 core
 const int kMost = 96;
 layout(std140) uniform Lights {

@@ -27,9 +27,9 @@ class HandRecord {
   bool holds_ = false;
 };
 
-// The scene that was viewed, with its method and step of now, and the hands behind its own ones: a
-// world's file with every path as seen from `path`. Written whole or not at all. Errors: kContent
-// for a body that begins as no scene with [[bodies]] can say; kSystem.
+// Writes the viewed scene with its present methods and step, and with these hands after its own, as
+// a world's file; paths are relative to that of the file. Written whole or not at all. Errors:
+// kContent for a body whose start a scene with [[bodies]] cannot express; kSystem.
 Status write_recorded_scene(const std::string& path, const LiveWorld& world,
                             const std::vector<SceneHand>& hands);
 

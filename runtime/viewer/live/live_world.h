@@ -1,4 +1,4 @@
-// A world that goes, its last two moments, and the user's hand in it.
+// A running world with its last two states and the user's hand.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +37,7 @@ class LiveWorld {
   // Moments before and after the last step; the same before the first.
   const WorldMoment& before() const { return moments_[1 - newest_]; }
   const WorldMoment& now() const { return moments_[newest_]; }
-  // The moment at t, s, between these two, or the nearer of them.
+  // The state at t, s, interpolated between these two; outside of them the nearer one.
   void at(double t, WorldMoment& out) const;
   // Looks again, where something has been changed from outside.
   Status refresh();

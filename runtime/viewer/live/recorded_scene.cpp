@@ -45,7 +45,7 @@ const char* signal_name(SignalKind kind) {
   }
 }
 
-// Table of a body that came without a scene, or from one without [[bodies]].
+// Table of a body that has no scene, or one without [[bodies]].
 Result<toml::table> table_of(const SceneBody& body, const std::string& start,
                              const fs::path& folder) {
   if (!start.empty() && start != "static")

@@ -7,7 +7,7 @@
 namespace tremolo {
 namespace {
 
-constexpr double kMostBehind = 0.1;          // s of real time; what is more is given up
+constexpr double kMostBehind = 0.1;          // s of real time; more delay is dropped
 constexpr double kSampleEvery = 1.0 / 60.0;  // s of simulated time
 constexpr double kForget = 0.05;             // of the mean of step times, a step
 constexpr std::chrono::milliseconds kNap{2};

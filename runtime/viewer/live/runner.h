@@ -1,4 +1,4 @@
-// The world on a thread of its own, kept at the pace of the clock.
+// The world on its own thread, kept at the pace of the clock.
 #pragma once
 
 #include <atomic>
@@ -79,7 +79,7 @@ class Runner {
   // Shown as the report's trouble.
   void complain(const std::string& trouble);
   std::string method_of(std::size_t body) const;
-  // Ends the thread and gives the world back.
+  // Ends the thread and returns the world.
   LiveWorld stop();
   const HandRecord& hand_record() const { return record_; }  // after stop()
 
@@ -108,8 +108,8 @@ class Runner {
   std::optional<bool> pressed_;
   Eigen::Vector3d grabbed_at_ = Eigen::Vector3d::Zero();
   std::optional<std::pair<Eigen::Vector3d, Clock::time_point>> pull_;
-  // These belong to the thread alone.
-  std::optional<Clock::time_point> answers_;  // the event that the step knows of
+  // Members that only the thread uses.
+  std::optional<Clock::time_point> answers_;  // the event that the step includes
   double next_sample_ = 0.0;
   Clock::time_point second_began_;
   double second_time_ = 0.0;

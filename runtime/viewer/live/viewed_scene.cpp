@@ -91,7 +91,7 @@ Result<ViewedScene> single_bodies(const std::string& text, const std::string& fi
   if (!bodies) return bodies.error();
   for (RunOptions& body : *bodies) {
     flags.onto(body);
-    // A flag wins over the scene's way to say the same.
+    // A flag overrides the scene's keys for the same quantity.
     if (flags.told("--load")) body.signal.clear();
     if (flags.told("--scale")) body.deflect.clear();
   }

@@ -1,4 +1,4 @@
-// A framebuffer whose pixels can be had.
+// A framebuffer whose pixels can be read.
 #pragma once
 
 #include "common/result.h"

@@ -25,8 +25,8 @@ class PictureSeries {
 
   // frame-000000.png, frame-000001.png ... Errors: those of write_png and VideoFile::add.
   Status add(const Picture& picture);
-  // Ends the film, of which there is none without a picture. Pictures of a longer series that this
-  // program wrote into the folder before are removed.
+  // Ends the film; without pictures there is none. Removes pictures of a longer series that this
+  // program wrote into the folder before.
   Status finish();
   // Files of pictures, in order; of a film at the end.
   const std::vector<std::string>& files() const { return files_; }

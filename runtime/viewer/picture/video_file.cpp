@@ -31,7 +31,7 @@ std::vector<std::string> codec_of(const std::string& ending) {
   return {};
 }
 
-// Starts the words with `input` as standard input; 0 or what errno said.
+// Starts the command with `input` as standard input; returns 0 or an errno.
 int start_encoder(std::vector<std::string> words, int input, pid_t& child) {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -39,7 +39,8 @@ int start_encoder(std::vector<std::string> words, int input, pid_t& child) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
-  // A group of its own: Ctrl-C on the terminal is for this program, which then ends the film.
+  // It has its own process group: Ctrl-C on the terminal is for this program, which then ends the
+  // film.
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);

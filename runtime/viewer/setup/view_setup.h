@@ -30,7 +30,7 @@ struct ViewSetup {
 // --colour stress if no model names its material; kSystem for an image that cannot be read.
 Result<ViewSetup> make_setup(const ViewerOptions& options, const Scene& scene);
 
-// Framed on what the stage was posed to last.
+// The camera that frames the stage's last pose.
 Camera first_camera(const ViewSetup& setup, const Stage& stage);
 
 // lights: of this kind of card, unless the options say how many. ground: its height, m.

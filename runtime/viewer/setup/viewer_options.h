@@ -12,7 +12,7 @@ namespace tremolo {
 // Fields are named after the flags. body: its model, load and integrator, as for `tremolo run`.
 struct ViewerOptions {
   std::string file;
-  std::string beside;  // of cloth: a second scene, shown beside the first
+  std::string beside;  // of cloth: a second scene, shown next to the first
   RunOptions body;
   bool offscreen = false;
   int frames = 1;

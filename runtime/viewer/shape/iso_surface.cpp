@@ -95,7 +95,7 @@ class Marcher {
                shape_.add(x, length > 0.0 ? Vector3d(gradient / length) : Vector3d::UnitZ());
   }
 
-  // Turned so that it faces the way of its normals.
+  // Adds a triangle, oriented by its normals.
   void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     const Eigen::Vector3f &x = shape_.positions[a], &y = shape_.positions[b];
     const Eigen::Vector3f& z = shape_.positions[c];

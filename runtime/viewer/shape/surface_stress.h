@@ -31,9 +31,10 @@ class SurfaceStress {
   SurfaceStress(const std::vector<Eigen::Vector3d>& rest, std::span<const Triangle> triangles,
                 const Material& material);
 
-  // positions: x y z ... of the s vertices, m. out: s numbers, Pa: of each vertex the mean of its
-  // triangles by their area at rest. The largest is returned. Where a surface is stretched so far
-  // that the material's thickness would vanish (tr E near (1 - nu)/(2 nu)), a tenth is left of it.
+  // positions: x y z ... of the s vertices, m. out: s numbers, Pa: for each vertex the mean of its
+  // triangles, weighted by their area at rest. Returns the largest. If a surface is stretched so
+  // far that the material's thickness would vanish (tr E near (1 - nu)/(2 nu)), a tenth of the
+  // thickness is kept.
   float look(std::span<const float> positions, std::vector<float>& out) const;
 
  private:

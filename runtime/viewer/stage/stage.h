@@ -37,9 +37,9 @@ struct StageLook {
 
 class Stage {
  public:
-  // With a context current, as long as it lives. world: as it is before its first step; its models
-  // must outlive the stage. paints: a body's colour, linear light. solids: a body's material, where
-  // it is known. Errors: kContent for an image whose material no body has, or for images where no
+  // A context must be current, as long as the stage lives. world: before its first step; its models
+  // must outlive the stage. paints: a colour per body, linear light. solids: a material per body,
+  // if it is known. Errors: kContent for an image whose material no body has, or for images if no
   // body has texture coordinates.
   static Result<std::unique_ptr<Stage>> create(const SceneWorld& world, UpAxis up,
                                                const std::vector<Eigen::Vector3f>& paints,

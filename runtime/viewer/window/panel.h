@@ -55,7 +55,7 @@ struct PanelState {
 // Readouts about the pictures.
 struct PictureCosts {
   double prepare_ms = 0.0, panel_ms = 0.0, draw_ms = 0.0, pictures_per_s = 0.0;
-  float full = 0.0f;  // what is red: m or Pa
+  float full = 0.0f;  // the value shown in red: m or Pa
 };
 
 // The settings of the world at its start.
