@@ -13,7 +13,7 @@
 
 namespace tremolo {
 
-// The numbers that glTF gives to kinds of components.
+// glTF's codes for kinds of components.
 enum class GlbComponent { kByte = 5121, kShort = 5123, kInt = 5125, kFloat = 5126 };
 
 // Kinds of arrays; those of one kind are in one view of the buffer. kMotion: for animations.
@@ -40,8 +40,9 @@ class GlbFile {
   // Adds an image in the format of its file; returns its number.
   std::size_t add_image(const std::string& name, const std::string& type, std::string bytes);
 
-  // Writes the file: members of the JSON's top level, each `"name":value`, and what is known here.
-  // Errors: kContent if it is larger than glTF's 4 GB; kSystem. bytes receives its size.
+  // Writes the file. members: of the JSON's top level, each `"name":value`, to which the buffer's
+  // views and accessors are added. Errors: kContent if it is larger than glTF's 4 GB; kSystem.
+  // bytes receives its size.
   Status write(const std::string& path, std::vector<std::string> members, std::uint64_t& bytes);
 
  private:

@@ -15,7 +15,7 @@
 namespace tremolo {
 namespace {
 
-constexpr double kBodyColour[3] = {0.8, 0.8, 0.8};  // linear, where nobody says another
+constexpr double kBodyColour[3] = {0.8, 0.8, 0.8};  // linear, the default
 constexpr double kSceneryColour[3] = {0.25, 0.27, 0.3};
 
 std::string member(const std::string& name, std::size_t value) {
@@ -108,7 +108,7 @@ void add_primitives(GlbFile& file, const AnimatedShape& shape, const GlbOptions&
   for (std::size_t m = 0; m < corners.size(); ++m) {
     if (corners[m].empty()) continue;
     const std::size_t* texture = texture_of(options, surface.materials[m], lists);
-    // One that is for all goes where it can.
+    // A texture without a material name applies to all surfaces with texture coordinates.
     if (texture != nullptr && surface.uvs.empty()) texture = nullptr;
     out.primitives.push_back(
         {add_indices(file, corners[m], surface.vertices.size()), lists.materials.size()});
@@ -133,7 +133,7 @@ void add_targets(GlbFile& file, const MorphTargets& morphs, GlbShape& out) {
   }
 }
 
-// "image/png" or "image/jpeg" by what the file begins with; empty: neither.
+// "image/png" or "image/jpeg" by the file's first bytes; empty: neither.
 std::string image_type(std::string_view bytes) {
   if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return "image/png";
   return bytes.starts_with("\xff\xd8\xff") ? "image/jpeg" : "";

@@ -49,7 +49,7 @@ std::vector<std::string> add_bone_weights(GlbFile& file, const BoneWeights& weig
 // GlbReport::four_bones_error of a body on bones; frames as morph_error takes them.
 double four_bones_error(const Animation& animation, const AnimatedBody& body);
 
-// The mesh of a body: JSON. further: members beside the shape's own; weights: at first.
+// The mesh of a body as JSON. further: members besides the shape's own; weights: at the start.
 std::string mesh_text(const std::string& name, const GlbShape& shape,
                       const std::vector<std::string>& further, const std::vector<float>& weights);
 

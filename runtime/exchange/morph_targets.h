@@ -32,20 +32,19 @@ struct TargetRange {
   double width = 1.0;
 };
 
-// low: r, what the base has of each coordinate. targets: coordinates that change, or in the plain
-// form those that are not always zero.
+// The coordinates of a shape as targets.
 struct TargetRanges {
-  Eigen::VectorXd low;
+  Eigen::VectorXd low;  // r, the coordinates of the base
+  // Coordinates that change; in the plain form, those that are not always zero.
   std::vector<TargetRange> targets;
 };
 
 TargetRanges target_ranges(const Animation& animation, std::size_t shape, bool plain);
 
-// Column 0 is the base, column i + 1 the delta of target i; 3s rows. normals: no columns unless
-// they were asked for; those of the base have length one.
+// Column 0 is the base, column i + 1 the delta of target i; 3s rows.
 struct MorphTargets {
   Eigen::MatrixXf positions;
-  Eigen::MatrixXf normals;
+  Eigen::MatrixXf normals;  // those of the base have unit length; no columns unless requested
 };
 
 MorphTargets morph_targets(const AnimatedShape& shape, const TargetRanges& ranges, bool normals);

@@ -75,7 +75,7 @@ Pose pose_of(const FallMotion& fall, double t) {
   return shifted(path * fall.acceleration);
 }
 
-// The quaternion of a pose behind the position.
+// The numbers of a pose: position, then quaternion.
 Vector7d numbers_of(const Pose& pose) {
   Vector7d numbers;
   numbers << pose.position, pose.rotation.coeffs();

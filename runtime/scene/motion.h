@@ -131,7 +131,7 @@ std::string part_problem(const MotionPart& part);
 // A motion prepared for the evaluation of poses.
 class MotionPath {
  public:
-  // Errors: kContent, with the number of the part, for what part_problem() finds.
+  // Errors: kContent, with the number of the part, if part_problem() finds one.
   static Result<MotionPath> create(const Motion& motion, const Pose& base = {});
 
   // The quaternion is of unit length up to rounding. Allocates nothing.

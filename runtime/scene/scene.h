@@ -1,5 +1,5 @@
-// A scene: everything that moves, and what moves it, as plain values. Units are SI; vectors are
-// along the world's axes. SceneWorld (runtime/scene/scene_world.h) makes it go.
+// A scene as plain values: everything that moves, and what moves it. Units are SI; vectors are
+// along the world's axes. SceneWorld (runtime/scene/scene_world.h) steps it.
 #pragma once
 
 #include <cstdint>

@@ -15,12 +15,12 @@
 
 namespace tremolo {
 
-// Fills in the bones of a body that asks for those of its model's render surface: heads, weights,
-// and the clip as keyframes, a bone's relative to its parent. Errors (kContent): a surface without
-// a rig, a clip that it does not have.
+// For a body with `rig`, fills in the bones of its model's render surface: heads, weights, and the
+// clip as keyframes, a bone's relative to its parent. Errors (kContent): a surface without a rig, a
+// clip that does not exist.
 Status take_rig(SceneBody& body, const Model& model);
 
-// The skin that the body asks for. Errors of skin_of_weights and skin_near_bones.
+// The skin of the body's bones. Errors of skin_of_weights and skin_near_bones.
 Result<std::shared_ptr<const Skin>> make_scene_skin(const SceneBody& body, const Model& model);
 
 // T_b(t) = T_parent(t) (h_b M_b(t) h_b^-1): M_b is the bone's own motion, about its head, where

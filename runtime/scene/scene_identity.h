@@ -10,9 +10,9 @@
 
 namespace tremolo {
 
-// The step and gravity, then bodies with their models, colliders with their shapes, hands. How long
-// a run is and what it writes is not among it. models, colliders: in the scene's order. shapes: of
-// the bodies, null where there is none.
+// Parts: the step and gravity, then bodies with their models, colliders with their shapes, hands;
+// but not the duration and the outputs. models, colliders: in the scene's order. shapes: of the
+// bodies, null if there is none.
 std::vector<SavedPart> scene_parts(const Scene& scene, const std::vector<const Model*>& models,
                                    const std::vector<const Collider*>& shapes,
                                    std::span<const PlacedCollider> colliders);

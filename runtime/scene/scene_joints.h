@@ -15,8 +15,8 @@ namespace tremolo {
 
 class HeldJoint {
  public:
-  // kContent: a selector that is not one vertex, places that begin apart though the joint is stiff
-  // and has no length; else as make_joint.
+  // kContent: a selector that is not one vertex, or points that are apart at the start although the
+  // joint is stiff and has no length; else as for make_joint.
   static Result<HeldJoint> create(const SceneJoint& wanted, const Body& first, const Body& second);
 
   // Joins the bodies a and b of the group; releases them when the joint's time is over at t, s.

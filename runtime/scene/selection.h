@@ -1,4 +1,4 @@
-// Selectors (common/mesh/selector.h) on what a basis file keeps of its mesh: the boundary.
+// Selectors (common/mesh/selector.h) on the boundary, the part of the mesh in a basis file.
 #pragma once
 
 #include <string>
@@ -29,8 +29,8 @@ struct Selection {
 };
 Result<Selection> select_on_boundary(const std::string& text, const Boundary& boundary);
 
-// text: a vertex's id, taken as it is (it may lie inside), or a selector on the model's boundary.
-// Errors: kContent for a negative id, else as select_on_boundary.
+// text: a vertex's id, which may be inside, or a selector on the model's boundary. Errors: kContent
+// for a negative id, else as for select_on_boundary.
 Result<std::vector<VertexId>> vertices_of(const std::string& text, const Model& model);
 
 // A force (N) on these vertices, on a face shared by its area (common/mesh/area_shares.h).

@@ -28,7 +28,7 @@ std::size_t read_count(TomlKeys& keys, const char* key) {
   return keys.good() ? static_cast<std::size_t>(count) : 0;
 }
 
-// The direction may have any length but none; it comes out of length one.
+// Reads a direction of any length but zero and normalises it.
 void read_direction(TomlKeys& keys, const char* key, Eigen::Vector3d& direction) {
   keys.read(key, direction);
   if (!(direction.norm() > 0.0)) return keys.fail(key, std::string("'") + key + "' has no length");
@@ -61,7 +61,7 @@ void read_shape(TomlKeys& keys, SceneCloth& cloth) {
       keys.fail(key, std::string("`") + key + "` is of a grid: leave it or `file` out");
 }
 
-// [stiffness, damping] or the stiffness alone, which leaves the damping as it is.
+// Reads [stiffness, damping], or the stiffness alone, which leaves the damping unchanged.
 void read_law(TomlKeys& keys, const char* key, SpringLaw& law) {
   const toml::node* node = keys.find(key);
   if (node == nullptr || !node->is_array()) return keys.read(key, law.stiffness);

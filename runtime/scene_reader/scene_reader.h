@@ -1,5 +1,5 @@
-// Scene files: TOML -> Scene (docs/reference.md, "Scenes"). A target of its own: the engine knows
-// neither TOML nor CSV.
+// Scene files: TOML -> Scene (docs/reference.md, "Scenes"). It is a separate target: the engine
+// reads neither TOML nor CSV.
 #pragma once
 
 #include <string>
@@ -31,8 +31,8 @@ struct SceneFile {
 Result<bool> is_world(std::string_view text, const std::string& path);
 
 // Models and CSV files are relative to the scene file. Errors: kSystem if a file is unreadable;
-// kContent with file, line and key for a key that is unknown or whose value is wrong, and for what
-// check_scene finds; CSV files with their own lines.
+// kContent with file, line and key for an unknown key or a wrong value, and for errors of
+// check_scene; CSV files with their own lines.
 Result<SceneFile> read_world(const std::string& path);
 // The same of the file's contents.
 Result<SceneFile> parse_world(std::string_view text, const std::string& path);

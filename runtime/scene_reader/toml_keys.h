@@ -20,7 +20,7 @@ Error error_at(const std::string& path, const toml::source_region& where, const 
 // The path of `name`, a name relative to the file `path`.
 std::string beside(const std::string& path, const std::string& name);
 
-// An integer, or a float that is one. Nothing for what is none or does not fit.
+// An integer, or a float with an integral value. Nothing for another node or a value out of range.
 std::optional<int> whole_number(const toml::node& node);
 
 // A text without a NUL, before which the system would end a path; or a whole number as text.
@@ -29,10 +29,10 @@ std::optional<std::string> text_or_number(const toml::node& node);
 // One of these or a list of them.
 std::optional<std::vector<std::string>> list_of_texts(const toml::node& node);
 
-// "F1,F2" of a text or of two numbers; nothing for what is neither.
+// "F1,F2" of a text or of two numbers; nothing for another node.
 std::optional<std::string> sweep_text(const toml::node& node);
 
-// So many numbers, all finite; nothing for what is none.
+// A list of finite numbers; nothing for another node.
 std::optional<std::vector<double>> numbers_of(const toml::node& node);
 
 // Parses the text. Errors: kContent with the line; also for tables nested so deeply that building
@@ -61,7 +61,7 @@ class TomlKeys {
   std::vector<double> read_numbers(std::string_view key, std::size_t least, std::size_t most);
   // A table, or a list of tables.
   std::vector<const toml::table*> read_tables(std::string_view key);
-  // One of the words: its place, or `otherwise` where the key is missing.
+  // One of the words: its index, or `otherwise` if the key is missing.
   std::size_t read_word(std::string_view key, const std::vector<std::string_view>& words,
                         std::size_t otherwise);
   // The key's value; null if there is none.
