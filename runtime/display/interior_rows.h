@@ -1,4 +1,4 @@
-// Rows of the vertices inside a solid: in memory, or in a file until somebody asks.
+// Rows of the vertices inside a solid, in memory or read from a file on demand.
 #pragma once
 
 #include <memory>

@@ -39,7 +39,7 @@ struct PageMotion {
 // Errors: check_animation's; kContent for more coordinates or bones than a page draws.
 Result<PageMotion> page_motion(const Animation& animation, bool z_up = true);
 
-// The film alone as a page, its title the file's name. Errors: page_motion's; kSystem.
+// Writes a page with the film alone; its title is the file's name. Errors: page_motion's; kSystem.
 Result<WrittenFile> write_motion_page(const std::string& path, const Animation& animation,
                                       bool z_up = true);
 
