@@ -1,4 +1,4 @@
-// tremolo_collider_*, and of tremolo_body_* what touches and holds a body, from C.
+// C functions tremolo_collider_*, and the tremolo_body_* functions for contact and grabs.
 #include <algorithm>
 #include <cmath>
 #include <span>

@@ -130,7 +130,7 @@ Status check_hand(const ClothScene& scene, const ClothHand& hand) {
   return check_cloth_motion(hand.motion);
 }
 
-// Each has a name of its own.
+// Checks that the names are unique.
 template <class Thing, class Check>
 Status check_named(const std::vector<Thing>& things, const std::string& kind, const Check& good) {
   std::set<std::string> names;

@@ -219,10 +219,10 @@ std::vector<RunOptions> bodies_of(const Request& request, const RunOptions& flag
 Status check_not_saved(const Request& request) {
   if (request.threads)
     return usage_error(
-        "--threads is of a scene with [[bodies]]: one body is stepped by one thread");
+        "--threads applies only to a scene with [[bodies]]: one body is stepped by one thread");
   if (request.save.empty() && request.restore.empty()) return Success{};
   return usage_error(
-      "--save and --restore are of a scene with [[bodies]]; of a run of one body --coordinate all "
+      "--save and --restore apply only to a scene with [[bodies]]; for one body --coordinate all "
       "--velocities records the states, and --start begins with one of them");
 }
 
@@ -275,7 +275,7 @@ Result<std::vector<RunOptions>> scene_bodies(const std::string& text, const std:
     if (flags.count("--deflect") > 0) body.scale = 1.0;
     if (!body.wav.empty() && flags.count("--step") == 0) take_sound_step(body);
     if (!body.wav.empty() && bodies->size() > 1)
-      return usage_error("--wav is of one body, and " + path + " has several");
+      return usage_error("--wav applies only to one body, and " + path + " has several");
   }
   return bodies;
 }
@@ -336,7 +336,7 @@ int export_scene(int count, char** words, const MotionOutputs& outputs, const Sc
   const Result<SceneKind> kind = scene_kind(*text, command.file);
   if (!kind) return report_error(kind.error());
   if (!command.beside.empty() && *kind != SceneKind::kCloth)
-    return report_error(usage_error("--beside is of scenes of cloth"));
+    return report_error(usage_error("--beside applies only to scenes of cloth"));
   const bool of_nodes = *kind == SceneKind::kCloth || *kind == SceneKind::kTets;
   if (of_nodes && nodal == nullptr) return start_nodal(command.file, words);
   const Result<std::unique_ptr<MotionSource>> source =
@@ -353,7 +353,7 @@ int run_export(int count, char** words, const Request& request, const RunOptions
   const bool asks_still = still.any();
   if (asks_still && is_scene(still.model))
     return report_error(usage_error(
-        "--cub, --U, --vtu, --light and --rescaled are of a basis file, not of a scene"));
+        "--cub, --U, --vtu, --light and --rescaled apply only to a basis file, not to a scene"));
   const MotionOutputs& moved = request.motion;
   if (Status s = keep_apart({still.cub, still.u, still.vtu, still.light, moved.glb, moved.pc2,
                              moved.mdd, moved.pvd, moved.usda, moved.series, moved.page},
@@ -369,7 +369,7 @@ int run_export(int count, char** words, const Request& request, const RunOptions
     return export_scene(count, words, request.motion, command, nodal);
   }
   if (!request.motion.beside.empty())
-    return report_error(usage_error("--beside is of scenes of cloth"));
+    return report_error(usage_error("--beside applies only to scenes of cloth"));
   Request of_run = request;
   of_run.file = still.model;
   return export_motion_command(request.motion, *bodies_motion(bodies_of(of_run, flags)));
@@ -392,7 +392,7 @@ int inspect_scene(char** words, const Request& request, const NodalScenes* nodal
   const Result<SceneKind> kind = scene_kind(*text, request.file);
   if (!kind) return report_error(kind.error());
   if (!request.select.empty())
-    return report_error(usage_error("--select is of a basis file, not of a scene"));
+    return report_error(usage_error("--select applies only to a basis file, not to a scene"));
   if (*kind == SceneKind::kBodies || *kind == SceneKind::kWorld)
     return inspect_bodies(*text, *kind, request);
   if (nodal == nullptr) return start_nodal(request.file, words);

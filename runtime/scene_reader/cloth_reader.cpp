@@ -53,12 +53,12 @@ void read_shape(TomlKeys& keys, SceneCloth& cloth) {
     if (!keys.has("columns") || !keys.has("rows"))
       keys.fail("columns", "it needs `columns` and `rows`, or a `file`");
     if (keys.has("position"))
-      keys.fail("position", "`position` is of a `file`: a grid has its `corner`");
+      keys.fail("position", "`position` applies only to a `file`: a grid has a `corner`");
     return read_grid(keys, cloth.grid);
   }
   for (const char* key : {"columns", "rows", "width", "height", "corner", "along", "across"})
     if (keys.has(key))
-      keys.fail(key, std::string("`") + key + "` is of a grid: leave it or `file` out");
+      keys.fail(key, std::string("`") + key + "` applies only to a grid: leave it or `file` out");
 }
 
 // Reads [stiffness, damping], or the stiffness alone, which leaves the damping unchanged.
@@ -130,10 +130,12 @@ Result<SceneBall> read_ball(const toml::table& table, std::size_t number, const 
   if (Status s = take(ball.motion, read_motion(keys, path, what, files, true)); !s)
     return s.error();
   if (!ball.motion.parts.empty() && !ball.fixed)
-    keys.fail("motion", "a `motion` is of a ball with `fixed = true`: the others go as they fall");
+    keys.fail(
+        "motion",
+        "`motion` applies only to a ball with `fixed = true`: others move under their forces");
   for (const char* key : {"mass", "velocity", "spin"})
     if (ball.fixed && keys.has(key))
-      keys.fail(key, std::string("`") + key + "` is of a ball that is not fixed");
+      keys.fail(key, std::string("`") + key + "` applies only to a ball that is not fixed");
   if (Status s = keys.finish(); !s) return s.error();
   return ball;
 }

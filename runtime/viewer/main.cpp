@@ -110,10 +110,11 @@ int view(int count, char** words) {
                           body = again.body;
                         }};
   if (is_cloth_file(options.file)) return view_cloth_command(options, flags);
-  if (!options.beside.empty()) return report_error(usage_error("--beside is of scenes of cloth"));
+  if (!options.beside.empty())
+    return report_error(usage_error("--beside applies only to scenes of cloth"));
   if (is_tets_file(options.file)) return view_tets_command(options, flags);
   if (options.colour == "degree")
-    return report_error(usage_error("--colour degree is of bodies of kind \"tets\""));
+    return report_error(usage_error("--colour degree applies only to bodies of kind \"tets\""));
   const Result<ViewedScene> viewed = read_viewed_scene(options.file, flags);
   if (!viewed) return report_error(viewed.error());
   const std::vector<NamedFile> inputs = inputs_of_view(options, viewed->inputs);

@@ -181,8 +181,8 @@ TEST_F(ClothProgram, ASecondSceneIsWrittenBesideTheFirst) {
 }
 
 TEST_F(ClothProgram, OtherCommandsSayWhatGoesInstead) {
-  expect_refused(small_sheet(), "--load is of bodies", "--load square");
-  expect_refused(small_sheet(), "none of cloth's", "--integrator ep4");
+  expect_refused(small_sheet(), "--load applies only to bodies", "--load square");
+  expect_refused(small_sheet(), "cloth has no method", "--integrator ep4");
   expect_refused(small_sheet(), "half a step", "--step 0.01 --duration 0.004");
 }
 
@@ -215,7 +215,7 @@ TEST_F(ClothProgram, BadInputIsNamed) {
       {head + "file = \"a.obj\"\n", "leave it or `file` out"},
       {"[[cloths]]\nfile = \"none.obj\"\n", "none.obj"},
       {head + "[[balls]]\nmass = 0\n", "mass"},
-      {head + "[[balls]]\nfixed = true\nmass = 2\n", "is of a ball that is not fixed"},
+      {head + "[[balls]]\nfixed = true\nmass = 2\n", "applies only to a ball that is not fixed"},
       {head + "[[balls]]\nposition = [0.3, 0.3, 0]\nradius = 0.2\n", "ball-1"},
       {head + "[[balls]]\nposition = [0.5, 0.5, 0.02]\nradius = 0.1\n",
        "begins 0.08 m inside ball 'ball-1'"},

@@ -152,7 +152,7 @@ TEST_F(WorldProgram, RefusesBeforeAnythingIsWritten) {
   refused("[[bodies]]\nname = \"a\"\nmodel = \"none.tremolo\"\nmade-by = \"./demo\"\n", 1,
           "there is no such basis file; make it with `./demo`");
   refused(body("a", "fixed", "mass = 3\n"), 3, "line 5: body 'a': unknown key 'mass'");
-  refused(body("a", "fixed"), 2, "--load is of one body", "--load none");
+  refused(body("a", "fixed"), 2, "--load applies only to one body", "--load none");
   refused(body("a", "fixed"), 2, "unknown integrator", "--integrator euler");
   refused(body("a", "fixed"), 3, "duration must be positive", "--duration -1");
   refused("[[bodies]]\nname = \"a\"\nkind = \"free\"\nmodel = \"" + models_ + "/held.tremolo\"\n",

@@ -22,15 +22,15 @@ Status apply_cloth_flags(const RunOptions& flags, const std::function<bool(const
                          ClothFile& file) {
   for (const char* flag : kOfBodies)
     if (given(flag))
-      return usage_error(
-          fmt::format("{} is of bodies: a scene with [[cloths]] takes --integrator, --step, "
-                      "--duration, --tolerance, --max-iterations and what is written",
-                      flag));
+      return usage_error(fmt::format(
+          "{} applies only to bodies: a scene with [[cloths]] takes --integrator, --step, "
+          "--duration, --tolerance, --max-iterations and flags of outputs",
+          flag));
   const auto names = nodal_integrator_names();
   if (given("--integrator")) {
     if (std::find(names.begin(), names.end(), flags.integrator) == names.end())
-      return usage_error(fmt::format("--integrator: '{}' is none of cloth's: {}", flags.integrator,
-                                     fmt::join(names, ", ")));
+      return usage_error(fmt::format("--integrator: cloth has no method '{}'; there are {}",
+                                     flags.integrator, fmt::join(names, ", ")));
     file.scene.integrator = flags.integrator;
   }
   NodalOptions& options = file.scene.options;

@@ -196,9 +196,9 @@ class ClothMotion : public MotionSource {
   }
 
   Status check(const MotionOutputs& outputs) const override {
-    if (outputs.modes > 0) return usage_error("--modes is of bodies: a cloth has none");
+    if (outputs.modes > 0) return usage_error("--modes applies only to bodies: a cloth has none");
     if (!outputs.extras.live.empty())
-      return usage_error("--live is of bodies: a page's engine moves no cloth");
+      return usage_error("--live applies only to bodies: a page's engine moves no cloth");
     return Success{};
   }
 

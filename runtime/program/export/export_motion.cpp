@@ -66,7 +66,7 @@ Status check_endings(const MotionOutputs& outputs) {
   if (!series.empty() && !series.ends_with(".ply") && !series.ends_with(".obj"))
     return usage_error("--series " + series + ": the name must end in .ply or .obj");
   if (outputs.page.empty() && outputs.extras.any())
-    return usage_error("--runs, --note and --live are of --page");
+    return usage_error("--runs, --note and --live apply only to --page");
   return Success{};
 }
 
@@ -126,7 +126,7 @@ Status check_paths(const MotionOutputs& outputs, const std::vector<NamedFile>& s
                    const MotionSource& source) {
   if (Status s = check_endings(outputs); !s) return s;
   if (!outputs.textures.empty() && outputs.glb.empty())
-    return usage_error("--texture is of --glb: no other format that is asked for has pictures");
+    return usage_error("--texture applies only to --glb: no other requested format has images");
   if (Status s = check_names(outputs, source); !s) return s;
   const MotionPaths paths = paths_of(outputs, source);
   std::vector<std::string> all = paths.named;

@@ -60,9 +60,9 @@ Status apply_flags(const RunOptions& flags, const std::function<bool(const char*
   for (const char* flag : {"--load", "--signal", "--at", "--force", "--scale", "--deflect",
                            "--start", "--frequency", "--sweep", "--load-duration", "--rescale"})
     if (given(flag))
-      return usage_error(
-          fmt::format("{} is of one body: say it in the scene, where {} has a table of its own",
-                      flag, file.scene.bodies.size() == 1 ? "the body" : "each body"));
+      return usage_error(fmt::format(
+          "{} applies only to one body: set it in the scene, where {} has its own table", flag,
+          file.scene.bodies.size() == 1 ? "the body" : "each body"));
   const auto names = integrator_names();
   if (given("--integrator") &&
       std::find(names.begin(), names.end(), flags.integrator) == names.end())

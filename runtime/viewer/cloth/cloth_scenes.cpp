@@ -201,7 +201,7 @@ Status ClothScenes::set_step_size(double step) {
 
 Status ClothScenes::record_hand() {
   if (shown_.size() > 1)
-    return usage_error("--record-hand is of one scene, not of two side by side");
+    return usage_error("--record-hand applies only to one scene, not to two side by side");
   records_ = true;
   return Success{};
 }

@@ -295,7 +295,7 @@ Result<int> show_surfaces(const ViewerOptions& options, MovingSurfaces& scenes) 
 
 Status refuse_body_flags(const ViewerOptions& options, const std::string& kind) {
   if (!options.textures.empty())
-    return usage_error("--texture is of bodies with a basis, not of " + kind);
+    return usage_error("--texture applies only to bodies with a basis, not to " + kind);
   if (!options.offscreen && !(options.out.empty() && options.video.empty()))
     return usage_error("a window of " + kind +
                        " is not recorded: --offscreen writes --out and --video");
