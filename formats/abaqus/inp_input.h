@@ -1,4 +1,4 @@
-// The lines of an Abaqus input file: keywords with parameters, and the data behind them.
+// The lines of an Abaqus input file: keywords with parameters, followed by their data.
 #pragma once
 
 #include <map>

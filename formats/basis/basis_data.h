@@ -92,7 +92,7 @@ struct BasisData {
   std::vector<double> quartic;          // Q: quad_count(r) entries; both empty: a linear model
   std::vector<double> singular_values;  // of the mass-PCA, descending, kept and cut
   // G of V = 1/2 y^T G y, y the strain_terms(r) of packed_index.h: pair_count(strain_terms(r))
-  // entries, place pair_index(a, b) for a <= b. Stiffness damping needs it. Empty: not known (an
+  // entries, index pair_index(a, b) for a <= b. Stiffness damping needs it. Empty: not known (an
   // imported model, an older file) or a linear model.
   std::vector<double> strain_gram;
 
@@ -101,14 +101,14 @@ struct BasisData {
   std::vector<Triangle> triangles;       // boundary, indices into surface.vertex_ids
   std::vector<VertexId> fixed_vertices;  // ascending ids in the source mesh
   DefaultLoad load;                      // may be empty
-  // Quadratic elements have vertices that are middles of edges, ascending; their rows are the
-  // displacements of these places as of any other vertex. None: linear elements.
+  // For quadratic elements: the vertices that are midpoints of edges, ascending; their rows are the
+  // displacements of these points, as for any other vertex. Empty: linear elements.
   std::vector<MeshEdge> edges;
   std::optional<RenderBlock> render;
   std::optional<InertiaIntegrals> inertia;  // none: an imported model, or a file made before these
-  MassElements elements;                    // none unless asked for (--keep-elements)
+  MassElements elements;                    // empty unless requested (--keep-elements)
 
-  LocalResponse response;  // no places unless asked for (--response-at)
+  LocalResponse response;  // no points unless requested (--response-at)
 
   std::string provenance;  // a JSON object, UTF-8
   VegaFiles vega;          // read_basis() leaves them in the file: read_vega_files()

@@ -28,12 +28,12 @@ inline constexpr std::size_t kRowsAtOnce = 4096;
 struct RowSources {
   RowSource surface;
   RowSource interior;
-  RowSource render;  // asked only if data.render is there
+  RowSource render;  // called only if there is data.render
 };
 
-// write_basis in full encoding; the `rows` of the data's blocks are empty, their numbers come from
-// `sources`, surface first, then render, then interior. What is in memory is the data, a file's
-// other sections and kRowsAtOnce vertices.
+// write_basis in full encoding; the `rows` of the data's blocks are empty and come from `sources`,
+// surface first, then render, then interior. Memory is needed for the data, the file's other
+// sections and kRowsAtOnce vertices.
 Status write_basis(const std::string& path, const BasisData& data, const RowSources& sources);
 
 // encode_basis, written under a temporary name and renamed to `path`.

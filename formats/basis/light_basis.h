@@ -1,4 +1,4 @@
-// A model without what only its maker and its reference need.
+// A model without the data that only its maker and the reference need.
 #pragma once
 
 #include "common/result.h"

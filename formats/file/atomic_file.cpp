@@ -20,8 +20,8 @@
 
 namespace tremolo {
 
-// A temporary file under way, readable from a signal handler. Slots are linked once and stay: one
-// that is free again is used by the next file.
+// A temporary file during writing, readable from a signal handler. Slots are linked once and stay;
+// a free slot is used for the next file.
 struct PartialSlot {
   std::atomic<int> state{0};  // kFree, kTaken, kNamed
   const char* path =
@@ -210,7 +210,7 @@ Status AtomicFile::commit() {
   if (Status s = reopen(); !s) return s;
   while (::fsync(descriptor_) != 0)
     if (errno != EINTR) return failure("flush");
-  // Everything is on the disk: a signal during close() takes nothing away.
+  // Everything is on the disk: a signal during close() loses nothing.
   const int closed = ::close(std::exchange(descriptor_, -1)) == 0 || errno == EINTR ? 0 : -1;
   if (closed != 0 || ::rename(temporary_.c_str(), path_.c_str()) != 0) {
     const Error error = failure("finish");

@@ -9,8 +9,9 @@
 
 namespace tremolo {
 
-// A pipe may never send anything, a device never end: both are refused, as folders and sockets are,
-// with what stands at the path. Symbolic links are followed. Errors are kSystem and name the path.
+// Only regular files are accepted: a pipe may never send anything, a device may never end. The
+// error gives the kind of the file found. Symbolic links are followed. Errors are kSystem with the
+// path.
 
 // The result of stat() for a regular file. It opens nothing: opening a pipe waits for its writer,
 // and some devices act when they are opened.

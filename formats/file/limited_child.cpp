@@ -139,7 +139,7 @@ class Deadline {
 
 enum class Listening { kEnd, kTooLate, kTooMuch, kFailed };
 
-// Takes all that comes through the pipe until the child closes it.
+// Reads all bytes from the pipe until the child closes it.
 Listening listen(int pipe, const ChildLimits& limits, std::vector<std::byte>& answer) {
   const Deadline deadline(limits.seconds);
   std::vector<std::byte> piece(std::size_t{1} << 18);

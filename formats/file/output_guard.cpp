@@ -72,7 +72,7 @@ class Places {
     const fs::path name = path.filename();
     const bool plain = !name.empty() && name != "." && name != ".." && path.has_parent_path();
     if (plain && path != path.root_path()) {
-      // Below a folder that is not there nothing is there.
+      // Nothing exists below a missing folder.
       const Folder parent = folder(path.parent_path());
       const std::string place = (parent.place == "/" ? "/" : parent.place + "/") + name.string();
       if (parent.place.empty()) return {};
@@ -94,10 +94,10 @@ bool lies_in(const fs::path& file, const fs::path& folder) {
          folder.end();
 }
 
-// Formats that name files do it by their names as they stand on the disk.
+// Formats that refer to files contain their names as on the disk.
 bool holds_text(const std::string& path, std::string_view text) {
   const Result<MappedFile> file = MappedFile::open(path);
-  if (!file) return false;  // who reads it will say so
+  if (!file) return false;  // its reader reports the error
   const auto bytes = file->bytes();
   return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()).find(text) !=
          std::string_view::npos;
@@ -121,7 +121,7 @@ std::string whose_text(const NamedFile& input) {
   return input.path + " (" + input.role + ")";
 }
 
-// Inputs by inode and by place.
+// Inputs by inode and by resolved path.
 class KnownInputs {
  public:
   KnownInputs(const std::vector<NamedFile>& inputs, Places& places) {
@@ -136,7 +136,7 @@ class KnownInputs {
     }
   }
 
-  // status: of what stands at the output; null: nothing does.
+  // status: of the existing file; null: there is none.
   Status keep(const std::string& output, const std::string& place,
               const struct stat* status) const {
     if (const auto found = by_place_.find(place); found != by_place_.end())
@@ -156,7 +156,7 @@ class KnownInputs {
   std::vector<std::pair<NamedFile, fs::path>> owners_;
 };
 
-// Outputs by place and, of those that are there already, by inode.
+// Outputs by resolved path and, if they exist, by inode.
 class KnownOutputs {
  public:
   Status add(const std::string& output, const std::string& place, const struct stat* status) {
@@ -257,7 +257,7 @@ Status check_writable(const std::vector<std::string>& outputs, bool makes_folder
     const fs::file_status status = fs::status(path, error);
     if (fs::exists(status) && !fs::is_regular_file(status))
       return system_error(output + ": cannot write: it exists and is not a regular file");
-    // One trial a folder: what can be written there once can be written again.
+    // One trial per folder is enough.
     if (makes_folders && !tried.insert(folder).second) continue;
     if (makes_folders && !fs::exists(folder, error)) {
       if (Status s = check_new_folders(output); !s) return s;

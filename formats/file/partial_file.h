@@ -1,4 +1,4 @@
-// Temporary files beside a target: their names, their owners, and the removal of stale ones.
+// Temporary files next to a target: their names, their owners, and the removal of stale ones.
 #pragma once
 
 #include <string>
@@ -11,8 +11,8 @@ struct PartialFile {
   int descriptor = -1;
 };
 
-// Creates TARGET.partial-PID, empty; -2, -3, ... behind it where threads write the same target. It
-// is locked while the descriptor is open, so that other processes see that it has an owner.
+// Creates TARGET.partial-PID, empty; with -2, -3, ... appended if threads write the same target. It
+// is locked while the descriptor is open, which shows other processes that it has an owner.
 PartialFile create_partial(const std::string& target);
 
 // Opens a closed temporary file at its end and locks it. Returns the descriptor; -1: none, with the

@@ -1,4 +1,4 @@
-// Tokens and numbers of a text that lies in memory, with the line they stand on.
+// Tokens and numbers of a text in memory, with their line numbers.
 #pragma once
 
 #include <algorithm>
@@ -17,17 +17,17 @@ namespace tremolo {
 
 // Rules for splitting a text into tokens. Blanks, tabs, CR and LF always separate.
 struct TextStyle {
-  char comment = '\0';       // from this character to the end of the line nothing counts
+  char comment = '\0';       // begins a comment up to the end of the line
   bool commas = false;       // commas separate like blanks
   bool lines = false;        // a record is a line: tokens are not taken from the next one
-  bool open_end = false;     // a number may touch the end of the text; else it may be cut off there
-  bool binary_file = false;  // errors give the byte offset, since lines mean nothing
+  bool open_end = false;     // a number may end with the text; else it counts as cut off
+  bool binary_file = false;  // errors give byte offsets instead of lines
 };
 
 // Bytes that some editors and exporters put before the first character of UTF-8.
 inline constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
-// The text behind a byte-order mark, or all of it. TextScanner does this itself.
+// The text after a byte-order mark, or all of it. TextScanner does this itself.
 inline std::string_view without_mark(std::string_view text) {
   return text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text;
 }
@@ -51,7 +51,7 @@ class TextScanner {
   // The next token, empty if there is none (with style.lines: none on this line).
   std::string_view token();
   std::string_view peek();
-  // The rest of this line without its end, comments included; goes behind it.
+  // The rest of this line without its end, comments included; moves to the next line.
   std::string_view rest_of_line();
 
   // A whole token that is a number in the range of T; what: "a node id".

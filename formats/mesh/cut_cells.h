@@ -1,9 +1,10 @@
-// Hexahedra, wedges and pyramids -> tetrahedra, without a face whose two sides are cut differently.
+// Divides hexahedra, wedges and pyramids into tetrahedra, so that two cells divide a common face in
+// the same way.
 //
-// A cell is cut from its lowest corner: each triangle of the faces that do not have it makes a
-// tetrahedron with it. A quadrilateral face is cut from its own lowest corner (J. Dompierre et al.,
-// "How to subdivide pyramids, prisms and hexahedra into tetrahedra", 1999), which the cell on its
-// other side sees as the same.
+// A cell is divided from its lowest corner: each triangle of the faces without that corner makes a
+// tetrahedron with it. A quadrilateral face is divided from its own lowest corner (J. Dompierre et
+// al., "How to subdivide pyramids, prisms and hexahedra into tetrahedra", 1999), which is the same
+// for the cell on its other side.
 #pragma once
 
 #include <span>

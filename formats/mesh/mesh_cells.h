@@ -1,4 +1,4 @@
-// The kinds of cells that mesh files hold, by the numbers that the formats give them.
+// The kinds of cells in mesh files, by the numbers of the formats.
 #pragma once
 
 #include <cstdint>
