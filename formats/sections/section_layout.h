@@ -29,7 +29,7 @@ inline constexpr std::size_t kReservedAt = 32;    // 24 bytes, zero
 inline constexpr std::size_t kHeaderHashAt = 56;  // u64, XXH3-64 of bytes 0..55
 }  // namespace header
 
-// Table: one 64-byte entry a section, directly behind the header.
+// Table: one 64-byte entry per section, directly after the header.
 inline constexpr std::size_t kEntrySize = 64;
 namespace entry {
 inline constexpr std::size_t kNameAt = 0;      // 16 characters, padded with zeros

@@ -86,7 +86,7 @@ Status read_elements(VegInput& input, VegFile& file) {
     std::int64_t id = 0;
     if (!input.expect_line("an element") || !input.line().read(id, "an element id"))
       return input.error();
-    // Sets count elements by their place, so the ids have to say the same.
+    // Sets refer to elements by their position, so the ids must agree with it.
     if (e == 0) file.first_element = id;
     const std::int64_t expected = file.first_element + e;
     if ((id != 0 && id != 1 && e == 0) || id != expected)
@@ -142,7 +142,8 @@ std::string joined_rest(VegInput& input) {
   return text;
 }
 
-// Kind and numbers of a material on one line. What is wrong with it matters only to who wants it.
+// Reads kind and numbers of a material on one line. Errors in it matter only if the material is
+// used.
 Result<bool> read_material(VegInput& input, VegFile& file) {
   FileMaterial found;
   found.region = joined_rest(input);
