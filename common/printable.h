@@ -6,8 +6,8 @@
 
 namespace tremolo {
 
-// The number of bytes of the UTF-8 character at the front, 1 to 4; 0 where it is none, or one that
-// steers a terminal or turns the direction of writing.
+// The number of bytes of the UTF-8 character at the front, 1 to 4; 0 if it is invalid, or controls
+// a terminal or the direction of writing.
 inline std::size_t plain_character(std::string_view text) {
   const auto byte = [&text](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
   const std::uint8_t first = byte(0);

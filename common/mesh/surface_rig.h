@@ -35,7 +35,7 @@ struct RigPose {
 struct RigClip {
   std::string name;
   std::vector<double> times;   // s, ascending
-  std::vector<RigPose> poses;  // of all bones, frame behind frame
+  std::vector<RigPose> poses;  // of all bones, for each frame
 };
 
 struct SurfaceRig {
