@@ -50,8 +50,8 @@ double mass_norm(const FullOrder& body, const Vector& u) {
   return std::sqrt(u.dot(multiply(body, body.mass, u)));
 }
 
-// Throws if the factor of the refined mesh is too large: for the memory that the user allows, or
-// for a user who has not said how much that is.
+// Throws if the factor of the refined mesh is too large for the user's memory limit, or without one
+// for the default limit.
 void require_refined_fits(const Problem& fine, const std::optional<double>& memory) {
   const DofMap map = make_dof_map(fine.mesh, fine.fixed, 1);
   const double entries = count_factor_entries(map);
@@ -94,7 +94,7 @@ double basis_error(const Rest& rest, const BudgetSubject& subject) {
   return moment.difference / moment.norm;
 }
 
-// Takes a number, or the reason why there is none.
+// Measures a number, or records the reason why it cannot.
 template <class Measure>
 std::optional<double> attempt(const char* what, const Measure& measure, ErrorBudget& budget) {
   try {

@@ -1,4 +1,4 @@
-// `--error-budget`: what the mesh, the basis and the step each leave out, in one norm.
+// `--error-budget`: the errors of mesh, basis and step, in one norm.
 //
 // discretisation and reduction are static, under the default load: |u_h - u_{h/2}| / |u_{h/2}| of
 // this mesh against the one refined once (of the same order), and |u - Uq| / |u| of the reduced
@@ -44,7 +44,7 @@ struct BudgetSubject {
 ErrorBudget measure_budget(const BudgetSubject& subject);
 
 // Relative error of the default step of `tremolo run` on a basis file. Throws Failure (kSystem) if
-// that program is not beside this one or fails.
+// that program is not in the same folder or fails.
 double step_error(const std::string& file);
 
 std::string describe(const ErrorBudget& budget);  // one line: the three, and where to spend

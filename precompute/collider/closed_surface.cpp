@@ -40,7 +40,7 @@ std::vector<VertexId> first_at_place(const std::vector<Vector3d>& vertices, doub
   return first;
 }
 
-// Joined vertices, those in use alone; triangles with three different corners.
+// Joins vertices and keeps the used ones, and triangles with three different corners.
 SurfaceMesh weld(const RenderSurface& given) {
   const double diagonal = bounding_box(given.vertices).diagonal();
   const std::vector<VertexId> first = first_at_place(given.vertices, kSamePlace * diagonal);
@@ -143,7 +143,8 @@ SurfaceParts turn_whole_outwards(SurfaceMesh& surface) {
   return parts;
 }
 
-// A part that faces inwards is a cavity if it lies in one that faces outwards; else it is turned.
+// A part that faces inwards is a cavity if it is inside one that faces outwards; else it is
+// reversed.
 void turn_parts_outwards(ClosedSurface& result) {
   SurfaceMesh& surface = result.surface;
   const SurfaceParts parts = turn_whole_outwards(surface);

@@ -1,4 +1,4 @@
-// Edges of a triangle surface: who shares them, and where the surface ends.
+// Edges of a triangle surface: their triangles, and the boundary of the surface.
 #pragma once
 
 #include <cstddef>
@@ -8,11 +8,11 @@
 
 namespace tremolo {
 
-// Turns triangles so that two that share an edge with nobody else go along it in opposite
-// directions; of the triangles that hang together in that way, the larger area stays as it is.
+// Reverses triangles so that two that are the only ones at an edge pass it in opposite directions;
+// in each connected set, the orientation of the larger area is kept.
 struct Orientation {
   std::size_t turned = 0;
-  bool one_sided = false;  // there is no such turning
+  bool one_sided = false;  // there is no such orientation
 };
 Orientation orient_triangles(SurfaceMesh& surface);
 

@@ -13,13 +13,13 @@ namespace tremolo {
 
 // A mesh with its notes.
 struct MesherAnswer {
-  TetMesh mesh;                    // vertices (m) and tetrahedra alone
+  TetMesh mesh;                    // only vertices (m) and tetrahedra
   std::string format;              // "Wavefront OBJ"
   std::vector<std::string> notes;  // findings, repairs and results
 };
 
-// The answer, or why there is none, as bytes of this machine: a line of JSON, then the vertices (n
-// times three doubles) and the tetrahedra (m times four int32).
+// The answer, or its error, as bytes of this machine: a line of JSON, then the vertices (n times
+// three doubles) and the tetrahedra (m times four int32).
 std::vector<std::byte> encode_answer(const Result<MesherAnswer>& answer);
 
 // The inverse of encode_answer(); kSystem for bytes that it did not write.

@@ -136,9 +136,9 @@ Result<TetMesh> mesh_as_polyhedron(const SurfaceSolid& solid, const MeshPlan& pl
   return *with_edges;
 }
 
-// Meshes at the wanted sizes; where that exceeds its budget or would, without the demand for a
-// two-manifold, and at last with larger tetrahedra, which `method` then says. cost: of a query;
-// count: of tetrahedra that are expected.
+// Meshes at the requested sizes; if that exceeds or would exceed its budget, without the
+// requirement of a two-manifold, and at last with larger tetrahedra, which `method` then says.
+// cost: of a query; count: the expected number of tetrahedra.
 Result<TetMesh> mesh_in_tries(ImplicitRequest& request, const SizeField& sizes, double cost,
                               double count, std::string& method) {
   const auto most = static_cast<double>(request.most_queries);
@@ -215,7 +215,8 @@ Result<MeshAttempt> attempt_mesh(const SurfaceSolid& solid, const MeshPlan& plan
   return done;
 }
 
-// Meshes until the number of tetrahedra asked for is met; of several misses the nearest.
+// Meshes until the requested number of tetrahedra is met; if it never is, the nearest result is
+// used.
 Result<MeshAttempt> attempt_mesh_to_count(const SurfaceSolid& solid, MeshPlan plan, int wanted) {
   const auto share_of = [wanted](const MeshAttempt& attempt) {
     return static_cast<double>(attempt.mesh.tetrahedra.size()) / wanted;

@@ -18,7 +18,7 @@ struct MeshAttempt {
   std::string method;
 };
 
-// The mesh may be empty. Errors: kSolver if the mesher does not come to an end.
+// The mesh may be empty. Errors: kSolver if the mesher does not end.
 Result<MeshAttempt> attempt_mesh(const SurfaceSolid& solid, const MeshPlan& plan);
 
 // True if such a fraction of the requested number of tetrahedra counts as that number: within 10 %.

@@ -27,7 +27,7 @@ namespace {
 
 using TetsJson = nlohmann::ordered_json;
 
-// The solid's boundary, or the surface that was given, and how it hangs on the tetrahedra.
+// The solid's boundary, or the given surface, with its weights on the tetrahedra.
 TetsSurface drawn_surface(const Problem& problem, unsigned threads) {
   TetsSurface drawn;
   Embedding embedding;

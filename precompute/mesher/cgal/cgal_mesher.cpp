@@ -32,7 +32,7 @@ constexpr int kFirstCells = 220;
 // sphere.
 constexpr double kIntersectionError = 1e-5;
 
-// Newton's steps of a recipe's vertex to the surface, and how near it must come, over the error.
+// Newton's steps of a recipe's vertex to the surface, and the required accuracy, over the error.
 constexpr int kProjections = 6;
 constexpr double kOffSurface = 0.05;
 

@@ -11,7 +11,7 @@ namespace tremolo {
 
 // Delaunay refinement of the implicit solid, then perturbation and exudation of slivers. The same
 // recipe gives the same mesh. Errors: kContent if the solid is empty or not in one piece at the
-// wanted size; kSolver if the mesher fails.
+// requested size; kSolver if the mesher fails.
 Result<TetMesh> mesh_recipe(const Recipe& recipe);
 
 // The same for any implicit solid. inside: called very often. first_points: on the surface, at

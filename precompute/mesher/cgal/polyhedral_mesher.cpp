@@ -29,7 +29,7 @@ using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 
 // Seeds keep this share of their distance from vertices on sharp edges.
 constexpr double kNearSeed = 0.8;
-// Half the length of the segment that finds a seed's place on the surface, over that distance.
+// Half the length of the segment that finds a seed's position on the surface, over that distance.
 constexpr double kProbe = 0.05;
 
 // True if a point is too close to an existing vertex, or in the ball that protects a sharp edge.

@@ -15,7 +15,7 @@ namespace tremolo {
 // Counts of triangles unless said otherwise. The first group has been repaired, the second remains.
 struct SurfaceFindings {
   std::size_t triangles = 0;  // as given
-  std::size_t welded = 0;     // vertices that lay where another did
+  std::size_t welded = 0;     // vertices at the position of another
   std::size_t degenerate = 0;
   std::size_t repeated = 0;
   std::size_t cancelled = 0;  // back to back with another: both were taken out
@@ -38,8 +38,8 @@ struct SurfaceFindings {
   }
 };
 
-// mesh: no vertex twice, no degenerate triangle, oriented outwards as well as it goes.
-// shell_of: one a triangle.
+// A repaired surface without repeated vertices and degenerate triangles, oriented outwards where
+// possible. shell_of: one per triangle.
 struct RepairedSurface {
   SurfaceMesh mesh;
   std::vector<std::size_t> shell_of;
@@ -50,7 +50,7 @@ struct RepairedSurface {
 // closed as gaps. Inner shells are taken out, cavities stay.
 RepairedSurface repair_surface(const SurfaceMesh& surface);
 
-// One sentence for each finding, "welded 120 vertices"; none for a sound surface.
+// One sentence for each finding, "welded 120 vertices"; none for a valid surface.
 std::vector<std::string> describe(const SurfaceFindings& findings);
 
 }  // namespace tremolo
