@@ -130,7 +130,7 @@ TEST_F(ClothProgram, WritesWhatOtherProgramsOpen) {
   EXPECT_TRUE(fs::exists(folder_ + "/e-0015.obj"));
 }
 
-// By modes of what was recorded.
+// Exports use modes computed from the recording.
 TEST_F(ClothProgram, WritesPagesAndGlbToAThousandthOfItsSize) {
   std::ofstream(folder_ + "/scene.toml") << small_sheet("name = \"sheet\"\n");
   const ProgramResult result = run_program(

@@ -64,8 +64,8 @@ TetMesh sample_mesh(const std::string& name) {
   return file ? std::move(file->mesh) : TetMesh{};
 }
 
-// Vertices of the boundary are on the surface, and what is deep in the mesh is inside by at most as
-// much as the nearest of them is away.
+// Vertices of the boundary are on the surface; inner vertices are inside, by at most their distance
+// from the nearest boundary vertex.
 TEST_F(ColliderProgram, SampleSurfacesKeepTheirShape) {
   for (const char* name : {"horse", "basket"}) {
     const TetMesh mesh = sample_mesh(name);

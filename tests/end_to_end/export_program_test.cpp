@@ -131,7 +131,7 @@ TEST_F(ExportProgram, AGlbHasMaterialsAndTextureCoordinatesAndBoundedWeights) {
   EXPECT_EQ(body["targets"], 6);
   EXPECT_EQ(body["weights"], json({0.0, 1.0}));
   EXPECT_EQ(body["triangles"], 12);
-  // Without what can be left out.
+  // Without optional parts.
   exported("bar.tremolo" + kTimes + "--glb small.glb --plain-weights --no-normals --modes 2");
   const json small = checked("small.glb")["bodies"][0];
   EXPECT_EQ(small["attributes"], json({"POSITION", "TEXCOORD_0"}));

@@ -1,4 +1,4 @@
-// tremolo-precompute as a user meets it: what it makes and what it says of it.
+// tremolo-precompute from the user's side: its outputs and its messages.
 #include <cstring>
 
 #include <gtest/gtest.h>

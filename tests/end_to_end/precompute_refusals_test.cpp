@@ -1,4 +1,4 @@
-// tremolo-precompute and what it does not take: exit codes, messages, and outputs that appear whole
+// Inputs that tremolo-precompute refuses: exit codes, messages, and outputs that are written whole
 // or not at all.
 #include <algorithm>
 #include <cstring>
@@ -99,7 +99,7 @@ TEST_F(PrecomputeRefusals, ALongChainOfHingesIsRefusedToo) {
   }
 }
 
-// PETSc does not tell by itself.
+// PETSc does not report it by itself.
 TEST_F(PrecomputeRefusals, AFactorThatDoesNotFitIsSaidToBeThat) {
   const TetMesh block = box_mesh({14, 10, 10}, {0.3, 0.2, 0.2});
   expect_failure(run_on(block,

@@ -1,7 +1,7 @@
 // Bodies whose support moves, and bodies that fly, against the whole mesh moved through the world
-// by `tremolo-precompute reference`, which knows neither a moving frame nor an integral over a
-// mode. A basis of as many columns as the mesh has unknowns leaves nothing out: what is left is
-// the error of the steps, and has to fall by four where they are halved.
+// by `tremolo-precompute reference`, which has neither a moving frame nor an integral over a mode.
+// A basis with as many columns as the mesh has unknowns is exact: the remaining error is that of
+// the steps, and must fall by four when they are halved.
 #include <map>
 #include <sstream>
 
@@ -167,7 +167,7 @@ class DrivenTruth : public WorldTruth {
     EXPECT_GT(coarse.peak, 0.04);  // a large deflection of a bar of 0.3 m
     EXPECT_LE(fine.displacement, 5e-4 * fine.peak);
     EXPECT_GE(coarse.displacement / fine.displacement, 3.3);
-    EXPECT_LE(fine.place, 1e-9);  // what the spline of the given poses misses
+    EXPECT_LE(fine.place, 1e-9);  // error of the spline of the given poses
     EXPECT_LE(fine.turn, 1e-9);
   }
 };
@@ -219,7 +219,7 @@ TEST_F(WorldTruth, AFreeDampedBodyConvergesToTheWholeMesh) {
   EXPECT_LE(fine.displacement, 0.02 * fine.peak);
   EXPECT_GE(coarse.displacement / fine.displacement, 3.3);
   EXPECT_LE(fine.turn, 1e-4);     // of five radians
-  EXPECT_LE(fine.angular, 1e-7);  // N m s, of 0.48: what the solves of the whole mesh leave
+  EXPECT_LE(fine.angular, 1e-7);  // N m s, of 0.48: error of the solves of the whole mesh
 }
 
 // With a basis that leaves much out, a shake below the first frequency and a spin-up: not farther

@@ -1,4 +1,4 @@
-// Files that are not what they say, and what they may not do to the process that reads them.
+// Files with false contents, and their effects on the process that reads them, which must be none.
 #include <csignal>
 #include <filesystem>
 #include <random>
@@ -62,7 +62,7 @@ TEST_F(HostileSurface, EmptyFilesAndGarbageAreRefusedInEveryFormat) {
   }
 }
 
-// Cut anywhere, a file is refused or gives what is whole in it; it never ends the process.
+// A file cut anywhere is refused or gives its complete part; it never ends the process.
 TEST_F(HostileSurface, CutFilesAreRefusedOrGiveLess) {
   const std::vector<std::pair<const char*, std::string>> files = {
       {"box.stl", box_stl_binary()}, {"box.glb", box_glb()}, {"box.ply", box_ply(true)},

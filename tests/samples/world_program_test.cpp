@@ -288,8 +288,8 @@ TEST_F(WorldProgram, PoursTwoHundredBalls) {
   EXPECT_NE(result.err.find("and 188 bodies more"), std::string::npos) << result.err;
 }
 
-// A run that is cut in two by --save and --restore writes the same rows, and the same file at the
-// end; what belongs to another scene is refused, and nothing is written.
+// A run divided into two by --save and --restore writes the same rows, and the same file at the
+// end; a state of another scene is refused, and nothing is written.
 TEST_F(WorldProgram, ARunThatWasSavedGoesOnWithTheSameBits) {
   const std::string scene =
       "gravity = [0, 0, -9.81]\n" + body("shaken", "driven", kShaken) +

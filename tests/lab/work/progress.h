@@ -13,13 +13,13 @@
 
 namespace tremolo {
 
-// wanted: number of threads, 0 for all cores.
+// wanted: requested number of threads, 0 for all cores.
 inline unsigned thread_count(unsigned wanted) {
   return wanted > 0 ? wanted : std::max(1u, std::thread::hardware_concurrency());
 }
 
 // Calls work(i) for each i below count. A line every ten seconds and at the end says "what:
-// finished of count". What a piece throws is thrown here once the threads have stopped.
+// finished of count". An exception of a piece is rethrown once the threads have stopped.
 template <class Work>
 void for_all(const std::string& what, std::size_t count, unsigned threads, const Work& work) {
   std::mutex mutex;
