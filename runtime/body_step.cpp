@@ -148,8 +148,8 @@ std::string why_not_made(const StepReport& report, double time) {
   switch (report.failure) {
     case StepFailure::kLoad:
       return step +
-             " did not converge: its numbers overflow under its load; remove "
-             "that load to continue";
+             " did not converge: its numbers overflow under the load; without it the "
+             "body continues";
     case StepFailure::kNumbers:
       return step + " did not converge: its numbers overflow";
     case StepFailure::kEnergy:

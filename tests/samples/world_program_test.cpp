@@ -285,7 +285,7 @@ TEST_F(WorldProgram, PoursTwoHundredBalls) {
     EXPECT_LE(body["penetration_max"].get<double>(), 0.07) << body["body"];
   }
   EXPECT_GE(contacts, 50);
-  EXPECT_NE(result.err.find("and 188 bodies more"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("and 188 more bodies"), std::string::npos) << result.err;
 }
 
 // A run divided into two by --save and --restore writes the same rows, and the same file at the
