@@ -3,10 +3,9 @@
 
 namespace tremolo {
 
-// Watches H over a run and says how far it left what it should be (docs/reference.md,
-// `energy_drift_max`). observe() takes, once before the first step and once after each: H, the work
-// of the loads and the dissipated energy, both since the start, and whether a load still acts on a
-// coming step.
+// Measures the error of H over a run (docs/reference.md, `energy_drift_max`). Call observe() before
+// the first step and after each, with H, the work of the loads and the dissipated energy, both
+// since the start, and whether a load can still act in a later step.
 class DriftMeter {
  public:
   void observe(double energy, double work, double dissipated, bool load_to_come);

@@ -7,7 +7,7 @@
 
 namespace tremolo {
 
-// printf into a string: up to 399 bytes, what is longer is cut.
+// printf into a string of up to 399 bytes; longer text is cut.
 template <class... Values>
 std::string text(const char* format, Values... values) {
   char buffer[400];

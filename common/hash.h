@@ -9,10 +9,10 @@
 
 namespace tremolo {
 
-// XXH3-64 with seed 0 of the bytes as they lie in memory.
+// XXH3-64 with seed 0 of the bytes in memory.
 std::uint64_t hash_bytes(std::span<const std::byte> bytes);
 
-// The same of bytes that come piece by piece.
+// The same for bytes in several pieces.
 class Hasher {
  public:
   Hasher();

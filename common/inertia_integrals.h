@@ -12,7 +12,7 @@ struct InertiaIntegrals {
   double mass = 0;                // int rho, kg
   Eigen::Vector3d first_moment;   // int rho X, kg m
   Eigen::Matrix3d second_moment;  // int rho X X^T, kg m^2
-  // 12 x r: rows 0 to 2 are s_i = int rho phi_i, kg^1/2; the nine behind them are
+  // 12 x r: rows 0 to 2 are s_i = int rho phi_i, kg^1/2; the next nine are
   // A_i = int rho X phi_i^T, kg^1/2 m.
   Eigen::MatrixXd linear;
   // 9 x pair_count(r), column pair_index(i, j) with i <= j: B_ij = int rho phi_i phi_j^T.

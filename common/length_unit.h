@@ -13,7 +13,7 @@ namespace tremolo {
 inline constexpr const char* kLengthUnits =
     "um, mm, cm, m, km, in, ft, or metres a unit as a number";
 
-// "mm" -> 0.001. Errors: kUsage for what is no unit and no positive finite number.
+// "mm" -> 0.001. Errors: kUsage for a text that is neither a unit nor a positive finite number.
 inline Result<double> metres_per_unit(const std::string& text) {
   constexpr std::pair<const char*, double> kUnits[] = {{"um", 1e-6},  {"mm", 1e-3}, {"cm", 1e-2},
                                                        {"m", 1.0},    {"km", 1e3},  {"in", 0.0254},

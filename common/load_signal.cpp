@@ -43,9 +43,9 @@ double chirp_phase(const Signal& signal, double t) {
   return 2.0 * std::numbers::pi * t * (signal.frequency + 0.5 * rate * t);
 }
 
-// A chirp's integral is one of Fresnel's: by eight points of Gauss on pieces of at most two radians
-// its error is below rounding. Steps of more than 2 048 pieces see more than 600 waves, of which
-// nothing is left in a motion.
+// A chirp's integral is one of Fresnel's: with eight Gauss points on pieces of at most two radians
+// its error is below rounding. Steps of more than 2 048 pieces contain more than 600 waves, whose
+// effect on the motion vanishes.
 StepSignal sample_chirp(const Signal& signal, double begin, double finish, double step) {
   constexpr std::array<double, 4> kPoints = {0.1834346424956498, 0.5255324099163290,
                                              0.7966664774136267, 0.9602898564975363};
@@ -85,11 +85,11 @@ StepSignal sample_ramp(const Signal& signal, double time, double step) {
   return {begin, average, end};
 }
 
-// The table's straight line between the moments k and k + 1, at `time` on it.
+// Linear interpolation in the table between rows k and k + 1, at `time`.
 double table_line(const SignalTable& table, std::size_t k, double time) {
   const double t0 = table.times[k], t1 = table.times[k + 1];
   const double v0 = table.values[k], v1 = table.values[k + 1];
-  // Exact at its ends: what follows must not be taken for a jump.
+  // Exact at its ends, so that rounding does not look like a jump.
   return time < t1 ? v0 + (v1 - v0) * ((time - t0) / (t1 - t0)) : v1;
 }
 

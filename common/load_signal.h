@@ -23,11 +23,10 @@ struct SignalTable {
 
 // s(t), dimensionless, of height 1 between `start` and `start + duration` (s) and zero elsewhere.
 // With t from `start` on: kSine is sin(2 pi frequency t); kChirp is sin(2 pi (frequency t +
-// (last_frequency - frequency) t^2 / (2 duration))), whose frequency moves evenly from one to the
-// other; kRamp rises evenly from 0 to 1 and stays there for ever; kTable is the table's value at t,
-// whose times take the place of the duration. duration 0 means the usual one: 3 ms for an impulse
-// (the thesis's; its step), 0.3 s for a square, 1 s for chirp and ramp, for ever for sine and
-// constant.
+// (last_frequency - frequency) t^2 / (2 duration))), whose frequency changes linearly; kRamp rises
+// linearly from 0 to 1 and stays at 1; kTable is the table's value at t, whose times replace the
+// duration. duration 0 means the default: 3 ms for an impulse (the thesis's step), 0.3 s for a
+// square, 1 s for chirp and ramp, unlimited for sine and constant.
 struct Signal {
   SignalKind kind = SignalKind::kNone;
   double start = 0.0;
@@ -37,18 +36,18 @@ struct Signal {
   double last_frequency = 10.0;        // Hz, of kChirp
 };
 
-// Numbers that a user gives to a signal; what is not given stays as it is usual.
+// A user's numbers for a signal; missing ones keep the default.
 struct SignalShape {
   std::optional<double> frequency;  // Hz, of a sine
   std::string sweep;                // "F1,F2" in Hz, of a chirp
   std::optional<double> duration;   // s
 };
 
-// Gives the signal what the shape has. Errors: kUsage where it does not apply to the kind of the
-// signal or the sweep is not two numbers; kContent for values that are not positive and finite.
+// Applies the shape to the signal. Errors: kUsage for a number that does not apply to this kind of
+// signal, or a sweep that is not two numbers; kContent for values that are not positive and finite.
 Status shape_signal(const SignalShape& shape, Signal& signal);
 
-// Why a table is none; empty if it is one.
+// The reason why a table is not valid; empty if it is.
 std::string table_problem(const SignalTable& table);
 
 // "none", "impulse", "square", "sine", "chirp", "ramp", "constant"; kUsage with the list otherwise.

@@ -24,8 +24,8 @@ struct OrthotropicElasticity {
   }
 };
 
-// young: Pa; poisson: dimensionless; density: kg/m^3. With `orthotropic`, young and poisson mean
-// nothing.
+// young: Pa; poisson: dimensionless; density: kg/m^3. With `orthotropic`, young and poisson are
+// ignored.
 struct Material {
   double young = 1e6;
   double poisson = 0.45;
@@ -50,8 +50,8 @@ inline double lame_mu(const Material& material) {
 // Errors (kContent) name the constant and its range.
 Status check_material(const Material& material);
 
-// Columns: `first` made a unit vector, what of `second` is perpendicular to it, and their cross
-// product. Errors (kContent): not finite, zero, or parallel.
+// Columns: the unit vector along `first`, that along the part of `second` perpendicular to it, and
+// their cross product. Errors (kContent): not finite, zero, or parallel.
 Result<Eigen::Matrix3d> material_axes(const Eigen::Vector3d& first, const Eigen::Vector3d& second);
 
 }  // namespace tremolo

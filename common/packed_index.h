@@ -1,4 +1,4 @@
-// The one place that knows how symmetric coefficients are packed.
+// The packing of symmetric coefficients; it is defined only here.
 //
 // A fully symmetric tensor of order d over r coordinates has C(r+d-1, d) unique entries, those
 // with i <= j <= k <= l. They are stored in colexicographic order: sorted by the largest index

@@ -11,10 +11,10 @@
 
 namespace tremolo {
 
-// Calls body(index) once for each index below count, on up to `threads` threads; indices are handed
-// out one by one. What the body throws is thrown here when all threads are done, of several the
-// first that came. Results that do not depend on which thread runs an index do not depend on the
-// number of threads.
+// Calls body(index) once for each index below count, on up to `threads` threads; indices are
+// assigned one by one. An exception of the body is rethrown when all threads are done, the first
+// one if there are several. Results that do not depend on which thread runs an index do not depend
+// on the number of threads.
 template <class Body>
 void parallel_for(std::size_t count, unsigned threads, const Body& body) {
   std::atomic<std::size_t> next{0};

@@ -6,8 +6,8 @@
 
 namespace tremolo {
 
-// The number of bytes of the UTF-8 character at the front, 1 to 4; 0 where it is none, or one that
-// steers a terminal or turns the direction of writing.
+// The number of bytes of the UTF-8 character at the front, 1 to 4; 0 if it is invalid, or controls
+// a terminal or the direction of writing.
 inline std::size_t plain_character(std::string_view text) {
   const auto byte = [&text](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
   const std::uint8_t first = byte(0);
@@ -29,8 +29,8 @@ inline std::size_t plain_character(std::string_view text) {
   return too_long || half || steers || code > 0x10FFFF ? 0 : length;
 }
 
-// Text for a terminal: bytes that steer it, as in names that come from files, are told as \x1b. The
-// ends of lines, tabs, and a return at the very end stay.
+// Text for a terminal: control characters, which names in files may contain, are printed as \x1b.
+// Line ends, tabs, and a return at the very end are kept.
 inline std::string printable(std::string_view text) {
   constexpr char kDigits[] = "0123456789abcdef";
   std::string shown;

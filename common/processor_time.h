@@ -5,7 +5,7 @@
 
 namespace tremolo {
 
-// Returns what a clock of the system shows, s.
+// Returns the time of a system clock, s.
 inline double clock_seconds(clockid_t clock) {
   std::timespec time{};
   ::clock_gettime(clock, &time);

@@ -1,6 +1,6 @@
 // V(q) = 1/2 q^T diag(lambda) q + C[q,q,q] + Q[q,q,q,q] (docs/theory.md, "Reduced energy"), summed
-// monomial by monomial from the unique entries. Slow, and independent of the kernels that the
-// runtime contracts with: what is fast is measured against it.
+// monomial by monomial from the unique entries. Slow, and independent of the runtime's kernels: a
+// reference for tests.
 #pragma once
 
 #include <vector>

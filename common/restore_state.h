@@ -14,7 +14,7 @@ template <class Thing>
 std::string state_bytes(const Thing& thing) {
   std::string bytes;
   StateStream stream = StateStream::writing(bytes);
-  // One function serves both ways; a stream that writes changes nothing.
+  // One function saves and restores; a stream that writes changes nothing.
   const_cast<Thing&>(thing).carry(stream);  // NOLINT(cppcoreguidelines-pro-type-const-cast)
   return bytes;
 }

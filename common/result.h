@@ -18,7 +18,7 @@ enum class ErrorKind : int {
   kCriterion = 6,  // a stated criterion was missed
 };
 
-// message: one sentence that names what is wrong and where (file, line or byte offset, section).
+// message: one sentence with the error and its position (file, line or byte offset, section).
 struct Error {
   ErrorKind kind = ErrorKind::kSystem;
   std::string message;
@@ -69,8 +69,8 @@ class [[nodiscard]] Result {
 struct Success {};
 using Status = Result<Success>;
 
-// Puts the value of `result` where it belongs: moved, or element by element where `target` is a
-// container of its own. Passes an error on and leaves `target` as it was then.
+// Moves the value of `result` to `target`, or element by element if `target` is a container of
+// another type. Returns an error and leaves `target` unchanged then.
 template <class Target, class Value>
 Status take(Target& target, Result<Value> result) {
   if (!result) return std::move(result.error());

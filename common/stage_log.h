@@ -15,7 +15,7 @@ struct StageRecord {
   std::uint64_t peak_bytes = 0;  // largest resident memory while the stage ran
   std::string detail;            // one line about the outcome
   double limit_seconds = 0;      // no machine of this kind could be faster; 0: not known
-  std::string limit_reason;      // what that time is made of
+  std::string limit_reason;      // the origin of that time
 };
 
 inline double seconds_since(std::chrono::steady_clock::time_point start) {

@@ -1,7 +1,6 @@
-// Values -> bytes -> the same values, by one function for both ways: carry(stream) names what it
-// carries, and a stream that writes appends it, one that reads puts it back, bit for bit. What is
-// read is not trusted: sizes must fit, and a stream that has found something wrong reads nothing
-// more.
+// Saves values as bytes and restores them, with one function for both: carry(stream) lists the
+// values, and a stream that writes appends them, one that reads restores them, bit for bit. The
+// bytes are untrusted: sizes must match, and after an error a stream reads nothing more.
 #pragma once
 
 #include <algorithm>
@@ -43,8 +42,8 @@ class StateStream {
   std::size_t left() const { return read_.size(); }  // bytes to be read
 
   // Each value: a number, a bool, an enumeration, a vector or matrix, a quaternion, a std::vector
-  // or std::optional of these, or what has carry(stream) or carry(stream, value). Sizes stay: of
-  // other sizes nothing is read.
+  // or std::optional of these, or a type with carry(stream) or carry(stream, value). Sizes are
+  // fixed: values of other sizes are not read.
   template <class... Values>
   void operator()(Values&... values) {
     (one(values), ...);

@@ -2,8 +2,8 @@
 
 namespace tremolo {
 
-// The most threads that may be asked for: no machine has use for more, and to be refused by the
-// system takes seconds.
+// The largest number of threads that may be requested: no machine can use more, and a refusal by
+// the system takes seconds.
 inline constexpr unsigned kMostThreads = 1024;
 
 }  // namespace tremolo

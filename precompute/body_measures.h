@@ -12,8 +12,7 @@ namespace tremolo {
 // Returns the mass with point masses, kg.
 double total_mass(const Problem& problem);
 
-// Returns the diagonal of the bounding box, m, over vertices of tetrahedra; others may lie
-// anywhere.
+// Returns the diagonal of the bounding box, m, over vertices of tetrahedra; others are ignored.
 double body_size(const Problem& problem);
 
 // Returns a negative shift of the pencil, (rad/s)^2, far below the first elastic mode of a compact

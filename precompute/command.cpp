@@ -110,7 +110,7 @@ void write_result(const CommandLine& line, PrecomputeResult& result, bool rows_a
                                  : write_basis(options.output_path, result.data,
                                                gathered_rows(result.basis(), result.data));
   if (!written && options.checkpoint.keep)
-    written.error().message += "; the stages are kept: --resume goes on from there";
+    written.error().message += "; the stages are kept: --resume continues from them";
   unwrap(std::move(written));
   log.end(options.output_path);
   write_vtu(options, result.problem.mesh, result.data, log);

@@ -85,8 +85,8 @@ SolverChoice choose(const ModelRequest& request, const PrecomputeResult& result,
   return choose_solver(result.map, result.local, asked);
 }
 
-// Where stiff and soft parts meet, rounding of large balanced forces in the stiff parts would
-// dominate small ones elsewhere: rows are scaled by their own stiffness.
+// If stiff and soft parts meet, rounding of large balanced forces in the stiff parts would dominate
+// small forces elsewhere: rows are scaled by their own stiffness.
 double residual_to_judge(const Solid& solid, const Modes& modes) {
   return solid.uniform() ? modes.residuals.maxCoeff() : modes.scaled_residual;
 }

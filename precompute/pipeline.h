@@ -43,7 +43,7 @@ struct PrecomputeResult {
   LocalDofs local;
   BasisRows rows;  // of U at the vertices of this rank's part of the mesh
   std::vector<ResponsePlace> response_places;
-  BasisRows response;  // likewise, 3 columns a place
+  BasisRows response;  // of W, at the same vertices, 3 columns per point
 
   SpreadBasis basis() const { return {problem.mesh, problem.embedding, map, local, rows}; }
   SpreadBasis spread_response() const {

@@ -12,7 +12,7 @@
 namespace tremolo {
 namespace {
 
-// Whether everything that the thing carries, doubles alone, is finite.
+// True if all values of an object, which consists of doubles alone, are finite.
 template <class Doubles>
 bool all_finite(const Doubles& thing) {
   const std::string bytes = state_bytes(thing);

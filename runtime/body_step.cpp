@@ -168,14 +168,14 @@ std::string why_not_made(const StepReport& report, double time) {
   switch (report.failure) {
     case StepFailure::kLoad:
       return step +
-             " did not converge: its numbers overflow under the load on it; without that "
-             "load the body goes on";
+             " did not converge: its numbers overflow under the load; without it the "
+             "body continues";
     case StepFailure::kNumbers:
       return step + " did not converge: its numbers overflow";
     case StepFailure::kEnergy:
       return step + " was not made: the energy is above " + number_text(kEnergyLimit) +
              " times all that the load put in, the method has exploded; the body is where its "
-             "energy was last found sound";
+             "energy was last within the limit";
     default:
       return step + " did not converge: residual " + number_text(report.residual) + " after " +
              std::to_string(report.iterations) + " iterations";

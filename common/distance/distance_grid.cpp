@@ -168,7 +168,7 @@ DistanceGrid::Sample DistanceGrid::at(const Eigen::Vector3d& x) const {
   for (int axis = 0; axis < 3; ++axis) {
     const double u = (inside[axis] - nodes_.origin[axis]) / nodes_.spacing;
     const double last = nodes_.counts[axis] - 1.0;
-    // Written so that also what is no number stays inside.
+    // This order of arguments also keeps NaN inside.
     stencils[axis] = stencil_at(u > 0.0 ? std::min(u, last) : 0.0, nodes_.counts[axis]);
   }
   const auto& [sx, sy, sz] = stencils;

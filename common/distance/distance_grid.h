@@ -40,16 +40,16 @@ inline constexpr std::uint32_t kMostGridNodes = 4096;                  // along 
 inline constexpr std::size_t kMostNodesOfGrid = std::size_t{1} << 26;  // 256 MB
 
 // Errors (kContent): counts outside the limits above; origin or spacing that is not finite, or so
-// far out or so small that neighbours fall together.
+// extreme that neighbours coincide.
 Status check(const GridNodes& nodes);
 
 // Immutable; safe to use from several threads. Memory: four bytes a node.
 class DistanceGrid {
  public:
-  // values: one a node, m, negative inside. Errors (kContent): what check() finds; not as many
-  // values as nodes; a value that is not finite or exceeds the grid's diagonal; neighbours that
-  // differ by more than they are apart, which no distances do; a value on the border that is not
-  // positive: the surface needs a margin.
+  // values: one per node, m, negative inside. Errors (kContent): those of check(); another number
+  // of values than nodes; a value that is not finite or exceeds the grid's diagonal; neighbours
+  // that differ by more than their distance, which is impossible for distances; a value on the
+  // border that is not positive: the surface needs a margin.
   static Result<DistanceGrid> create(const GridNodes& nodes, std::span<const float> values);
 
   // distance: m. gradient: of `distance` exactly; its length is 1 up to the grid's error.
@@ -65,7 +65,7 @@ class DistanceGrid {
   const GridNodes& nodes() const { return nodes_; }
   // From the first node to the last.
   BoundingBox box() const { return box_; }
-  // Contains what is solid, and is wider by two cells at most.
+  // Contains the solid, with a margin of two cells at most.
   BoundingBox solid_box() const { return solid_box_; }
   std::size_t bytes() const { return coefficients_.size() * sizeof(float); }
   // The hash covers all that at() depends on.

@@ -48,8 +48,8 @@ constexpr int nodes_of_order(int order) {
 using NodeGradients = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMostNodes>;
 NodeGradients node_gradients(const ElementGeometry& element, int order, const SamplePoint& point);
 
-// Integral of the product of the polynomials of nodes i and j, and of one alone; parts of the
-// volume.
+// Integral of the product of the polynomials of nodes i and j, or of one polynomial, as a fraction
+// of the volume.
 double mass_share(int order, int i, int j);
 constexpr double weight_share(int order) {
   return order == 1 ? 0.25 : 0.1;

@@ -1,5 +1,5 @@
-// The displacement gradient of one element and what is conjugate to it (element.h): a field has one
-// coefficient for order 1 and four for order 2, and a sample point mixes them.
+// The displacement gradient of one element and the conjugate stress (element.h): a field has one
+// coefficient for order 1 and four for order 2, and a sample point combines them.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// Vertices that lie at one place: the parts of a mesh that were meshed or written separately have
-// the nodes of their common faces twice.
+// Vertices at one position: parts of a mesh that were meshed or written separately have the nodes
+// of their common faces twice.
 #pragma once
 
 #include <cstddef>
@@ -9,23 +9,22 @@
 
 namespace tremolo {
 
-// Vertices of tetrahedra (edge points included) that lie within this fraction of the mesh's
-// diagonal of each other, but within a thousandth of the shortest edge in any case, are at one
-// place: coordinates written with seven digits are.
+// Vertices of tetrahedra (edge points included) are at one position if they are within this
+// fraction of the mesh's diagonal, and within a thousandth of the shortest edge: this includes
+// coordinates written with seven digits.
 inline constexpr double kCoincident = 1e-6;
 
-// pairs: how many vertices lie where one of a lower number lies. first_at: of each vertex the
-// lowest at its place; itself for all others.
+// Vertices at the position of another.
 struct Coincidences {
-  std::size_t pairs = 0;
-  std::vector<VertexId> first_at;
+  std::size_t pairs = 0;           // vertices at the position of one with a lower number
+  std::vector<VertexId> first_at;  // for each vertex the lowest at its position, or itself
 };
 
 // Indices of the mesh that do not exist are passed over: check_mesh() names them.
 Coincidences find_coincidences(const TetMesh& mesh);
 
-// Of vertices at one place the tetrahedra, edges and sets refer to the lowest afterwards; the
-// others stay, in no tetrahedron, so that all numbers are the file's.
+// Makes tetrahedra, edges and sets refer to the lowest of the vertices at one position; the others
+// stay, in no tetrahedron, so that all numbers are the file's.
 void merge_vertices(const Coincidences& found, TetMesh& mesh);
 
 }  // namespace tremolo

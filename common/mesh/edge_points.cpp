@@ -17,7 +17,7 @@ Ends ends_of(const Tetrahedron& tet, std::size_t edge) {
 template <class Edge, class Key, class Visit>
 void for_each_tet_edge(const TetMesh& mesh, const std::vector<Edge>& edges, const Key& key,
                        const Visit& visit) {
-  // The edges of one lower end lie together: a short list to be searched.
+  // Edges with the same lower end are adjacent: a short list to search.
   std::vector<std::size_t> start(mesh.vertices.size() + 1, 0);
   for (const Edge& edge : edges) ++start[key(edge).first + 1];
   std::partial_sum(start.begin(), start.end(), start.begin());

@@ -1,8 +1,8 @@
 // Edge points make a tetrahedral mesh quadratic (docs/theory.md, section "Elements").
 //
-// Every edge has one vertex of its own in its middle, shared by all tetrahedra around it. As a
-// control point of a Bernstein-Bezier field it has the value c_ab; the field's value in the edge's
-// middle is u_m = (c_a + 2 c_ab + c_b) / 4.
+// Every edge has its own vertex in its middle, common to all tetrahedra around it. As a control
+// point of a Bernstein-Bezier field it has the value c_ab; the field's value in the edge's middle
+// is u_m = (c_a + 2 c_ab + c_b) / 4.
 #pragma once
 
 #include <cstddef>
@@ -45,10 +45,9 @@ std::vector<std::pair<VertexId, VertexId>> mesh_edges(const TetMesh& mesh);
 // Errors (kContent): there would be 2^31 vertices or more; an edge of a file's mesh has no point.
 Status add_edge_points(TetMesh& mesh);
 
-// Checks the `edges` that a file gave, before add_edge_points: names what is missing, doubled or
-// shared wrongly (kContent). straightened: how many of its edges are curved, that is, have their
-// point farther from the middle than `tolerance` times their length; those points move to the
-// middle.
+// Checks the `edges` of a file, before add_edge_points: errors (kContent) for missing, repeated or
+// wrongly connected ones. Points of curved edges, farther from the middle than `tolerance` times
+// the edge's length, are moved to the middle. Returns their number.
 Result<std::size_t> straighten_edges(TetMesh& mesh, double tolerance);
 
 // Removes the edge points from a mesh that is to be linear: the other vertices keep their order.
@@ -58,18 +57,18 @@ std::size_t remove_edge_points(TetMesh& mesh);
 // The vertices that are edge points: empty for a linear mesh, else one flag per vertex.
 std::vector<bool> edge_point_flags(const TetMesh& mesh);
 
-// The edge whose point a vertex is; nullptr if it is none.
+// The edge whose point a vertex is; nullptr if it is not an edge point.
 const MeshEdge* edge_of_point(const TetMesh& mesh, VertexId point);
 
-// Edge points that are fixed if these corners are (docs/theory.md): both ends are, and the edge
-// lies in the region that was chosen. by_place: corners chosen by where they lie, whose edges lie
-// there as well; of all others an edge must be a side of a boundary triangle whose three corners
-// are held. held, by_place: ascending. Returns ascending ids.
+// Edge points that are fixed if these corners are (docs/theory.md): both ends are fixed, and the
+// edge is in the chosen region. by_place: corners chosen by their positions, with the edges between
+// them; for all others an edge must be a side of a boundary triangle whose three corners are fixed.
+// held, by_place: ascending. Returns ascending ids.
 std::vector<VertexId> held_edge_points(const TetMesh& mesh, const std::vector<VertexId>& held,
                                        const std::vector<VertexId>& by_place);
 
-// The boundary of a quadratic mesh with four triangles for each of `boundary`, whose corners are
-// the edge points as well. Triangles 4t .. 4t+3 are those of triangle t.
+// The boundary of a quadratic mesh with four triangles for each of `boundary`, whose corners
+// include the edge points. Triangles 4t .. 4t+3 are those of triangle t.
 BoundarySurface subdivided(const BoundarySurface& boundary, const TetMesh& mesh);
 
 }  // namespace tremolo

@@ -99,7 +99,7 @@ Status check_volumes(const TetMesh& mesh) {
   for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
     const double edge = longest_edge(mesh, mesh.tetrahedra[t]);
     const double volume = std::abs(signed_volume(mesh, mesh.tetrahedra[t]));
-    // Written so that what overflowed to infinity or NaN is refused too.
+    // This form also refuses overflow to infinity or NaN.
     if (!(volume > kDegenerateVolume * edge * edge * edge) || !std::isfinite(volume))
       culprits.add(t);
   }

@@ -1,4 +1,4 @@
-// Judges a tetrahedral mesh: repairs orientation, refuses what cannot be computed with.
+// Checks a tetrahedral mesh: repairs orientation, refuses meshes that cannot be computed with.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ struct MeshReport {
   std::size_t flipped = 0;                // inverted tetrahedra, repaired
   std::size_t unreferenced_vertices = 0;  // kept, belong to no tetrahedron
   std::size_t parts = 0;                  // connected through shared vertices
-  std::vector<int> part_of_vertex;        // one a vertex; -1 for unreferenced vertices
+  std::vector<int> part_of_vertex;        // one per vertex; -1 for unreferenced vertices
   double volume = 0;                      // m^3
   std::vector<std::string> notes;         // a sentence for each thing the user should know
 };

@@ -1,4 +1,4 @@
-// Points in the cells of a grid, found by their place.
+// Points in the cells of a grid, found by their position.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,13 @@
 
 namespace tremolo {
 
-// Cells are as wide as the largest distance that is asked for, so that only the 27 around a point
-// matter. Ids count the points in the order in which they were added.
+// Cells are as wide as the largest distance of a query, so that only the 27 around a point matter.
+// Ids count the points in the order of their addition.
 class PointCells {
  public:
   explicit PointCells(double width) : width_(width) {}
 
-  // The id of a point nearer to x than `distance`, which is at most the width; -1 if there is none.
+  // The id of a point closer to x than `distance`, which is at most the width; -1 if there is none.
   std::int32_t near(const Eigen::Vector3d& x, double distance) const {
     const Cell cell = cell_of(x);
     for (int i = 0; i < 27; ++i) {

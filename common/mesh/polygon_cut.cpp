@@ -49,7 +49,7 @@ class Ring {
       if (turn(i) <= least_) bent_.push_back(i);
   }
 
-  // Every corner turns left, and all of them once around.
+  // True if every corner turns left, with one full rotation in all.
   bool convex() const {
     if (!bent_.empty()) return false;
     double angle = 0.0;
@@ -64,7 +64,7 @@ class Ring {
   std::size_t next(std::size_t i) const { return next_[i]; }
   std::array<std::size_t, 3> triangle(std::size_t i) const { return {before_[i], i, next_[i]}; }
 
-  // Whether the triangle at corner i lies inside: nothing of the outline reaches into it.
+  // True if the triangle at corner i is inside the polygon: no part of the outline reaches into it.
   bool is_ear(std::size_t i) const {
     if (turn(i) <= least_) return false;
     const Vector2d &a = points_[before_[i]], &b = points_[i], &c = points_[next_[i]];
@@ -81,7 +81,7 @@ class Ring {
     next_[a] = c;
     before_[c] = a;
     --left_;
-    // A corner beside a cut can only become less bent.
+    // Cutting an ear can only make the corners next to it more convex.
     std::erase_if(
         bent_, [&](std::size_t k) { return k == i || ((k == a || k == c) && turn(k) > least_); });
   }
@@ -125,7 +125,7 @@ void cut_polygon(std::span<const Vector3d> corners,
       ++tried;
     }
   }
-  // The last triangle, or what has no ears, as a fan from here.
+  // The last triangle, or a polygon without ears, becomes a fan.
   while (ring.left() >= 3) {
     const std::size_t i = ring.next(at);
     triangles.push_back(ring.triangle(i));

@@ -10,10 +10,11 @@
 
 namespace tremolo {
 
-// Appends the n - 2 triangles of a polygon of n corners, each three indices into `corners`; none of
-// fewer than three corners. A convex polygon becomes a fan from its first corner. Any other one is
-// cut at ears in the plane of its mean normal, so that the triangles cover what the outline
-// encloses; one that crosses itself or has no area is cut as far as it has ears, and then as a fan.
+// Appends the n - 2 triangles of a polygon of n corners, each as three indices into `corners`; none
+// for fewer than three corners. A convex polygon becomes a fan from its first corner. Other
+// polygons are divided at ears in the plane of their mean normal, so that the triangles cover the
+// region inside; one that crosses itself or has no area is divided as far as it has ears, and then
+// as a fan.
 void cut_polygon(std::span<const Eigen::Vector3d> corners,
                  std::vector<std::array<std::size_t, 3>>& triangles);
 

@@ -1,4 +1,4 @@
-// A surface as its author made it: what is drawn, with what belongs to its corners.
+// A surface as its author made it, for drawing, with attributes of its corners.
 #pragma once
 
 #include <array>
@@ -26,10 +26,10 @@ struct RenderSurface {
   std::vector<std::uint32_t> material_of;  // t, index into materials
   std::vector<std::string> objects;        // names, each once, at least one
   std::vector<std::string> materials;      // names, each once, at least one
-  // s or none: the vertex of the author's file that each one is, or is a copy of. The n vertices of
-  // the file come first, each as itself. None: every vertex is the file's.
+  // s or empty: the vertex of the author's file that each vertex is, or is a copy of. The n
+  // vertices of the file are first, each as itself. Empty: there are no copies.
   std::vector<VertexId> sources;
-  std::shared_ptr<const SurfaceRig> rig;  // the skeleton that its file gives it, or null
+  std::shared_ptr<const SurfaceRig> rig;  // the skeleton in its file, or null
 
   // Number of the file's vertices, n.
   std::size_t authored() const {

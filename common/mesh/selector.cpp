@@ -130,7 +130,7 @@ Error unknown_set(const Selector& selector, const std::string& name, const Selec
                                  kSelectorGrammar};
 }
 
-// Finds what one selector alone chooses; selectable or not where ids are given.
+// Finds the vertices of one selector; also unselectable ones for ids.
 struct Finder {
   const Selector& selector;
   const SelectionSpace& space;

@@ -56,7 +56,7 @@ struct SelectVertices {
 };
 struct SelectFile {
   std::string path;
-  std::vector<VertexId> ids;  // empty until somebody who may read files fills it
+  std::vector<VertexId> ids;  // empty until a reader of files fills it
 };
 // tolerance: the largest difference in red, green or blue, 0 to 255.
 struct SelectColour {
@@ -101,9 +101,9 @@ SelectionSpace selection_space(const TetMesh& mesh);
 
 // Ascending ids, without repeats, of selectable vertices. Empty only for `none`: a selector that
 // finds no vertex is an error (kContent) that shows the bounding box of the selectable vertices,
-// the sets and the commonest colours. A `near:` whose point is farther away than ten times the size
-// of what is selectable is kContent. A name that is no set is kUsage; `vertex:` with an id that is
-// out of range or not selectable is kContent.
+// the sets and the most frequent colours. A `near:` whose point is farther away than ten times the
+// size of the selectable vertices is kContent. A name that is not a set is kUsage; `vertex:` with
+// an id that is out of range or not selectable is kContent.
 Result<std::vector<VertexId>> select_vertices(const Selector& selector,
                                               const SelectionSpace& space);
 Result<std::vector<VertexId>> select_vertices(const Selector& selector, const TetMesh& mesh);
@@ -119,10 +119,11 @@ struct NearChoice {
   double farthest = 0;
 };
 
-// One choice for each `near:` in a selector that select_vertices() took; none if there is none.
+// One choice for each `near:` in a selector that select_vertices() accepted; empty without any.
 std::vector<NearChoice> near_choices(const Selector& selector, const SelectionSpace& space);
 
-// "near:0,0,1: vertex 12 at (0, 0, 0.98) m, 0.02 m from that point". id: what the vertex is called.
+// "near:0,0,1: vertex 12 at (0, 0, 0.98) m, 0.02 m from that point". id: the vertex's number for
+// the user.
 std::string describe_near(const NearChoice& choice, VertexId id);
 
 // "3 vertices from (0, 0, 0) to (1, 1, 0) m: 0 4 7", for the user. places: of the ids, in m.

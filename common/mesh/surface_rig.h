@@ -35,7 +35,7 @@ struct RigPose {
 struct RigClip {
   std::string name;
   std::vector<double> times;   // s, ascending
-  std::vector<RigPose> poses;  // of all bones, frame behind frame
+  std::vector<RigPose> poses;  // of all bones, for each frame
 };
 
 struct SurfaceRig {
@@ -44,8 +44,8 @@ struct SurfaceRig {
   std::vector<RigClip> clips;
 };
 
-// Whether indices, order and sizes are as they should be for a surface of `vertices`, all numbers
-// are finite, and the weights of each vertex sum to 1 to a thousandth.
+// Checks indices, order and sizes for a surface of `vertices`, that all numbers are finite, and
+// that the weights of each vertex sum to 1 within a thousandth.
 bool rig_holds(const SurfaceRig& rig, std::size_t vertices);
 
 }  // namespace tremolo

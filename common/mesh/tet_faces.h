@@ -34,7 +34,7 @@ void for_each_face(const TetMesh& mesh, const Visit& visit) {
     std::sort(face.begin(), face.end());
     return face;
   };
-  // Those with the same smallest vertex lie together: short lists to be sorted.
+  // Faces with the same smallest vertex are adjacent: short lists to sort.
   const std::size_t sides = 4 * mesh.tetrahedra.size();
   std::vector<std::size_t> start(mesh.vertices.size() + 1, 0);
   for (std::size_t side = 0; side < sides; ++side) ++start[sorted(side)[0] + 1];

@@ -8,7 +8,7 @@ namespace tremolo {
 namespace {
 
 constexpr std::size_t kLeaf = 8;
-// A node is far when its centre is so many radii away.
+// A node is far when the distance to its centre is so many radii.
 constexpr double kFar = 2.5;
 
 Eigen::Vector3d area_vector(const Eigen::Matrix3d& t) {

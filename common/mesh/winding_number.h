@@ -14,7 +14,7 @@ namespace tremolo {
 
 class WindingNumber {
  public:
-  // Copies what it needs.
+  // Copies the data that it needs.
   explicit WindingNumber(const SurfaceMesh& surface);
 
   // Exact for near triangles; the far ones add an error of a few thousandths, 0.05 at most.

@@ -80,7 +80,7 @@ bool InpInput::next_keyword(InpKeyword& keyword) {
   at_keyword_ = false;
   std::string text(trimmed(rest()));
   scanner_.peek();
-  // Parameters continue on the next line behind a comma.
+  // Parameters continue on the next line after a comma.
   while (text.ends_with(',')) {
     if (advance() != Line::kData) {
       failed_ = true;

@@ -1,4 +1,4 @@
-// The lines of an Abaqus input file: keywords with parameters, and the data behind them.
+// The lines of an Abaqus input file: keywords with parameters, followed by their data.
 #pragma once
 
 #include <map>
@@ -29,7 +29,7 @@ class InpInput {
   bool next_keyword(InpKeyword& keyword);
   // Goes to the next data line of this keyword; false if there is none.
   bool next_data();
-  // Whether the current data line ends in a comma: its record continues on the next line.
+  // True if the current data line ends in a comma: its record continues on the next line.
   bool continues() const;
 
   TextScanner& line() { return scanner_; }

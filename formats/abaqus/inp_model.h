@@ -78,8 +78,8 @@ struct InpModel {
   std::map<std::string, InpMaterial> materials;  // by upper case of their names
 };
 
-// Reads a whole file. Errors: kContent with the line; what would be generated (*NGEN, *ELCOPY),
-// lies in other files (*INCLUDE) or in other coordinate systems is refused by its keyword.
+// Reads a whole file. Errors: kContent with the line; generated parts (*NGEN, *ELCOPY), other files
+// (*INCLUDE) and other coordinate systems are refused by their keyword.
 Result<InpModel> parse_inp(std::string_view text, const std::string& path);
 
 }  // namespace tremolo

@@ -19,7 +19,7 @@ struct InpKind {
   int nodes;
   CellKind kind;
 };
-// Solids by their number of nodes; what follows it (C3D8R, C3D10MH) is a choice of integration.
+// Solids by their number of nodes; letters after it (C3D8R, C3D10MH) select an integration.
 constexpr std::array<InpKind, 8> kSolids = {
     {{4, {"tetrahedra", 4, Role::kTetrahedron}},
      {10, {"10-node tetrahedra", 10, Role::kQuadraticTetrahedron}},
@@ -48,7 +48,7 @@ struct InpParser {
 
   InpInput input;
   InpModel model;
-  InpPart* part = nullptr;  // where nodes and elements go
+  InpPart* part = nullptr;  // the target of nodes and elements
   std::string material;     // upper case, of the *MATERIAL above
   std::size_t members = 0;
   std::size_t most_members = 0;
@@ -312,7 +312,7 @@ Result<InpModel> parse_inp(std::string_view text, const std::string& path) {
   parser.part = &parser.model.flat;
   parser.most_members = 4 * text.size();
   InpKeyword keyword;
-  // The history behind *STEP has no mesh.
+  // The history after *STEP has no mesh.
   while (parser.input.next_keyword(keyword) && keyword.name != "STEP") {
     const Status status = read_keyword(parser, keyword);
     if (!status) return status.error();

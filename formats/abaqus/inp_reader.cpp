@@ -1,4 +1,4 @@
-// Abaqus input files: the parts where their instances place them.
+// Abaqus input files: parts at the positions of their instances.
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -31,7 +31,7 @@ IdTable make_table(std::size_t count, const GetId& id) {
   return table;
 }
 
-// One part at one place in the mesh.
+// A part at one position in the mesh.
 struct Placement {
   const InpPart* part = nullptr;
   std::string instance;  // empty: the file has none
@@ -55,7 +55,8 @@ Error in_part(const std::string& path, const Placement& placement, const std::st
   return content_error(path + (name.empty() ? "" : ", part " + quoted_text(name)) + ": " + text);
 }
 
-// The parts that the mesh has: the instances, or all parts of a file without; and what is outside.
+// The parts of the mesh: the instances, or all parts of a file without instances; and things
+// outside of parts.
 Result<std::vector<Placement>> find_placements(const InpModel& model, const std::string& path) {
   std::vector<Placement> placements;
   if (!model.flat.node_ids.empty() || !model.flat.elements.empty())
@@ -123,8 +124,8 @@ void nodes_of(const Placement& placement, const InpElement& element,
   }
 }
 
-// Elements that are no solids and whose nodes are missing may refer to reference points of the
-// assembly: they are left out.
+// Elements other than solids may refer to reference points of the assembly: if their nodes are
+// missing they are left out.
 Status add_elements(const std::string& path, InpMesh& mesh) {
   std::vector<std::int64_t> nodes;
   std::vector<VertexId> vertices;

@@ -1,4 +1,4 @@
-// Everything in a basis file as values: what tools and tests want. The runtime reads less.
+// Reads everything in a basis file, for tools and tests. The runtime reads less.
 #include "formats/basis/basis_reader.h"
 
 namespace tremolo {

@@ -1,4 +1,4 @@
-// What a basis file holds, as values. docs/basis-format.md is the bytes.
+// The contents of a basis file as values; docs/basis-format.md describes the bytes.
 #pragma once
 
 #include <cstdint>
@@ -19,36 +19,33 @@ namespace tremolo {
 using BasisRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 // Some of the mesh's vertices with their rest positions and rows of U.
-// vertex_ids: ascending ids in the source mesh. rest: one a vertex, m.
-// rows: 3*size x r, row-major, kg^-1/2; zero for fixed vertices.
-// column_scales: empty, or r if the rows come from a compact file: each entry of column i is a
-// 16-bit integer times column_scales[i]. Readers set it, writers do not look at it.
 struct VertexBlock {
-  std::vector<VertexId> vertex_ids;
-  std::vector<Eigen::Vector3d> rest;
-  BasisRows rows;
+  std::vector<VertexId> vertex_ids;   // ids in the source mesh, ascending
+  std::vector<Eigen::Vector3d> rest;  // one per vertex, m
+  BasisRows rows;                     // 3*size x r, row-major, kg^-1/2; zero for fixed vertices
+  // Empty, or r if the rows come from a compact file: each entry of column i is a 16-bit integer
+  // times column_scales[i]. Readers set it, writers ignore it.
   Eigen::VectorXd column_scales;
 };
 
-// A surface that follows the solid without being its boundary: what is drawn in its place.
-// surface: its rest shape, m. rows: 3*s x r, row-major, kg^-1/2, W U: the weights with which each
-// of its vertices hangs on the mesh's, times their rows of the basis. anchors: s, for each of its
-// vertices the mesh's vertex that weighs most. column_scales: as in VertexBlock.
+// A surface that follows the solid and is drawn instead of its boundary, s vertices.
 struct RenderBlock {
-  RenderSurface surface;
+  RenderSurface surface;  // at rest, m
+  // W U, 3*s x r, row-major, kg^-1/2: W interpolates each of the surface's vertices from the
+  // mesh's.
   BasisRows rows;
-  std::vector<VertexId> anchors;
-  Eigen::VectorXd column_scales;
+  std::vector<VertexId> anchors;  // s: the mesh's vertex with the largest weight
+  Eigen::VectorXd column_scales;  // as in VertexBlock
 };
 
-// Sizes fit each other, r coordinates and n vertices; every index names something; names have no
-// zero byte and there is one of each kind.
+// True if all sizes agree with each other, with r coordinates and n vertices; all indices are in
+// range; and the lists of names are valid.
 bool fits(const RenderBlock& render, Eigen::Index r, std::uint64_t n);
 
-// The load that a scene uses when it names none: a force on each of the vertices, N.
+// The default load of a model, for scenes without one: a force on each of the vertices, N.
 struct DefaultLoad {
   std::vector<VertexId> vertices;
-  std::vector<Eigen::Vector3d> forces;  // one a vertex; their sum is what the user asked for
+  std::vector<Eigen::Vector3d> forces;  // one per vertex; their sum is the requested force
 };
 
 // The files that an imported model was made of (formats/vega/reduced_files.h), byte for byte; empty
@@ -58,24 +55,22 @@ struct VegaFiles {
   std::string cubic;  // .cub
 };
 
-// Where the mass is. corners: of each tetrahedron, vertices of the mesh, positively oriented.
-// masses: rho V of each, kg, without point masses. Both are empty where the maker did not keep
-// them.
+// Elements with their masses. Both lists are empty if they were not kept.
 struct MassElements {
-  std::vector<Tetrahedron> corners;
-  std::vector<double> masses;
+  std::vector<Tetrahedron> corners;  // vertices of the mesh, positively oriented
+  std::vector<double> masses;        // rho V of each, kg, without point masses
 };
 
 // Entry of LocalResponse::at that means all vertices of the default load together.
 inline constexpr VertexId kAtDefaultLoad = -1;
 
-// How the body gives way at rest, to first order, beyond what the basis has of it: the columns of
-// W = (K^-1 - U Lambda^-1 U^T) G at the vertices. G: for each place three columns, the unit force
-// (1 N) along x, y and z; at the default load's place it is shared as the load's forces are. Under
-// forces f at the places, 3 a place, the displacement is U q + W f (docs/theory.md).
-// at: p places, ids of vertices, ascending, each once; kAtDefaultLoad comes first.
-// surface, interior, render: as the rows of these blocks, 3 a vertex x 3p, row-major, m/N.
+// Linear static compliance of the body that the basis does not represent: the columns of W = (K^-1
+// - U Lambda^-1 U^T) G at the vertices. G has three columns for each point, a unit force (1 N)
+// along x, y and z; the default load counts as one point, with the unit force distributed as the
+// load's forces are. Under forces f at the points, 3 per point, the displacement is U q + W f
+// (docs/theory.md). The rows are those of the basis's blocks, 3 per vertex x 3p, row-major, m/N.
 struct LocalResponse {
+  // p points: ids of vertices, ascending and unique; kAtDefaultLoad is first.
   std::vector<VertexId> at;
   BasisRows surface;
   BasisRows interior;
@@ -97,7 +92,7 @@ struct BasisData {
   std::vector<double> quartic;          // Q: quad_count(r) entries; both empty: a linear model
   std::vector<double> singular_values;  // of the mass-PCA, descending, kept and cut
   // G of V = 1/2 y^T G y, y the strain_terms(r) of packed_index.h: pair_count(strain_terms(r))
-  // entries, place pair_index(a, b) for a <= b. Stiffness damping needs it. Empty: not known (an
+  // entries, index pair_index(a, b) for a <= b. Stiffness damping needs it. Empty: not known (an
   // imported model, an older file) or a linear model.
   std::vector<double> strain_gram;
 
@@ -106,14 +101,14 @@ struct BasisData {
   std::vector<Triangle> triangles;       // boundary, indices into surface.vertex_ids
   std::vector<VertexId> fixed_vertices;  // ascending ids in the source mesh
   DefaultLoad load;                      // may be empty
-  // Quadratic elements have vertices that are middles of edges, ascending; their rows are the
-  // displacements of these places as of any other vertex. None: linear elements.
+  // For quadratic elements: the vertices that are midpoints of edges, ascending; their rows are the
+  // displacements of these points, as for any other vertex. Empty: linear elements.
   std::vector<MeshEdge> edges;
   std::optional<RenderBlock> render;
   std::optional<InertiaIntegrals> inertia;  // none: an imported model, or a file made before these
-  MassElements elements;                    // none unless asked for (--keep-elements)
+  MassElements elements;                    // empty unless requested (--keep-elements)
 
-  LocalResponse response;  // no places unless asked for (--response-at)
+  LocalResponse response;  // no points unless requested (--response-at)
 
   std::string provenance;  // a JSON object, UTF-8
   VegaFiles vega;          // read_basis() leaves them in the file: read_vega_files()

@@ -89,17 +89,18 @@ inline constexpr std::string_view kStrainScale = "strain_scale";  // of a compac
 inline constexpr std::string_view kInertiaRest = "inertia_rest";
 inline constexpr std::string_view kInertiaLinear = "inertia_linear";
 inline constexpr std::string_view kInertiaPairs = "inertia_pairs";
-// Likewise: the tetrahedra and what they weigh, for who shares the mass among bones.
+// Optional too: the tetrahedra and their masses, for bodies whose mass is divided among bones.
 inline constexpr std::string_view kTetrahedra = "tetrahedra";
 inline constexpr std::string_view kTetrahedronMasses = "tetra_masses";
 
-// Likewise: what the basis lacks of the body's answer to forces at some places.
+// Optional too: the response of the body to forces at some points, as far as the basis does not
+// represent it.
 inline constexpr std::string_view kResponseAt = "response_at";
 inline constexpr std::string_view kResponseSurface = "response_surface";
 inline constexpr std::string_view kResponseInterior = "response_inside";
 inline constexpr std::string_view kResponseRender = "response_render";
 
-// Entry of the section `response_at` that stands for the default load.
+// Entry of the section `response_at` for the default load.
 inline constexpr std::uint32_t kDefaultLoadPlace = 0xffffffff;
 
 // Entries of the section `coef_scales`, in this order.
@@ -125,7 +126,8 @@ enum : std::size_t {
 // Entries of the section `inertia_rest`: mass, first moment (3), second moment (3 x 3).
 inline constexpr std::uint64_t kRestMoments = 13;
 
-// Above these no file of ours goes; they keep every product of two sizes inside 64 bits.
+// Limits above all files that this program writes; they keep every product of two sizes inside 64
+// bits.
 inline constexpr std::uint64_t kMaxModes = 4096;
 inline constexpr std::uint64_t kMaxVertices = 0x7fffffff;
 inline constexpr std::uint64_t kMaxResponsePlaces = 256;

@@ -1,4 +1,4 @@
-// Basis file -> values. The reader trusts nothing (formats/sections/section_file.h).
+// Reads basis files as values. The files are untrusted (formats/sections/section_file.h).
 #pragma once
 
 #include <cstddef>
@@ -32,13 +32,13 @@ struct BasisDimensions {
   std::uint64_t triangles = 0;         // t
 };
 
-// An open basis file: header, table and dimensions are checked by open(); sections are checked
-// and their checksum verified when they are first asked for. Errors are kContent and name the
-// section, the offset, what was expected and what was found; kSystem if the file cannot be read.
-// Reading from several threads needs a lock of the caller's.
+// An open basis file: open() checks header, table and dimensions; a section is checked and its
+// checksum verified when it is first requested. Errors are kContent and give the section, the
+// offset, the expected and the found value; kSystem if the file cannot be read. The caller must
+// lock it for reading from several threads.
 class BasisReader {
  public:
-  // Maps the file: only what is used is touched.
+  // Maps the file: only the pages in use are read.
   static Result<BasisReader> open(const std::string& path);
   // Borrows the bytes: they must outlive the reader and whatever it returns. `name` is for errors.
   static Result<BasisReader> from_memory(std::span<const std::byte> bytes,
@@ -53,8 +53,8 @@ class BasisReader {
   // `cubic` and `quartic` are there but empty: V has no such terms.
   bool linear() const { return file_.find(basis_layout::kQuartic)->rows == 0; }
 
-  // The verified contents, as they lie in the file. Doubles are finite. Valid while the reader
-  // lives. An optional section that is not there is an error here: ask has() first.
+  // The verified contents, as stored in the file. Doubles are finite. Valid while the reader
+  // exists. A missing optional section is an error here: call has() first.
   Result<std::span<const double>> doubles(std::string_view section);
   // `cubic` or `quartic` as doubles, whatever the encoding.
   Result<std::vector<double>> coefficients(std::string_view section);
@@ -79,7 +79,7 @@ class BasisReader {
   // Order of the elements that the model was made of: 2 if the file has edge points.
   int order() const { return has(basis_layout::kEdgePoints) ? 2 : 1; }
 
-  // The rows of a basis alone, likewise.
+  // The rows of a basis alone, in the same form.
   Result<BasisRows> basis_rows(std::string_view basis);
   // r, of a compact file; else none.
   Result<Eigen::VectorXd> column_scales();
@@ -106,25 +106,23 @@ Result<std::vector<Triangle>> read_triangles(BasisReader& reader);
 Result<DefaultLoad> read_default_load(BasisReader& reader);
 // Ascending by their points; none of a model of linear elements.
 Result<std::vector<MeshEdge>> read_edges(BasisReader& reader);
-// nullopt: the file has none. Errors also for an index that names nothing and names that do not
-// end.
+// nullopt: the file has none. Errors also for an index out of range and names without an end.
 Result<std::optional<RenderBlock>> read_render(BasisReader& reader);
 Result<std::optional<InertiaIntegrals>> read_inertia(BasisReader& reader);
 
-// Empty if the file has none. kContent for an index that names nothing or a mass that is not
-// positive.
+// Empty if the file has none. kContent for an index out of range or a mass that is not positive.
 Result<MassElements> read_elements(BasisReader& reader);
 
-// Without the rows of the vertices inside; no places if the file has none. kContent for a place
-// that is no vertex or stands twice, for one at the default load where there is none.
+// Without the rows of the inner vertices; no points if the file has none. kContent for a point that
+// is not a vertex or not unique, or at the default load if there is none.
 Result<LocalResponse> read_response(BasisReader& reader);
 // Those of the vertices inside; the file must have a response.
 Result<BasisRows> read_response_inside(BasisReader& reader);
 
-// The files of an imported model; empty when it is none.
+// The files of an imported model; empty for another model.
 Result<VegaFiles> read_vega_files(BasisReader& reader);
 
-// Everything in the file but the files of an imported model, which only an export wants.
+// Everything in the file except the files of an imported model, which only an export needs.
 Result<BasisData> read_basis(BasisReader& reader);
 Result<BasisData> read_basis(const std::string& path);
 

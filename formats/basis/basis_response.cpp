@@ -1,4 +1,4 @@
-// What a basis file keeps of the body's answer to forces at some places.
+// Reads the body's response to forces at points from a basis file.
 #include "formats/basis/basis_reader.h"
 
 namespace tremolo {

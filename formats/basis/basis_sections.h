@@ -27,9 +27,8 @@ struct SectionSizes {
   bool linear = false;                 // there are no cubic and no quartic terms
 };
 
-// Every section that there may be, in the order in which the writer writes them: what a runtime
-// touches comes first, the interior and the provenance last. The sizes are at most kMaxModes and
-// four times kMaxVertices.
+// All possible sections in the order of writing: those that a runtime reads come first, the
+// interior and the provenance last. The sizes are at most kMaxModes and four times kMaxVertices.
 std::vector<SectionShape> section_shapes(const SectionSizes& sizes);
 
 }  // namespace tremolo::basis_layout

@@ -19,7 +19,7 @@ using namespace basis_layout;
 // The bytes of the sections that a file gets. They stay where they are in the caller's data.
 using Contents = std::map<std::string_view, std::span<const std::byte>>;
 
-// What a file holds beside the caller's own arrays.
+// Values in the file that are not in the caller's own arrays.
 struct Additions {
   std::array<std::uint64_t, dimension::kCount> dimensions{};
   std::string objects;  // names, each ended by a zero byte
@@ -52,7 +52,8 @@ Error does_not_fit(std::string_view what) {
                        "' does not fit the others");
 }
 
-// Checks what list_sections() cannot see from the bytes. streamed: the rows come from elsewhere.
+// Checks conditions that list_sections() cannot check from the bytes. streamed: the rows are not in
+// `data`.
 Status check_data(const BasisData& data, bool streamed) {
   const Eigen::Index r = data.lambda.size();
   if (r == 0 || std::cmp_greater(r, kMaxModes)) return does_not_fit("lambda");
@@ -234,8 +235,7 @@ Result<std::vector<SectionContent>> list_sections(const BasisData& data, const A
   return sections;
 }
 
-// sources: null when the rows are in `data`. use(list) writes the file while what the list refers
-// to is there.
+// sources: null when the rows are in `data`. use(list) writes the file while the list's data exist.
 template <class Use>
 auto with_basis_sections(const BasisData& data, BasisEncoding encoding, const RowSources* sources,
                          const Use& use) -> decltype(use(SectionList{})) {

@@ -21,19 +21,19 @@ Result<std::vector<std::byte>> encode_basis(const BasisData& data,
                                             BasisEncoding encoding = BasisEncoding::kFull);
 
 // A source of basis rows that no process holds as a whole. It fills `out`, 3*count x r, row-major,
-// with those of the block's vertices first .. first+count-1. Called in ascending order, each vertex
-// once, kRowsAtOnce vertices at a time but for the last.
+// with the rows of the block's vertices first .. first+count-1. It is called in ascending order,
+// once for each vertex, with kRowsAtOnce vertices except in the last call.
 using RowSource = std::function<Status(std::size_t first, std::size_t count, double* out)>;
 inline constexpr std::size_t kRowsAtOnce = 4096;
 struct RowSources {
   RowSource surface;
   RowSource interior;
-  RowSource render;  // asked only if data.render is there
+  RowSource render;  // called only if there is data.render
 };
 
-// write_basis in full encoding; the `rows` of the data's blocks are empty, their numbers come from
-// `sources`, surface first, then render, then interior. What is in memory is the data, a file's
-// other sections and kRowsAtOnce vertices.
+// write_basis in full encoding; the `rows` of the data's blocks are empty and come from `sources`,
+// surface first, then render, then interior. Memory is needed for the data, the file's other
+// sections and kRowsAtOnce vertices.
 Status write_basis(const std::string& path, const BasisData& data, const RowSources& sources);
 
 // encode_basis, written under a temporary name and renamed to `path`.

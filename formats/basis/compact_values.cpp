@@ -47,7 +47,7 @@ void round_strain_gram(const std::vector<double>& gram, CompactValues& compact) 
   }
 }
 
-// The rows of a basis, what to call them in a message, and where their integers go.
+// The rows of a basis, their name in messages, and the target of their integers.
 struct Block {
   const BasisRows* rows;
   const char* name;

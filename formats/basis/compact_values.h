@@ -13,19 +13,18 @@
 namespace tremolo {
 
 // The rounded numbers of a compact file.
-// cubic, quartic: each within 2^-24 of its own size of the original / scale, those below 1e-38 of
-// the largest within 1e-45 of the largest. coefficient_scales: of the two, positive.
-// strain_gram: likewise, its diagonal larger by (c + 1) 2^-24 for c strain terms, which is more
-// than what rounding can take from the matrix: no strain rate gains energy. surface, interior,
-// render: the rows, row-major; each entry within half a scale of the original, zeros exact.
-// basis_scales: r, one a column of all three; 1 for a column of zeros.
 struct CompactValues {
-  std::vector<double> coefficient_scales;
-  std::vector<double> basis_scales;
+  std::vector<double> coefficient_scales;  // of cubic and quartic, positive
+  std::vector<double> basis_scales;  // r, for the columns of all blocks; 1 for a column of zeros
+  // Each within a relative error of 2^-24 of the original / scale; values below 1e-38 of the
+  // largest within 1e-45 of the largest.
   std::vector<float> cubic;
   std::vector<float> quartic;
   std::vector<double> strain_scale;  // one
-  std::vector<float> strain_gram;    // G/scale
+  // G/scale, rounded in the same way. Its diagonal is larger by (c + 1) 2^-24 for c strain terms,
+  // more than the rounding error of the matrix: no strain rate gains energy.
+  std::vector<float> strain_gram;
+  // Rows of the blocks, row-major; each entry within half a scale of the original, zeros exact.
   std::vector<std::int16_t> surface;
   std::vector<std::int16_t> interior;
   std::vector<std::int16_t> render;
@@ -35,7 +34,7 @@ struct CompactValues {
 // value that is not finite or too large.
 Result<CompactValues> compact_values(const BasisData& data);
 
-// What a reader accepts as a scale: positive, and every 16-bit number times it is finite.
+// True for a scale that a reader accepts: positive, and finite times any 16-bit number.
 bool is_scale(double scale);
 
 }  // namespace tremolo

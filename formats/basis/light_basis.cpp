@@ -9,8 +9,8 @@ namespace tremolo {
 
 namespace {
 
-// Without the places that `number` gives no number, and without the vertices inside. has_load: the
-// default load is still there.
+// Removes the points that `number` gives no number, and the inner vertices. has_load: the default
+// load remains.
 template <class Number>
 LocalResponse renumbered(const LocalResponse& response, const Number& number, bool has_load) {
   LocalResponse kept;

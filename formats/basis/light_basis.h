@@ -1,4 +1,4 @@
-// A model without what only its maker and its reference need.
+// A model without the data that only its maker and the reference need.
 #pragma once
 
 #include "common/result.h"
@@ -6,10 +6,10 @@
 
 namespace tremolo {
 
-// The same body with the vertices of the boundary alone, numbered anew in their order: dynamics,
-// surface and what is drawn are the same; vertices inside, edges, tetrahedra, imported files, a
-// load that acts inside and the responses at places inside are gone. kContent where the render
-// surface follows a vertex inside.
+// Returns the same body with only the vertices of the boundary, renumbered in their order.
+// Dynamics, surface and drawn surface stay the same; inner vertices, edges, tetrahedra, imported
+// files, a load that acts inside and the responses at inner points are removed. kContent if the
+// render surface follows an inner vertex.
 Result<BasisData> without_interior(BasisData data);
 
 }  // namespace tremolo

@@ -16,7 +16,7 @@ namespace tremolo {
 // Sorted, without repeats. Errors: kSystem for a file that is missing or unreadable, kContent with
 // the line for anything that is not such an id and for a file without ids.
 Result<std::vector<VertexId>> read_id_list(const std::string& path, std::size_t vertex_count);
-// The same of the file's contents; `path` stands in errors.
+// The same for the file's contents; `path` is for errors.
 Result<std::vector<VertexId>> parse_id_list(std::string_view text, const std::string& path,
                                             std::size_t vertex_count);
 

@@ -20,7 +20,7 @@ std::array<SectionShape, 4> collider_shapes(std::uint64_t nodes) {
            {kProvenance, ElementType::kU8, kAnyRows, 1}}};
 }
 
-// What the list of sections refers to beside the caller's data.
+// Values in the list of sections that are not in the caller's data.
 struct GridNumbers {
   std::array<std::uint64_t, 3> counts;
   std::array<double, kFrameSize> frame;
@@ -57,7 +57,7 @@ Result<GridNodes> read_nodes(SectionFile& file) {
   if (!frame) return frame.error();
   GridNodes nodes;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    // What is above the limit stays above it.
+    // A count above the limit stays above it when it is narrowed.
     nodes.counts[axis] =
         static_cast<std::uint32_t>(std::min<std::uint64_t>((*counts)[axis], kMostGridNodes + 1));
     nodes.origin[axis] = (*frame)[axis];

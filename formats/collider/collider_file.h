@@ -11,16 +11,15 @@
 
 namespace tremolo {
 
-// distances: one a node, m, negative inside (distance_grid.h says what is accepted). provenance: a
-// JSON object, UTF-8; empty: none.
+// A grid of distances.
 struct ColliderData {
   GridNodes nodes;
-  std::vector<float> distances;
-  std::string provenance;
+  std::vector<float> distances;  // one per node, m, negative inside (distance_grid.h)
+  std::string provenance;        // a JSON object, UTF-8; empty: none
 };
 
-// The bytes of the file; the same data give the same bytes. Errors (kContent): what
-// DistanceGrid::create() refuses.
+// The bytes of the file; the same data give the same bytes. Errors (kContent): those of
+// DistanceGrid::create().
 Result<std::vector<std::byte>> encode_collider(const ColliderData& data);
 
 // The same, written under a temporary name and renamed to `path`. Errors: also kSystem.

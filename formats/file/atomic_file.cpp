@@ -20,8 +20,8 @@
 
 namespace tremolo {
 
-// A temporary file under way, readable from a signal handler. Slots are linked once and stay: one
-// that is free again is used by the next file.
+// A temporary file during writing, readable from a signal handler. Slots are linked once and stay;
+// a free slot is used for the next file.
 struct PartialSlot {
   std::atomic<int> state{0};  // kFree, kTaken, kNamed
   const char* path =
@@ -37,7 +37,7 @@ std::atomic<PartialSlot*> all_slots{nullptr};
 std::mutex free_mutex;
 std::vector<PartialSlot*> free_slots;
 
-// End a process unless they are handled, whoever sends them.
+// Signals that end a process unless they are handled.
 constexpr std::array kFatal = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGXCPU};
 constexpr std::array kSeldom = {SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF,  SIGIO,
                                 SIGPWR,  SIGABRT, SIGTRAP, SIGSYS,    SIGSTKFLT};
@@ -68,7 +68,7 @@ void forget_partial(PartialSlot* slot) {
 void name_slot(PartialSlot* slot, const std::string& path) {
   if (slot->room < path.size() + 1) {
     slot->room = std::max<std::size_t>(2 * path.size(), 128);
-    slot->path = new char[slot->room];  // NOLINT: likewise
+    slot->path = new char[slot->room];  // NOLINT: as above
   }
   std::memcpy(const_cast<char*>(slot->path), path.c_str(), path.size() + 1);
   slot->state = kNamed;
@@ -210,7 +210,7 @@ Status AtomicFile::commit() {
   if (Status s = reopen(); !s) return s;
   while (::fsync(descriptor_) != 0)
     if (errno != EINTR) return failure("flush");
-  // Everything is on the disk: a signal during close() takes nothing away.
+  // Everything is on the disk: a signal during close() loses nothing.
   const int closed = ::close(std::exchange(descriptor_, -1)) == 0 || errno == EINTR ? 0 : -1;
   if (closed != 0 || ::rename(temporary_.c_str(), path_.c_str()) != 0) {
     const Error error = failure("finish");
@@ -251,7 +251,7 @@ void remove_partial_files_on_signals() {
   const auto handle = [&action](int signal, bool of_others) {
     struct sigaction before = {};
     ::sigaction(signal, nullptr, &before);
-    // What is ignored, as under nohup, stays ignored.
+    // A signal that was ignored before, as under nohup, stays ignored.
     const bool ours = of_others ? before.sa_handler != SIG_IGN : before.sa_handler == SIG_DFL;
     if (ours) ::sigaction(signal, &action, nullptr);
   };

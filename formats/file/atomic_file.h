@@ -1,5 +1,5 @@
-// Files that appear whole or not at all: written under a temporary name beside the target, then
-// renamed over it.
+// Files that are written whole or not at all: under a temporary name next to the target, which is
+// then renamed.
 #pragma once
 
 #include <cstddef>
@@ -55,8 +55,7 @@ class AtomicFile {
 // Writes `text` as the whole file.
 Status write_file(const std::string& path, std::string_view text);
 
-// Another temporary file than an AtomicFile's that goes with a fatal signal: one that a child
-// writes.
+// A temporary file that a child process writes, and that a fatal signal removes.
 class PartialOfChild {
  public:
   PartialOfChild() = default;
@@ -69,11 +68,11 @@ class PartialOfChild {
   PartialSlot* slot_ = nullptr;
 };
 
-// Makes every signal that ends a process from outside, SIGKILL aside, remove the temporary files of
-// all AtomicFiles under way before the process ends by that signal: SIGINT, SIGTERM, SIGHUP,
-// SIGQUIT, SIGPIPE, SIGXCPU, and of the others (SIGUSR1, SIGALRM, SIGABRT, real-time signals ...)
-// those that nobody else handles; and ignores SIGXFSZ, so that a limit on file sizes is an error
-// like a full disk. For programs; a library must not call it.
+// Installs handlers that remove the temporary files of all AtomicFiles before a signal ends the
+// process: for SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGXCPU, and for others (SIGUSR1,
+// SIGALRM, SIGABRT, real-time signals ...) that have no handler; not for SIGKILL. Ignores SIGXFSZ,
+// so that a limit on file sizes is an error like a full disk. For programs; a library must not call
+// it.
 void remove_partial_files_on_signals();
 
 }  // namespace tremolo

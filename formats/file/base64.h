@@ -1,4 +1,4 @@
-// Base64 (RFC 4648) as it stands in XML.
+// Base64 (RFC 4648) as used in XML.
 #pragma once
 
 #include <cstddef>
@@ -8,15 +8,15 @@
 
 namespace tremolo {
 
-// bytes: what was decoded. bad_at: place of the first character that does not belong there, or
-// npos if the text is whole.
+// bytes: the decoded ones. bad_at: position of the first invalid character, or npos if the text is
+// complete.
 struct DecodedBase64 {
   std::string bytes;
   std::size_t bad_at = std::string_view::npos;
 };
 
-// Blanks and line ends are skipped. Several padded texts may stand behind each other, as writers
-// that encode a header by itself leave them. Stops once it has `most` bytes, or up to two more.
+// Blanks and line ends are skipped. Several padded texts may follow each other, from writers that
+// encode a header separately. Stops once it has `most` bytes, or up to two more.
 DecodedBase64 decode_base64(std::string_view text,
                             std::size_t most = std::numeric_limits<std::size_t>::max());
 

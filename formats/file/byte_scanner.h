@@ -1,4 +1,4 @@
-// Binary numbers of a file that lies in memory, with their offsets.
+// Binary numbers of a file in memory, with their offsets.
 #pragma once
 
 #include <algorithm>
@@ -15,11 +15,11 @@
 
 namespace tremolo {
 
-// Whether numbers of a little-endian file have the other byte order than this machine.
+// True if a little-endian file's numbers have another byte order than this machine's.
 inline constexpr bool kSwapsLittleEndian = std::endian::native != std::endian::little;
 
-// Walks over bytes that must outlive it. A read that fails returns false and leaves an error
-// (kContent) that names file and byte offset, what was expected and what was found.
+// Reads bytes that must outlive it. A read that fails returns false and leaves an error (kContent)
+// with file, byte offset, the expected and the found value.
 class ByteScanner {
  public:
   // Starts at `offset`; `swap`: the numbers have the other byte order than this machine.
@@ -28,7 +28,7 @@ class ByteScanner {
   template <class T>
   bool read(T& value, std::string_view what);
 
-  // Whether `count` items of `size` bytes each follow; asked before memory is taken.
+  // True if `count` items of `size` bytes each follow; call it before memory is allocated.
   bool fits(std::size_t count, std::size_t size, std::string_view what);
   bool skip(std::size_t count, std::size_t size, std::string_view what);
 

@@ -25,8 +25,8 @@ std::uint64_t element_size(ArrayType type) {
   return 0;
 }
 
-// Whether there can be such an array, and then its size. An empty one has one column: 0 times
-// anything would pass as a shape, and who loops over its columns would not come back.
+// Returns whether the shape of an array is valid, and its size. An empty array has one column:
+// otherwise 0 times any number would be valid, and a loop over its columns would not end.
 bool find_size(ArrayType type, std::uint64_t rows, std::uint64_t columns, std::uint64_t& bytes) {
   const std::uint64_t element = element_size(type);
   if (element == 0 || __builtin_mul_overflow(rows, columns, &bytes) ||

@@ -1,12 +1,12 @@
-// A file of named arrays in which a long computation finds a finished stage again.
+// A file of named arrays that saves a finished stage of a long computation.
 //
-// Little-endian. A header of 64 bytes, a table of one 64-byte entry an array, the arrays one behind
-// the other in the table's order, and nothing else: every byte is under a checksum (XXH3-64).
+// Little-endian. A header of 64 bytes, a table with one 64-byte entry per array, the arrays in the
+// table's order, and nothing else: every byte is under a checksum (XXH3-64).
 //   header: magic (8 characters), version (u32), arrays (u32), bytes of the file (u64), hash of the
 //     table (u64), 24 bytes zero, hash of the header's first 56 bytes (u64)
 //   entry: name (32 characters, padded with zeros), type (u32), zero (u32), rows, columns, hash of
 //     the array (u64 each)
-// Another version is refused: a checkpoint is of use to the program that wrote it only.
+// Other versions are refused: a checkpoint is useful only to the program that wrote it.
 #pragma once
 
 #include <array>
@@ -36,10 +36,10 @@ inline constexpr std::size_t kTypeAt = 32, kZeroAt = 36, kRowsAt = 40, kColumnsA
 inline constexpr std::uint32_t kMaxArrays = 256;
 }  // namespace checkpoint_layout
 
-// f64 and i64 are column-major; a text is bytes x 1, and what is empty is 0 x 1.
+// f64 and i64 are column-major; a text is bytes x 1, and an empty array is 0 x 1.
 enum class ArrayType : std::uint32_t { kF64 = 1, kI64 = 2, kText = 3 };
 
-// bytes: rows * columns elements as they lie in memory, the caller's or the file's.
+// bytes: rows * columns elements in the order of memory, the caller's or the file's.
 struct NamedArray {
   std::string name;  // 1 to 32 characters, none of them zero
   ArrayType type = ArrayType::kF64;
@@ -48,14 +48,15 @@ struct NamedArray {
   std::span<const std::byte> bytes;
 };
 
-// What is named must outlive the array. `values` holds rows * columns numbers, column by column.
+// The values must outlive the array. `values` holds rows * columns numbers, column by column.
 NamedArray named_array(std::string name, std::span<const double> values, std::uint64_t rows,
                        std::uint64_t columns = 1);
 NamedArray named_array(std::string name, std::span<const std::int64_t> values);
 NamedArray named_array(std::string name, std::string_view text);
 
-// Errors: kSystem for what cannot be written, with the path; kContent for names that are too long
-// or appear twice and sizes that do not fit their bytes. The file appears whole or not at all.
+// Errors: kSystem with the path for a file that cannot be written; kContent for names that are too
+// long or not unique, and for sizes that do not match their bytes. The file is written whole or not
+// at all.
 Status write_checkpoint_file(const std::string& path, std::span<const NamedArray> arrays);
 
 // Reads a checkpoint file, which is untrusted: header and table are checked when it is opened, an

@@ -10,8 +10,8 @@ namespace tremolo {
 
 std::string checksum(std::string_view bytes);
 
-// The checksum of the running program's own file, so that what another build has stored or timed is
-// not taken for this one's. Errors: kSystem where the file cannot be read.
+// The checksum of the running program's file, which distinguishes results of other builds. Errors:
+// kSystem if the file cannot be read.
 Result<std::string> program_checksum();
 
 }  // namespace tremolo

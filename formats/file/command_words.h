@@ -15,8 +15,8 @@
 
 namespace tremolo {
 
-// Lets no option take an empty value: what a script's unset variable leaves is a mistake and not
-// the same as no option.
+// Makes empty values an error for all options: an unset variable in a script gives an empty value,
+// which is a mistake and not the same as no option.
 inline void refuse_empty_values(CLI::App& app) {
   for (CLI::Option* option : app.get_options())
     if (option->get_items_expected_max() > 0)
@@ -27,8 +27,8 @@ inline void refuse_empty_values(CLI::App& app) {
     refuse_empty_values(*command);
 }
 
-// The first word of the form --flag=, of which CLI11 would take the next word for the value; empty:
-// there is none. What stands behind -- is not looked at.
+// The first word of the form --flag=, for which CLI11 would take the next word as the value; empty:
+// there is none. Words after -- are ignored.
 inline std::string flag_without_value(const std::vector<std::string>& words) {
   for (const std::string& word : words) {
     if (word == "--") break;
@@ -37,8 +37,7 @@ inline std::string flag_without_value(const std::vector<std::string>& words) {
   return {};
 }
 
-// What is wrong before CLI11 looks at the words, or in words that it knows nothing of; empty: CLI11
-// says it.
+// An error in the words that CLI11 does not report, or not well; empty: CLI11 checks the rest.
 inline std::string problem_of_words(const CLI::App& app, const std::vector<std::string>& words) {
   if (const std::string flag = flag_without_value(words); !flag.empty())
     return flag + " has no value";
@@ -52,9 +51,9 @@ inline std::string problem_of_words(const CLI::App& app, const std::vector<std::
   return "there is no command `" + words[0] + "`: there are " + names;
 }
 
-// Reads the words, without the program's name, into what the app's options are bound to. Returns
-// the exit code where the program ends with it: after --help and --version 0, or 1 if standard
-// output cannot be written; that of wrong usage after a message.
+// Reads the words, without the program's name, into the variables of the app's options. Returns the
+// exit code if the program must end: after --help and --version 0, or 1 if standard output cannot
+// be written; that of wrong usage after a message.
 inline std::optional<int> read_words(CLI::App& app, const std::vector<std::string>& words) {
   const auto wrong = [&app](const std::string& what) {
     std::cerr << app.get_name() << ": " << printable(what) << " (--help lists the options)\n";

@@ -36,7 +36,7 @@ FolderFiles::FolderFiles(const std::string& path) {
 }
 
 fs::path FolderFiles::resolve(const std::string& name) const {
-  // Importers give the name beside the file's own folder, or bare.
+  // Importers give the name relative to the file's folder, or without a folder.
   std::error_code none;
   const fs::path wanted = fs::path(name).is_absolute() ? fs::path(name) : folder_ / name;
   const fs::path real = fs::canonical(wanted, none);

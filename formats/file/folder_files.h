@@ -9,8 +9,8 @@
 
 namespace tremolo {
 
-// Opens the file `path`, and what lies in its folder or below it, for reading; only regular files.
-// A link that leads out of the folder is followed for `path` alone.
+// Opens the file `path`, and files in its folder or below, for reading; only regular files. A link
+// out of the folder is followed only for `path`.
 class FolderFiles : public Assimp::IOSystem {
  public:
   explicit FolderFiles(const std::string& path);
@@ -20,12 +20,12 @@ class FolderFiles : public Assimp::IOSystem {
   Assimp::IOStream* Open(const char* name, const char* mode) override;
   void Close(Assimp::IOStream* stream) override;
 
-  // Gives these bytes in the place of the file's own from now on.
+  // Replaces the file's own bytes from now on.
   void replace_file(std::string bytes) { replacement_ = std::move(bytes); }
   // The bytes of a file that may be opened; empty for any other.
   std::string contents(const std::string& name);
 
-  // Names that were asked for and lie outside, or are no regular files; each once, at most ten.
+  // Requested names that are outside the folder or not regular files; each once, at most ten.
   const std::vector<std::string>& refused() const { return refused_; }
 
  private:

@@ -35,7 +35,7 @@ Result<struct stat> examine_input(const std::string& path) {
 Result<InputFile> open_input(const std::string& path) {
   const Result<struct stat> seen = examine_input(path);
   if (!seen) return seen.error();
-  // O_NONBLOCK: what stands there may have changed meanwhile.
+  // O_NONBLOCK, because the path may lead to another kind of file meanwhile.
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
   if (descriptor < 0) return failure(path, "open");
   struct stat status = {};

@@ -9,11 +9,12 @@
 
 namespace tremolo {
 
-// A pipe may never send anything, a device never end: both are refused, as folders and sockets are,
-// with what stands at the path. Symbolic links are followed. Errors are kSystem and name the path.
+// Only regular files are accepted: a pipe may never send anything, a device may never end. The
+// error gives the kind of the file found. Symbolic links are followed. Errors are kSystem with the
+// path.
 
-// What stat() says of a regular file. Opens nothing: to open a pipe waits for its writer, and some
-// devices act when they are opened.
+// The result of stat() for a regular file. It opens nothing: opening a pipe waits for its writer,
+// and some devices act when they are opened.
 Result<struct stat> examine_input(const std::string& path);
 
 // A descriptor for reading; the caller closes it. size: of the file when it was opened, bytes.

@@ -22,7 +22,7 @@
 namespace tremolo {
 namespace {
 
-// How a child that has no answer ends.
+// Exit codes of a child without an answer.
 constexpr int kOutOfMemory = 70;
 constexpr int kThrew = 71;
 constexpr int kNoPipe = 72;
@@ -139,7 +139,7 @@ class Deadline {
 
 enum class Listening { kEnd, kTooLate, kTooMuch, kFailed };
 
-// Takes all that comes through the pipe until the child closes it.
+// Reads all bytes from the pipe until the child closes it.
 Listening listen(int pipe, const ChildLimits& limits, std::vector<std::byte>& answer) {
   const Deadline deadline(limits.seconds);
   std::vector<std::byte> piece(std::size_t{1} << 18);
@@ -161,7 +161,7 @@ Listening listen(int pipe, const ChildLimits& limits, std::vector<std::byte>& an
   }
 }
 
-// The child's status; 0 too if somebody else (SIGCHLD ignored) took it: the answer then tells.
+// The child's status; also 0 if it was reaped elsewhere (SIGCHLD ignored): the answer then decides.
 int status_of(pid_t child) {
   int status = 0;
   while (::waitpid(child, &status, 0) < 0)

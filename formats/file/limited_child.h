@@ -11,20 +11,19 @@
 
 namespace tremolo {
 
-// seconds: by the clock, more than 0. memory: bytes that the child may take above what this process
-// has; 0: no limit. answer: bytes that it may send.
+// Limits of a child process.
 struct ChildLimits {
-  double seconds = 60;
-  std::uint64_t memory = 0;
-  std::uint64_t answer = 0;
+  double seconds = 60;       // elapsed time, above 0
+  std::uint64_t memory = 0;  // bytes that the child may use beyond this process; 0: no limit
+  std::uint64_t answer = 0;  // bytes that it may send
 };
 
 using ChildWork = std::function<std::vector<std::byte>()>;
 
-// Runs `work` in a forked child that writes no files, sees no standard streams and dies with this
-// process, and returns what it returned. This process may have threads; the child has one, and runs
-// no exit handlers. Errors: kContent if the work crashed ("crashed (signal 11)"), threw, took
-// longer or needed more than it may; kSystem if there is no pipe or process to be had.
+// Runs `work` in a forked child that writes no files, has no standard streams and ends with this
+// process, and returns its result. This process may have threads; the child has one, and runs no
+// exit handlers. Errors: kContent if the work crashed ("crashed (signal 11)"), threw, or exceeded
+// its time or memory; kSystem if no pipe or process can be created.
 Result<std::vector<std::byte>> answer_of_child(const ChildWork& work, const ChildLimits& limits);
 
 }  // namespace tremolo

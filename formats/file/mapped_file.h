@@ -9,9 +9,8 @@
 
 namespace tremolo {
 
-// Maps a regular file. The bytes stay valid as long as the object (or what it was moved into)
-// lives, provided that no process truncates the file meanwhile. Errors are kSystem and name the
-// path.
+// Maps a regular file. The bytes are valid as long as the object (or the one it was moved into)
+// exists, provided that no process truncates the file meanwhile. Errors are kSystem with the path.
 class MappedFile {
  public:
   static Result<MappedFile> open(const std::string& path);

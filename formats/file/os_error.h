@@ -8,9 +8,8 @@
 
 namespace tremolo {
 
-// The error of the system call that failed last, read from errno: "WHAT: why". What the system
-// itself has no memory or address space for is told in the words that every other lack of memory is
-// told in.
+// The error of the last failed system call, from errno: "WHAT: why". ENOMEM has the message of
+// every other lack of memory.
 inline Error os_error(const std::string& what) {
   const int number = errno;
   return system_error(what + ": " + (number == ENOMEM ? "out of memory" : std::strerror(number)));

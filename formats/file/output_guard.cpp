@@ -26,8 +26,8 @@ namespace {
 namespace fs = std::filesystem;
 using Inode = std::pair<dev_t, ino_t>;
 
-// Where paths lead: absolute, links resolved as far as there is something. Folders are looked up
-// once, so that the files of many folders cost a look each.
+// Resolves paths: absolute, with links followed as far as files exist. Each folder is resolved
+// once, so that many files in many folders are cheap.
 class Places {
  public:
   // Empty if that fails.
@@ -42,7 +42,7 @@ class Places {
       return fs::weakly_canonical(absolute, error).string();
     return (parent.place == "/" ? "/" : parent.place + "/") + name.string();
   }
-  // What stands at a place whose folder is there; nothing if there is nothing.
+  // stat() of a path if its folder exists; false if there is nothing.
   bool look(const std::string& path, struct stat& status) {
     const fs::path absolute = fs::path(path).is_absolute() ? fs::path(path) : current() / path;
     return folder(absolute.parent_path()).there && ::stat(path.c_str(), &status) == 0;
@@ -72,7 +72,7 @@ class Places {
     const fs::path name = path.filename();
     const bool plain = !name.empty() && name != "." && name != ".." && path.has_parent_path();
     if (plain && path != path.root_path()) {
-      // Below a folder that is not there nothing is there.
+      // Nothing exists below a missing folder.
       const Folder parent = folder(path.parent_path());
       const std::string place = (parent.place == "/" ? "/" : parent.place + "/") + name.string();
       if (parent.place.empty()) return {};
@@ -81,7 +81,7 @@ class Places {
     if (const fs::path real = fs::canonical(path, error); !error) return {real.string(), true};
     const fs::path known = fs::weakly_canonical(path, error);
     if (error) return {};
-    // What ends in "." or ".." comes out with a slash behind it.
+    // A path that ends in "." or ".." is returned with a trailing slash.
     return {(known.has_filename() ? known : known.parent_path()).string(), false};
   }
 
@@ -94,16 +94,16 @@ bool lies_in(const fs::path& file, const fs::path& folder) {
          folder.end();
 }
 
-// Formats that name files do it by their names as they stand on the disk.
+// Formats that refer to files contain their names as on the disk.
 bool holds_text(const std::string& path, std::string_view text) {
   const Result<MappedFile> file = MappedFile::open(path);
-  if (!file) return false;  // who reads it will say so
+  if (!file) return false;  // its reader reports the error
   const auto bytes = file->bytes();
   return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()).find(text) !=
          std::string_view::npos;
 }
 
-// Whether an output that is there already, at `place`, belongs to the input.
+// True if an existing output, at `place`, belongs to the input.
 bool is_named_by(const fs::path& place, const NamedFile& input, const fs::path& owner) {
   if (owner.empty() || !lies_in(place, owner.parent_path())) return false;
   const std::string extension = owner.extension().string();
@@ -121,7 +121,7 @@ std::string whose_text(const NamedFile& input) {
   return input.path + " (" + input.role + ")";
 }
 
-// Inputs by inode and by place.
+// Inputs by inode and by resolved path.
 class KnownInputs {
  public:
   KnownInputs(const std::vector<NamedFile>& inputs, Places& places) {
@@ -136,7 +136,7 @@ class KnownInputs {
     }
   }
 
-  // status: of what stands at the output; null: nothing does.
+  // status: of the existing file; null: there is none.
   Status keep(const std::string& output, const std::string& place,
               const struct stat* status) const {
     if (const auto found = by_place_.find(place); found != by_place_.end())
@@ -156,7 +156,7 @@ class KnownInputs {
   std::vector<std::pair<NamedFile, fs::path>> owners_;
 };
 
-// Outputs by place and, of those that are there already, by inode.
+// Outputs by resolved path and, if they exist, by inode.
 class KnownOutputs {
  public:
   Status add(const std::string& output, const std::string& place, const struct stat* status) {
@@ -169,7 +169,7 @@ class KnownOutputs {
     return is_new ? Status(Success{}) : twice(output, other->second);
   }
 
-  // Whether one of them would have to be a folder for another one.
+  // An error if one output would have to be a folder for another one.
   Status check_folders() const {
     std::unordered_set<std::string> seen;
     for (const auto& [place, output] : by_place_) {
@@ -204,7 +204,7 @@ fs::path nearest_folder(const fs::path& path) {
   return fs::exists(fs::symlink_status(folder, error)) ? folder : fs::path(".");
 }
 
-// Whether folders can be made there for the output: a file is made where the first of them would
+// Checks that the output's folders can be created, by creating a file where the first of them would
 // be.
 Status check_new_folders(const std::string& output) {
   const fs::path there = nearest_folder(output);
@@ -257,7 +257,7 @@ Status check_writable(const std::vector<std::string>& outputs, bool makes_folder
     const fs::file_status status = fs::status(path, error);
     if (fs::exists(status) && !fs::is_regular_file(status))
       return system_error(output + ": cannot write: it exists and is not a regular file");
-    // One trial a folder: what can be written there once can be written again.
+    // One trial per folder is enough.
     if (makes_folders && !tried.insert(folder).second) continue;
     if (makes_folders && !fs::exists(folder, error)) {
       if (Status s = check_new_folders(output); !s) return s;

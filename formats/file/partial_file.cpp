@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kMark = ".partial-";
-constexpr int kAttempts = 64;  // threads that may write one target at once
+constexpr int kAttempts = 64;  // threads that may write one target at the same time
 
 // 0, or the error.
 int lock(int descriptor) {

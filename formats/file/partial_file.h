@@ -1,27 +1,27 @@
-// Temporary files beside a target: their names, their owners, and the removal of stale ones.
+// Temporary files next to a target: their names, their owners, and the removal of stale ones.
 #pragma once
 
 #include <string>
 
 namespace tremolo {
 
-// descriptor: open for writing; -1: errno tells why there is none.
+// A temporary file. descriptor: open for writing; -1: none, with the reason in errno.
 struct PartialFile {
   std::string path;
   int descriptor = -1;
 };
 
-// Creates TARGET.partial-PID, empty; -2, -3, ... behind it where threads write the same target. It
-// is locked while the descriptor is open, so that other processes see that it has an owner.
+// Creates TARGET.partial-PID, empty; with -2, -3, ... appended if threads write the same target. It
+// is locked while the descriptor is open, which shows other processes that it has an owner.
 PartialFile create_partial(const std::string& target);
 
-// Opens a temporary file that was closed, at its end, and locks it. The descriptor; -1: errno tells
-// why there is none.
+// Opens a closed temporary file at its end and locks it. Returns the descriptor; -1: none, with the
+// reason in errno.
 int open_partial(const std::string& path);
 
 // Removes the temporary files of `target` that no process has locked: their owners were killed,
-// crashed or lost power. A folder is scanned once a process. Nothing is removed where the file
-// system has no locks.
+// crashed or lost power. A folder is scanned once per process. Removes nothing if the file system
+// has no locks.
 void remove_stale_partials(const std::string& target);
 
 }  // namespace tremolo

@@ -5,7 +5,7 @@
 namespace tremolo {
 namespace {
 
-// Length in bytes of the code point at the front of `text`, 0 if there is none.
+// Length in bytes of the first code point of `text`, 0 if it is invalid.
 std::size_t utf8_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(0);

@@ -1,4 +1,4 @@
-// Text of files that is shown to people.
+// Text of files for display.
 #pragma once
 
 #include <cstddef>
@@ -7,10 +7,10 @@
 
 namespace tremolo {
 
-// What stands for a name or a message whatever it was before: UTF-8 without control characters, of
-// at most `bytes` bytes; what is neither becomes '?' or a blank.
+// Makes any bytes displayable as a name or a message: UTF-8 without control characters, at most
+// `bytes` bytes; other bytes become '?' or a blank.
 std::string printable_text(std::string_view text, std::size_t bytes);
-// Whether it is that already.
+// True if the text is already in that form.
 bool is_printable_text(std::string_view text, std::size_t bytes);
 
 constexpr std::size_t kLongestName = 256;

@@ -1,4 +1,4 @@
-// Numbers, names and checksums at fixed places of a binary file, little-endian as this machine.
+// Numbers, names and checksums at fixed offsets of a binary file, little-endian as this machine.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +29,7 @@ void put(std::span<std::byte> bytes, std::size_t at, T value) {
   std::memcpy(bytes.data() + at, &value, sizeof(value));
 }
 
-// Behind what `bytes` holds.
+// Appends values to `bytes`.
 template <class T>
 void append_bytes(std::string& bytes, const T* values, std::size_t count) {
   bytes.append(reinterpret_cast<const char*>(values), count * sizeof(T));
@@ -39,13 +39,13 @@ void append_bytes(std::string& bytes, T value) {
   append_bytes(bytes, &value, 1);
 }
 
-// How many of the bytes are zero before the first that is not.
+// The number of zero bytes before the first other byte.
 inline std::size_t leading_zeros(std::span<const std::byte> bytes) {
   return std::find_if(bytes.begin(), bytes.end(), [](std::byte b) { return b != std::byte{0}; }) -
          bytes.begin();
 }
 
-// The name in a field that zeros fill up; empty if there is none or something stands behind it.
+// The name in a field padded with zeros; empty if there is none or other bytes follow it.
 inline std::string_view padded_name(std::span<const std::byte> field) {
   const std::string_view text(reinterpret_cast<const char*>(field.data()), field.size());
   const std::string_view name = text.substr(0, text.find('\0'));
@@ -53,7 +53,7 @@ inline std::string_view padded_name(std::span<const std::byte> field) {
   return leading_zeros(padding) == padding.size() ? name : std::string_view();
 }
 
-// The fuzzer's own build looks behind the checksums; nothing that is shipped is built like that.
+// The fuzzer's build skips the checksums to reach the code behind them; no shipped build does.
 #ifdef TREMOLO_FUZZING
 inline constexpr bool kCheckHashes = false;
 #else

@@ -118,7 +118,7 @@ bool TextScanner::expect(std::string_view word) {
 }
 
 bool TextScanner::fits(std::size_t count, std::size_t bytes, std::string_view what) {
-  // The last item may do without the separator behind it.
+  // The last item needs no separator after it.
   if (bytes == 0 || count <= (remaining() + 1) / bytes) return true;
   error_ = problem("expected " + std::to_string(count) + " " + std::string(what) + ", found only " +
                    std::to_string(remaining()) + " bytes behind this count");

@@ -1,4 +1,4 @@
-// Tokens and numbers of a text that lies in memory, with the line they stand on.
+// Tokens and numbers of a text in memory, with their line numbers.
 #pragma once
 
 #include <algorithm>
@@ -15,29 +15,29 @@
 
 namespace tremolo {
 
-// How a text is cut into tokens. Blanks, tabs, CR and LF always separate.
+// Rules for splitting a text into tokens. Blanks, tabs, CR and LF always separate.
 struct TextStyle {
-  char comment = '\0';       // from this character to the end of the line nothing counts
+  char comment = '\0';       // begins a comment up to the end of the line
   bool commas = false;       // commas separate like blanks
   bool lines = false;        // a record is a line: tokens are not taken from the next one
-  bool open_end = false;     // a number may touch the end of the text; else it may be cut off there
-  bool binary_file = false;  // errors give the byte offset, since lines mean nothing
+  bool open_end = false;     // a number may end with the text; else it counts as cut off
+  bool binary_file = false;  // errors give byte offsets instead of lines
 };
 
 // Bytes that some editors and exporters put before the first character of UTF-8.
 inline constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
-// The text behind a byte-order mark, or all of it. TextScanner does this itself.
+// The text after a byte-order mark, or all of it. TextScanner does this itself.
 inline std::string_view without_mark(std::string_view text) {
   return text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text;
 }
 
-// What was found, for an error message: short, in quotes, without control characters.
+// Text from a file for an error message: short, in quotes, without control characters.
 std::string quoted_text(std::string_view found);
 
-// Walks over a text that must outlive it, from behind its byte-order mark if it has one. A read
-// that fails returns false and leaves an error (kContent) that names file and line, what was
-// expected and what was found.
+// Reads tokens of a text that must outlive it, after its byte-order mark if there is one. A read
+// that fails returns false and leaves an error (kContent) with file, line, the expected and the
+// found text.
 class TextScanner {
  public:
   TextScanner(std::string_view text, std::string file, TextStyle style = {});
@@ -51,7 +51,7 @@ class TextScanner {
   // The next token, empty if there is none (with style.lines: none on this line).
   std::string_view token();
   std::string_view peek();
-  // The rest of this line without its end, comments included; goes behind it.
+  // The rest of this line without its end, comments included; moves to the next line.
   std::string_view rest_of_line();
 
   // A whole token that is a number in the range of T; what: "a node id".
@@ -65,7 +65,7 @@ class TextScanner {
   bool read_quoted(std::string& text, std::string_view what);
   bool expect(std::string_view word);
 
-  // Whether `count` items of at least `bytes` each can follow; asked before memory is taken.
+  // True if `count` items of at least `bytes` each can follow; call it before memory is allocated.
   bool fits(std::size_t count, std::size_t bytes, std::string_view what);
 
   // Byte positions in the whole text.

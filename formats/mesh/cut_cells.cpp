@@ -9,8 +9,8 @@
 namespace tremolo {
 namespace {
 
-// Corners of a face in the order in which they go around it, seen from outside; -1 behind a
-// triangle's.
+// Corners of a face in order, counter-clockwise seen from outside; -1 after the corners of a
+// triangle.
 using CellFace = std::array<int, 4>;
 constexpr std::array<CellFace, 6> kHexahedron = {
     {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};

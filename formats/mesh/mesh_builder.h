@@ -1,5 +1,5 @@
-// What the mesh readers have in common: file ids become indices, tetrahedra are kept, other cells
-// are counted.
+// Common part of the mesh readers: file ids become indices, tetrahedra are kept, other cells are
+// counted.
 #pragma once
 
 #include <array>
@@ -20,8 +20,8 @@
 
 namespace tremolo {
 
-// Fill in this order: all vertices, seal_vertices(), cells and sets, finish(). A call that
-// refuses returns false and leaves a complaint, to which the reader adds the place in its file.
+// Call in this order: all vertices, seal_vertices(), cells and sets, finish(). A call that fails
+// returns false and leaves a complaint, to which the reader adds the position in its file.
 class MeshBuilder {
  public:
   explicit MeshBuilder(std::string file) : file_(std::move(file)) {}
@@ -29,7 +29,7 @@ class MeshBuilder {
   void reserve_vertices(std::size_t count);
   void reserve_tetrahedra(std::size_t count) { mesh_.tetrahedra.reserve(count); }
 
-  // id: the file's number for the vertex; x: metres. Refuses what is not finite.
+  // id: the file's number for the vertex; x: metres. Refuses values that are not finite.
   bool add_vertex(std::int64_t id, const Eigen::Vector3d& x);
   // Refuses ids that two vertices share.
   bool seal_vertices();
@@ -38,15 +38,15 @@ class MeshBuilder {
   // Indices of the nodes of a cell, which `cell` names for the complaint. Refuses unknown ids.
   bool resolve(std::int64_t cell, std::span<const std::int64_t> nodes,
                std::vector<VertexId>& vertices);
-  // A cell of any kind: a tetrahedron is kept, a hexahedron, wedge or pyramid cut into some
+  // Adds a cell of any kind: a tetrahedron is kept, a hexahedron, wedge or pyramid is divided
   // (mesh().tetrahedra grows by up to six), another cell is counted, a tetrahedron of higher order
-  // refused. in_set: its vertices will be of a named set, so it is not there for nothing.
+  // is refused. in_set: its vertices will be in a named set, so that it is not reported as unused.
   bool add_cell(std::int64_t cell, const CellKind& kind, std::span<const VertexId> vertices,
                 bool in_set = false);
 
   void add_to_set(const std::string& name, std::span<const VertexId> vertices);
-  // The regions, from a label of each tetrahedron kept so far, in order. name: of a label; labels
-  // of one name are one region, an empty name is none.
+  // Sets the regions from a label of each tetrahedron kept so far, in order. name: of a label;
+  // labels of one name are one region, an empty name is none.
   void set_regions(std::span<const std::int64_t> label_of_tet,
                    const std::function<std::string(std::int64_t)>& name);
   void add_material(FileMaterial material) { materials_.push_back(std::move(material)); }
@@ -56,8 +56,8 @@ class MeshBuilder {
   TetMesh& mesh() { return mesh_; }
   const std::string& complaint() const { return complaint_; }
 
-  // Sorts the sets and notes what was skipped or serves for sets only. A file without tetrahedra is
-  // an error (kContent) that says what it holds.
+  // Sorts the sets and notes cells that were skipped or are only in sets. A file without tetrahedra
+  // is an error (kContent) that lists its contents.
   Result<MeshFile> finish(std::string format);
 
  private:

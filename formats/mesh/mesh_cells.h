@@ -1,4 +1,4 @@
-// The kinds of cells that mesh files hold, by the numbers that the formats give them.
+// The kinds of cells in mesh files, by the numbers of the formats.
 #pragma once
 
 #include <cstdint>
@@ -27,18 +27,18 @@ struct CellKind {
   bool is_quadratic() const {
     return role == Role::kQuadraticTetrahedron || role == Role::kGmshQuadraticTetrahedron;
   }
-  // Whether the cell is cut into tetrahedra (cut_cells.h), by its corners: one that has more nodes
-  // has the corners first.
+  // True if the cell is divided into tetrahedra (cut_cells.h) by its corners; further nodes follow
+  // the corners.
   bool is_cut() const { return corners() > 0; }
   int corners() const {
     if (role == Role::kHexahedron || role == Role::kVoxel) return 8;
     return role == Role::kWedge ? 6 : role == Role::kPyramid ? 5 : 0;
   }
-  // Whether cells of this kind become tetrahedra of the mesh.
+  // True if cells of this kind become tetrahedra of the mesh.
   bool is_kept() const { return role == Role::kTetrahedron || is_quadratic() || is_cut(); }
 };
 
-// Beyond 2^53 doubles skip integers: a larger number names no region.
+// Above 2^53 not every integer is a double: larger numbers are not valid regions.
 inline constexpr double kMostExact = 9007199254740992.0;
 
 // Element types of MSH files (Gmsh reference manual, section "MSH file format"); nullptr if

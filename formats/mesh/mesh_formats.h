@@ -1,5 +1,5 @@
-// One reader a format, behind read_tet_mesh(). Each takes the bytes of the file and its path, which
-// stands in the errors and beside which a second file may lie.
+// One reader per format, behind read_tet_mesh(). Each takes the bytes of the file and its path,
+// which is for errors and for finding a second file in the same folder.
 #pragma once
 
 #include <string>
@@ -21,8 +21,8 @@ Result<MeshFile> read_vtu(std::string_view text, const std::string& path);
 Result<MeshFile> read_veg(std::string_view text, const std::string& path);
 // VegaFEM's .vegb, version 1, tetrahedra.
 Result<MeshFile> read_vegb(std::string_view bytes, const std::string& path);
-// Abaqus's input file: solids of all parts, where their instances place them, with node and element
-// sets.
+// Abaqus's input file: solids of all parts at the positions of their instances, with node and
+// element sets.
 Result<MeshFile> read_inp(std::string_view text, const std::string& path);
 // Nastran's bulk data, small, large and free field. Properties (PID) and sets become node sets.
 Result<MeshFile> read_bdf(std::string_view text, const std::string& path);

@@ -10,30 +10,29 @@
 
 namespace tremolo {
 
-// A material that the file itself gives to one of its regions.
+// A material in the file for one of its regions.
 struct FileMaterial {
   std::string region;
   Material material;
   std::string problem;  // why it cannot be used; empty if it can
 };
 
-// mesh: vertices in the file's order, coordinates as they stand in the file (taken as metres),
-// tetrahedra in the file's order and orientation: check_mesh() is still to see them. Of quadratic
-// tetrahedra the mesh has `edges`, which straighten_edges() is still to see.
-// format: what was read, "MSH 4.1 binary". notes: sentences about what was left out.
-// materials: of regions, in the order of the file; not checked.
+// The contents of a mesh file.
 struct MeshFile {
+  // Vertices in the file's order with its coordinates (as metres), tetrahedra in the file's order
+  // and orientation, before check_mesh(). Quadratic tetrahedra have `edges`, before
+  // straighten_edges().
   TetMesh mesh;
-  std::string format;
-  std::vector<std::string> notes;
-  std::vector<FileMaterial> materials = {};
+  std::string format;                        // "MSH 4.1 binary"
+  std::vector<std::string> notes;            // sentences about omitted parts
+  std::vector<FileMaterial> materials = {};  // of regions, in the order of the file; not checked
 };
 
-// Recognises the format by the file's first line, then by its extension. Cells that are not
+// Recognises the format by the file's first line, then by its extension. Cells other than
 // tetrahedra are skipped and noted; named groups become node sets, groups of tetrahedra regions as
-// well. Nothing in the file is trusted: memory is bounded by its size. Errors: kSystem for a file
-// that is missing or unreadable, kContent with line (text) or byte offset (binary), what was
-// expected and what was found for all others.
+// well. The file is untrusted: memory is bounded by its size. Errors: kSystem for a file that is
+// missing or unreadable, else kContent with line (text) or byte offset (binary), the expected and
+// the found text.
 Result<MeshFile> read_tet_mesh(const std::string& path);
 
 }  // namespace tremolo

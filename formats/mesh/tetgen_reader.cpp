@@ -14,7 +14,7 @@ namespace {
 
 constexpr TextStyle kTetgenStyle{.comment = '#', .lines = true};
 
-// The first line of either file: a count, a width, and what each line has behind it.
+// The first line of either file: a count, a width, and the further columns of each line.
 struct Header {
   std::uint64_t count = 0;
   int width = 0;
@@ -69,9 +69,9 @@ Status read_nodes(TextScanner scanner, MeshBuilder& builder) {
   return Success{};
 }
 
-// TetGen's second order (-o2): six further nodes in the middles of the edges. Which stands for
-// which edge is seen from where they lie, as its versions differ: each goes to the edge whose
-// middle is nearest. False if two go to one edge.
+// TetGen's second order (-o2): six further nodes at the middles of the edges. Versions differ in
+// their order, so each node is assigned to the edge with the nearest middle. False if two are
+// assigned to one edge.
 bool order_edge_nodes(const TetMesh& mesh, std::vector<VertexId>& vertices) {
   constexpr std::array<std::array<std::size_t, 2>, 6> kEnds = {
       {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
@@ -143,7 +143,7 @@ Status read_elements(TextScanner scanner, MeshBuilder& builder) {
 Result<MeshFile> read_tetgen(const std::string& path) {
   const std::string node_path = std::filesystem::path(path).replace_extension(".node").string();
   const std::string ele_path = std::filesystem::path(path).replace_extension(".ele").string();
-  // The file that was named first: if it is missing, that is what the user must hear.
+  // If the file that was named first is missing, its error is reported.
   const bool node_given = node_path == path;
   const Result<std::string> given = read_whole_file(path);
   if (!given) return given.error();

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int64_t kMaxTags = 1000;  // far above what partitioned meshes need
 
-// What the elements of a file are read into, reused from element to element.
+// The target of the file's elements; its lists are reused for each element.
 struct Reading {
   MshInput& input;
   MeshBuilder& builder;
@@ -95,8 +95,8 @@ Result<std::uint64_t> read_binary_block(Reading& reading, std::uint64_t left) {
   return count;
 }
 
-// Version 2 writes an element once for each of its physical groups. Of tetrahedra that differ in
-// nothing but the group the first stays.
+// Version 2 writes an element once for each of its physical groups. Of tetrahedra that differ only
+// in the group, the first is kept.
 void drop_repeats_of_groups(Reading& reading) {
   std::vector<Tetrahedron>& tets = reading.builder.mesh().tetrahedra;
   std::vector<std::int64_t>& physical = reading.physical_of_tet;

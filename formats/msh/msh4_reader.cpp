@@ -8,11 +8,11 @@
 namespace tremolo {
 namespace {
 
-// A block's vertices go into the set of each group of its entity: without a bound, many groups and
-// many blocks would make sets far larger than the file.
+// A block's vertices are added to the set of each group of its entity: without a limit, many groups
+// and many blocks would make sets far larger than the file.
 constexpr std::size_t kMaxGroupsOfEntity = 64;
 
-// How many numbers of a list follow, which are read to the end; each: called with every number.
+// Reads a count and as many numbers. each: called with every number.
 template <class Each>
 bool read_tags(MshInput& input, std::string_view items, std::string_view item, const Each& each) {
   std::uint64_t count = 0;
@@ -27,9 +27,9 @@ bool read_tags(MshInput& input, std::string_view items, std::string_view item, c
   return true;
 }
 
-// Of a partitioned entity: the entity that it is a part of, and its partitions. Its groups are
-// those of the whole, so that a file has the same groups as before it was partitioned; borders
-// between partitions are of a lower dimension than what they cut and have none.
+// For a partitioned entity: reads the entity that it is a part of, and its partitions. Its groups
+// are those of the whole, so that a file has the same groups as before partitioning; boundaries
+// between partitions are of a lower dimension and have no groups.
 bool read_parent(MshInput& input, int dimension, const MshEntities& entities,
                  const std::vector<std::int64_t>** groups_of_parent) {
   static const std::vector<std::int64_t> kNone;

@@ -14,9 +14,9 @@
 
 namespace tremolo {
 
-// A group of dimension 0 to 3 with a tag; its set holds the vertices of all its elements. It is
-// called by its physical name, or "point 7", "curve 7", "surface 7", "volume 7" without one, with
-// " (unnamed)" behind it if another group has that for its name.
+// A group of dimension 0 to 3 with a tag; its set holds the vertices of all its elements. Its name
+// is its physical name, or "point 7", "curve 7", "surface 7", "volume 7" without one, with "
+// (unnamed)" appended if another group has that name.
 class MshGroups {
  public:
   // The body of $PhysicalNames.

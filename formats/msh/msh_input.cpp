@@ -88,7 +88,7 @@ bool MshInput::begin_data() {
 void MshInput::end_data() {
   if (!in_bytes_) return;
   in_bytes_ = false;
-  // Lines mean nothing from here on: the text goes on with offsets.
+  // After binary data errors give byte offsets instead of lines.
   text_ = TextScanner(whole_, path_, {.binary_file = true});
   text_.seek(bytes_.offset());
 }

@@ -12,7 +12,7 @@
 
 namespace tremolo {
 
-// How many numbers of each kind an item of a list holds at least.
+// The minimum of numbers of each kind in an item of a list.
 struct MshItem {
   std::size_t integers = 0;  // int32 in a binary file
   std::size_t sizes = 0;     // u64
@@ -33,7 +33,7 @@ class MshInput {
 
   // The name of the next section without its $, empty at the end of the file.
   bool next_section(std::string_view& name);
-  // Goes behind the $End line of a section that is not read.
+  // Moves past the $End line of a section that is not read.
   bool skip_section(std::string_view name);
   // Expects the $End line of a section that was read.
   bool end_section(std::string_view name);
@@ -48,7 +48,7 @@ class MshInput {
 
   // For the parts that are text in every file.
   TextScanner& text() { return text_; }
-  // Adds the place of the last number read.
+  // Adds the position of the last number read.
   Error problem(const std::string& complaint) const;
   const Error& error() const { return in_bytes_ ? bytes_.error() : text_.error(); }
 

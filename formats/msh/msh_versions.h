@@ -1,5 +1,5 @@
-// The sections of an MSH file that differ between the versions. The input stands behind the
-// section's name; what fails is in the Status with its place.
+// The sections of an MSH file that differ between the versions. The input is positioned after the
+// section's name; the Status gives the error with its position.
 #pragma once
 
 #include <cstdint>

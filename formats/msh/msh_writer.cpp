@@ -14,7 +14,7 @@ constexpr std::int32_t kTetrahedronType = 4;  // Gmsh's number for the linear te
 
 Status write_msh(const std::string& path, const TetMesh& mesh) {
   std::string bytes = "$MeshFormat\n2.2 1 8\n";
-  append_bytes(bytes, std::int32_t{1});  // tells the reader the byte order
+  append_bytes(bytes, std::int32_t{1});  // shows the reader the byte order
   bytes += "\n$EndMeshFormat\n$Nodes\n" + std::to_string(mesh.vertices.size()) + "\n";
   std::int32_t number = 0;
   for (const Eigen::Vector3d& x : mesh.vertices) {

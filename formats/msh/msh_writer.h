@@ -8,8 +8,8 @@
 
 namespace tremolo {
 
-// One block of tetrahedra without tags; node sets are left out (MSH 2.2 has no place for sets of
-// nodes alone). Written whole or not at all. Errors: kSystem if the file cannot be written.
+// Writes one block of tetrahedra without tags; node sets are left out (MSH 2.2 has none). Written
+// whole or not at all. Errors: kSystem if the file cannot be written.
 Status write_msh(const std::string& path, const TetMesh& mesh);
 
 }  // namespace tremolo

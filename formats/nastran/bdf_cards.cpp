@@ -72,7 +72,7 @@ Error BdfCards::problem(std::size_t line, const std::string& text) const {
   return content_error(path_ + ", line " + std::to_string(line) + ": " + text);
 }
 
-// The next line that is neither empty nor a comment, without its end and what follows a dollar.
+// The next line that is neither empty nor a comment, without its end and any text after a dollar.
 bool BdfCards::next_line(std::string_view& line) {
   while (at_ < text_.size()) {
     const std::size_t end = std::min(text_.find('\n', at_), text_.size());
@@ -98,7 +98,7 @@ Status BdfCards::read_case_control(std::vector<BdfSet>& sets) {
     while (words.ends_with(',') && next_line(line)) words += upper_case(trimmed(line));
     const std::size_t equals = words.find('=');
     const auto id = bdf_integer(trimmed(std::string_view(words).substr(4, equals - 4)));
-    // A set of all, or of names: nothing that a selector needs.
+    // A set of all, or of names: selectors do not need it.
     if (equals == std::string::npos || !id) continue;
     BdfSet set{*id, {}};
     for (const std::string_view part : split(std::string_view(words).substr(equals + 1), ',')) {
@@ -129,7 +129,7 @@ void BdfCards::append_fields(std::string_view line, bool large, BdfCard& card) c
   const std::size_t before = card.fields.size();
   if (is_free(line)) {
     const std::vector<std::string_view> parts = split(line, ',');
-    // Behind the last field stands the name of the continuation, which the next line repeats. Some
+    // The last field is followed by the name of the continuation, which the next line repeats. Some
     // writers put all fields on one line instead.
     const bool named = parts.size() > on_line + 1 &&
                        (parts[on_line + 1].empty() || parts[on_line + 1].front() == '+' ||

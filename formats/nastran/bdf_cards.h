@@ -12,14 +12,14 @@
 
 namespace tremolo {
 
-// fields: behind the name, trimmed, with those of continuation lines; a field that is left out is
+// fields: those after the name, trimmed, with those of continuation lines; an omitted field is
 // empty. Small and free field have eight on a line, large field four.
 struct BdfCard {
   std::string name;  // upper case, without the star of the large field
   std::vector<std::string_view> fields;
   std::size_t line = 0;  // on which the card begins
 
-  // Empty behind the last field.
+  // Empty after the last field.
   std::string_view field(std::size_t n) const {
     return n < fields.size() ? fields[n] : std::string_view();
   }
@@ -36,7 +36,7 @@ class BdfCards {
  public:
   BdfCards(std::string_view text, std::string path);
 
-  // Reads what stands before BEGIN BULK: the sets. A file without that line has cards alone.
+  // Reads the part before BEGIN BULK: the sets. A file without that line has only cards.
   Status read_case_control(std::vector<BdfSet>& sets);
   // False at ENDDATA, at the end of the file, and after a line that is no card (error()).
   bool next(BdfCard& card);
@@ -59,8 +59,8 @@ class BdfCards {
   Error error_;
 };
 
-// Numbers as Nastran writes them: an exponent may stand without its letter ("1.5-3"), or with D.
-// Nothing if the field is no number.
+// Numbers in Nastran's form: an exponent may have no letter ("1.5-3"), or D. Nothing if the field
+// is not a number.
 std::optional<double> bdf_real(std::string_view field);
 std::optional<std::int64_t> bdf_integer(std::string_view field);
 

@@ -16,7 +16,7 @@ namespace {
 
 using Role = CellKind::Role;
 
-// An element card has its nodes behind id and property: all of `kind`, or the corners alone.
+// An element card lists its nodes after id and property: all of `kind`, or only the corners.
 struct BdfKind {
   std::string_view card;
   CellKind corners;
@@ -50,7 +50,7 @@ struct BdfMaterial {
   std::string problem;
 };
 
-// Cards may stand in any order: they are collected first.
+// Cards may be in any order: they are collected first.
 struct BdfFile {
   MeshBuilder builder;
   std::vector<BdfElement> elements;
@@ -184,7 +184,7 @@ Status add_elements(const BdfCards& cards, BdfFile& file) {
 
 using Members = std::vector<std::pair<std::int64_t, std::size_t>>;  // ids and their indices
 
-// Those of `table`, ascending, that a set has. Ranges that overlap give some twice.
+// The members of `table`, ascending, in a set. Overlapping ranges give some twice.
 std::vector<std::size_t> members_of(const BdfSet& set, const Members& table) {
   std::vector<bool> taken(table.size(), false);
   for (const auto& [first, last] : set.ranges) {

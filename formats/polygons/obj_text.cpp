@@ -24,8 +24,8 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlanks) + 1 - first);
 }
 
-// Lines that a backslash continues become one, and the line ends of old Macs (CR alone) LF. True if
-// the text was changed; lines keep their numbers up to the first one that is continued.
+// Joins lines that a backslash continues, and converts the line ends of old Macs (CR alone) to LF.
+// True if the text was changed; lines keep their numbers up to the first joined one.
 bool plain_lines(std::string_view text, std::string& changed) {
   const bool old_mac = text.find('\n') == std::string_view::npos && text.find('\r') != text.npos;
   const bool continued =
@@ -107,7 +107,7 @@ class ObjParser {
     if (word == "p") return count_rest(mesh_.points, 0);
     if (word == "l") return count_rest(mesh_.lines, 1);
     if (word == "o" || word == "g") {
-      // Behind `g` without a name the object stays what it is.
+      // `g` without a name keeps the object.
       if (const std::string_view name = rest(); !name.empty()) objects_.choose(name);
     } else if (word == "usemtl") {
       materials_.choose(rest());
@@ -165,7 +165,8 @@ class ObjParser {
     return true;
   }
 
-  // The number of an entry from 0, which may still follow, or false for text that is none.
+  // Converts a number of an entry to an index from 0; the entry may follow later. False for other
+  // text.
   static bool index_of(std::string_view digits, std::size_t entries, std::int64_t& index) {
     std::int64_t number = 0;
     const auto [end, code] = std::from_chars(digits.data(), digits.data() + digits.size(), number);

@@ -11,7 +11,7 @@
 namespace tremolo {
 namespace {
 
-// A vertex is one of the file's, or one of the file's for each colour that a face gives it.
+// A vertex of the surface: one of the file's, with one copy for each colour that a face gives it.
 struct Corners {
   std::vector<VertexId> source;     // of each vertex: the file's
   std::vector<OffNumbers> colours;  // of each vertex, or none

@@ -8,8 +8,8 @@
 
 namespace tremolo {
 
-// A vertex whose faces have several colours becomes one for each. Errors: those of parse_off(), and
-// kContent for a file without faces; without a file's name.
+// A vertex whose faces have several colours becomes one vertex for each. Errors: those of
+// parse_off(), and kContent for a file without faces; without a file name.
 Result<PolygonMesh> parse_off_polygons(std::string_view text);
 
 }  // namespace tremolo

@@ -13,7 +13,7 @@ namespace {
 
 // Normal, colour and texture coordinates, and some to spare.
 constexpr std::size_t kMostExtras = 12;
-// Parts of a colour that the file does not give.
+// Missing parts of a colour.
 constexpr OffNumbers kNotGiven = {-1, -1, -1, -1};
 
 struct Extras {
@@ -55,7 +55,7 @@ bool parse_channels(std::string_view letters, Channels& channels) {
   return true;
 }
 
-// Parts of 255 if one of them is above 1; what is not given is 1.
+// Parts are of 255 if one of them is above 1; missing ones are 1.
 void scale_colours(std::vector<OffNumbers>& colours) {
   float most = 0;
   for (const OffNumbers& colour : colours)
@@ -125,7 +125,7 @@ class Parser {
 
 bool Parser::read_header() {
   const std::string_view next = scanner_.peek();
-  // The counts at once.
+  // The counts may follow directly.
   if (!next.empty() && std::isdigit(static_cast<unsigned char>(next.front())) != 0 &&
       upper(next).find("OFF") == std::string::npos)
     return true;
@@ -175,7 +175,7 @@ bool Parser::read_coordinate(std::string_view& written) {
   return scanner_.read(value, "a coordinate");
 }
 
-// What else stands on the line.
+// Reads the remaining numbers of the line.
 bool Parser::read_extras(Extras& extras) {
   extras.count = 0;
   while (!scanner_.at_line_end()) {
@@ -187,7 +187,7 @@ bool Parser::read_extras(Extras& extras) {
   return true;
 }
 
-// Behind the coordinates stand a normal, a colour, a place in the texture.
+// The coordinates are followed by a normal, a colour, texture coordinates.
 bool Parser::take_extras(const Extras& extras) {
   const std::size_t others = (channels_.normal ? 3 : 0) + (channels_.texture ? 2 : 0);
   const std::size_t parts = extras.count < others ? 0 : extras.count - others;

@@ -26,7 +26,7 @@ std::optional<PlyType> ply_type(std::string_view word) {
   return std::nullopt;
 }
 
-// A value of the type T that stands at `bytes`.
+// The value of type T at `bytes`.
 template <class T>
 double ply_value(const char* bytes, bool swap) {
   std::array<char, sizeof(T)> raw;

@@ -1,4 +1,4 @@
-// What a .ply file says of itself, and its numbers one after the other.
+// Reads the header of a .ply file, and its numbers in order.
 #pragma once
 
 #include <cstddef>
@@ -30,7 +30,7 @@ enum class PlyRole {
   kBlue,
   kAlpha,
   kCorners,    // a face's list of vertices
-  kCornerUvs,  // its list of texture coordinates, two a corner
+  kCornerUvs,  // its list of texture coordinates, two per corner
   kStrips      // vertices of triangle strips, -1 between them
 };
 
@@ -58,13 +58,13 @@ struct PlyHeader {
 // type or keyword, vertices without x, y and z; more items than the file has bytes.
 Result<PlyHeader> parse_ply_header(std::string_view bytes, const std::string& name);
 
-// Walks over what is behind the header, which must outlive it.
+// Reads the numbers after the header, which must outlive it.
 class PlyNumbers {
  public:
   PlyNumbers(std::string_view body, PlyForm form, std::size_t offset)
       : body_(body), form_(form), offset_(offset) {}
 
-  // False at an end that comes too soon, or where no number is.
+  // False at an early end, or if there is no number.
   bool read(PlyType type, double& value);
   Error error(const std::string& name) const;
   std::size_t remaining() const { return body_.size() - at_; }

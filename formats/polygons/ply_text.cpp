@@ -158,7 +158,7 @@ class PlyBody {
     return true;
   }
 
-  // Every other triangle of a strip is turned.
+  // Every second triangle of a strip is reversed.
   bool add_strips(const PlyItem& item) {
     std::size_t start = 0;
     for (std::size_t k = 0; k < item.corners.size(); ++k) {

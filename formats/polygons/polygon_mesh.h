@@ -1,4 +1,4 @@
-// A surface as its file writes it: vertices, and polygons whose corners name them.
+// A surface in the form of its file: vertices, and polygons whose corners refer to them.
 #pragma once
 
 #include <cstddef>
@@ -26,10 +26,10 @@ struct PolygonCorner {
 // need not be finite, polygons may have any number of corners.
 struct PolygonMesh {
   std::vector<Eigen::Vector3d> vertices;   // in the file's order and unit, those without a face too
-  std::vector<Colour> colours;             // one a vertex, or none
+  std::vector<Colour> colours;             // one per vertex, or empty
   std::vector<Eigen::Vector2f> uvs;        // named by corners
   std::vector<Eigen::Vector3f> normals;    // named by corners, of any length
-  std::vector<PolygonCorner> corners;      // of all polygons, one behind the other
+  std::vector<PolygonCorner> corners;      // of all polygons, in order
   std::vector<std::size_t> first{0};       // polygon f has corners first[f] to first[f + 1] - 1
   std::vector<std::uint32_t> object_of;    // of each polygon: index into objects
   std::vector<std::uint32_t> material_of;  // of each polygon: index into materials
@@ -44,8 +44,8 @@ struct PolygonMesh {
   void end_polygon(std::uint32_t object, std::uint32_t material);
 };
 
-// Its triangles alone. Errors (kContent), with `name` and the polygon's number: a vertex that is
-// not finite, a polygon of fewer than three corners or with a vertex twice, no triangles at all.
+// Only the triangles. Errors (kContent), with `name` and the polygon's number: a vertex that is not
+// finite, a polygon of fewer than three corners or with a repeated vertex, no triangles.
 Result<SurfaceMesh> triangles_of(PolygonMesh mesh, const std::string& name);
 
 }  // namespace tremolo

@@ -27,7 +27,7 @@ std::string_view trimmed_name(std::string_view text) {
   return text;
 }
 
-// A triangle gets vertices and a normal of its own.
+// Each triangle gets its own vertices and normal.
 void add_corners(PolygonMesh& mesh, const std::vector<Eigen::Vector3d>& corners,
                  const Eigen::Vector3f& normal, std::uint32_t object) {
   const auto entry = static_cast<std::int32_t>(mesh.normals.size());
@@ -46,7 +46,7 @@ class StlText {
     mesh_.materials = {""};
   }
 
-  // Whether the first words are those of a text.
+  // True if the first words are those of a text file.
   static bool opens(std::string_view bytes) {
     TextScanner scanner(bytes, "");
     if (!same_word(scanner.token(), "solid")) return false;
@@ -172,7 +172,7 @@ Result<PolygonMesh> parse_bytes(std::string_view bytes, const std::string& name,
     for (std::size_t k = 0; k < 3; ++k)
       corners[k] = Eigen::Vector3f(values.data() + 3 + 3 * k).cast<double>();
     add_corners(mesh, corners, Eigen::Vector3f(values.data()), 0);
-    // The highest bit says that there is a colour, and to Materialise that there is none.
+    // The highest bit means that there is a colour; for Materialise, that there is none.
     const bool own = ((attribute >> 15) != 0) != materialise;
     painted |= (attribute >> 15) != 0 || (materialise && attribute != 0);
     colours.insert(colours.end(), 3, own ? colour_of(attribute, materialise) : plain);

@@ -1,4 +1,4 @@
-// An .stl file, as text or in bytes -> PolygonMesh: three vertices of its own for each triangle.
+// Reads an .stl file, text or binary, as a PolygonMesh with three vertices for each triangle.
 #pragma once
 
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace tremolo {
 
-// Text: keywords in any case, numbers and lines spread as the writer likes, a name to the end of
-// its line with its blanks; each solid is an object. Bytes, whether or not they begin with "solid":
-// one object, colours of VisCAM and Materialise; bytes behind the last triangle are noted. Errors
-// (kContent, with `name` and line or byte): a file that is neither, or that ends too soon.
+// Text: keywords in any case, numbers and lines in any layout, a name with blanks up to the end of
+// its line; each solid is an object. Binary, also if it begins with "solid": one object, colours of
+// VisCAM and Materialise; bytes after the last triangle are noted. Errors (kContent, with `name`
+// and line or byte): a file of neither form, or an early end.
 Result<PolygonMesh> parse_stl_polygons(std::string_view bytes, const std::string& name);
 
 }  // namespace tremolo

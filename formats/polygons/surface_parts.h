@@ -1,4 +1,4 @@
-// Steps that every way from a file to a RenderSurface ends with.
+// The last steps of every conversion of a file to a RenderSurface.
 #pragma once
 
 #include <cstdint>

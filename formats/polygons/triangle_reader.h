@@ -13,7 +13,7 @@ namespace tremolo {
 // parse_obj_polygons() and parse_ply_polygons().
 Result<PolygonMesh> read_polygons(const std::string& path);
 
-// Positions and triangles alone, in the file's order. Errors also those of triangles_of().
+// Only positions and triangles, in the file's order. Errors also those of triangles_of().
 Result<SurfaceMesh> read_surface_triangles(const std::string& path);
 
 }  // namespace tremolo

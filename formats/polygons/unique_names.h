@@ -9,8 +9,7 @@
 
 namespace tremolo {
 
-// Names as they are asked for, each made printable and different from those before; `nameless`
-// where there is none.
+// Makes names printable and different from earlier ones; `nameless` replaces an empty name.
 class UniqueNames {
  public:
   explicit UniqueNames(std::string nameless) : nameless_(std::move(nameless)) {}

@@ -79,7 +79,7 @@ const SavedPart* find_part(const SavedState& saved, const std::string& name) {
 }  // namespace
 
 std::vector<std::byte> encode_saved(const SavedState& saved) {
-  // Without streams nothing can fail.
+  // Without streams it cannot fail.
   return *with_saved_sections(saved, [](const SectionList& list) { return encode_sections(list); });
 }
 

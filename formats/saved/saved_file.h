@@ -1,9 +1,10 @@
-// Saved states: what a body or a world carries from step to step, and what it belongs to.
+// Saved states: the state of a body or a world between steps, and the identity of that body or
+// world.
 //
 // A file of sections (formats/sections/section_layout.h) of the kind "TREMSAVE", version 1.0:
-// `about`, u8, lines of text: the kind and the version that saved it, then a line a part; `hashes`,
-// u64, one a part; `state`, u8, the bytes of common/state_stream.h. A state is put back by the
-// version that saved it and into what is the same in every part, nowhere else.
+// `about`, u8, lines of text: the kind and the version that saved it, then a line per part;
+// `hashes`, u64, one per part; `state`, u8, the bytes of common/state_stream.h. A state can be
+// restored only by the version that saved it, and only if every part is the same.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +17,8 @@
 
 namespace tremolo {
 
-// What a state belongs to: its parts (a body's model, a scene's colliders ...), each with a name of
-// its own, one line, and a hash of all that it is.
+// A part of the model or scene that a state belongs to (a body's model, a scene's colliders ...),
+// with a unique name of one line and a hash of its contents.
 struct SavedPart {
   std::string name;
   std::uint64_t hash = 0;
@@ -37,14 +38,14 @@ std::vector<std::byte> encode_saved(const SavedState& saved);
 // The same, written under a temporary name and renamed to `path`. Errors: kSystem.
 Status write_saved(const std::string& path, const SavedState& saved);
 
-// Reads with distrust. Errors name the file and the section: kContent for what is cut off, damaged
-// or no such file, kSystem for one that cannot be read.
+// Reads an untrusted file. Errors give the file and the section: kContent for a file that is cut
+// off, damaged or of another kind, kSystem for one that cannot be read.
 Result<SavedState> read_saved(const std::string& path);
 // `name` is for errors.
 Result<SavedState> read_saved(std::span<const std::byte> bytes, const std::string& name);
 
-// kContent, which says what differs, unless the state was saved by this version and belongs to
-// `here`, whose `state` is not looked at.
+// Checks that the state was saved by this version and belongs to `here`, whose `state` is ignored;
+// kContent with the difference.
 Status check_belongs(const SavedState& saved, const SavedState& here);
 
 }  // namespace tremolo

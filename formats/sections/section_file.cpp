@@ -128,7 +128,7 @@ Status SectionFile::parse_entry(std::size_t index) {
   return Success{};
 }
 
-// Sections follow each other in the table's order with nothing but zeros between: no overlap, no
+// Sections follow each other in the table's order, with only zeros between them: no overlap, no
 // hidden bytes.
 Status SectionFile::check_packing() const {
   std::uint64_t end = kHeaderSize + sections_.size() * kEntrySize;

@@ -1,5 +1,5 @@
-// A file of named sections -> their bytes. The reader trusts nothing: every size product, bound and
-// overlap is checked before anything is allocated, and a section's checksum on its first use.
+// Reads files of named sections. The files are untrusted: every size product, bound and overlap is
+// checked before anything is allocated, and a section's checksum on its first use.
 #pragma once
 
 #include <cstddef>
@@ -28,13 +28,13 @@ struct FileSection {
   std::uint64_t hash = 0;
 };
 
-// An open file: header and table are checked by open(); sections are checked and their checksum
-// verified when they are first asked for. Errors are kContent and name the section, the offset,
-// what was expected and what was found; kSystem if the file cannot be read. Reading from several
-// threads needs a lock of the caller's.
+// An open file: open() checks header and table; a section is checked and its checksum verified when
+// it is first requested. Errors are kContent and give the section, the offset, the expected and the
+// found value; kSystem if the file cannot be read. The caller must lock it for reading from several
+// threads.
 class SectionFile {
  public:
-  // Maps the file: only what is used is touched.
+  // Maps the file: only the pages in use are read.
   static Result<SectionFile> open(const std::string& path, const section_layout::FileKind& kind);
   // Borrows the bytes: they must outlive the object and whatever it returns. `name` is for errors.
   static Result<SectionFile> from_memory(std::span<const std::byte> bytes, std::string name,
@@ -46,12 +46,12 @@ class SectionFile {
   const FileSection* find(std::string_view name) const;
   bool has(std::string_view name) const { return find(name) != nullptr; }
 
-  // Every critical section is there and every critical one known, what belongs together is, and
-  // types and shapes fit.
+  // Checks that every critical section exists and every critical one is known, that sections which
+  // need each other exist together, and that types and shapes match.
   Status check_shapes(std::span<const section_layout::SectionShape> shapes) const;
 
-  // The verified contents, as they lie in the file, aligned for doubles. Valid while the object
-  // lives. An error if the section is not there or of another type.
+  // The verified contents, as stored in the file, aligned for doubles. Valid while the object
+  // exists. An error if the section is missing or of another type.
   Result<std::span<const std::byte>> contents(std::string_view name,
                                               section_layout::ElementType type);
   template <class T>

@@ -10,7 +10,7 @@
 namespace tremolo::section_layout {
 
 inline constexpr std::size_t kAlignment = 64;
-// Where the next section may begin, behind one that ends at `offset`.
+// The offset at which the next section may begin, after one that ends at `offset`.
 constexpr std::size_t aligned(std::size_t offset) {
   return (offset + kAlignment - 1) / kAlignment * kAlignment;
 }
@@ -29,7 +29,7 @@ inline constexpr std::size_t kReservedAt = 32;    // 24 bytes, zero
 inline constexpr std::size_t kHeaderHashAt = 56;  // u64, XXH3-64 of bytes 0..55
 }  // namespace header
 
-// Table: one 64-byte entry a section, directly behind the header.
+// Table: one 64-byte entry per section, directly after the header.
 inline constexpr std::size_t kEntrySize = 64;
 namespace entry {
 inline constexpr std::size_t kNameAt = 0;      // 16 characters, padded with zeros
@@ -87,14 +87,14 @@ inline constexpr ElementType kTypeOf<float> = ElementType::kF32;
 template <>
 inline constexpr ElementType kTypeOf<std::int16_t> = ElementType::kI16;
 
-// What tells one kind of file from the others. what: for messages, "a basis file".
+// The identity of a kind of file. what: for messages, "a basis file".
 struct FileKind {
   std::array<char, 8> magic;
   std::uint16_t major;  // a reader refuses another
   const char* what;
 };
 
-// The number of rows is the section's own affair.
+// The section may have any number of rows.
 inline constexpr std::uint64_t kAnyRows = ~std::uint64_t{0};
 
 // critical: every file has the section, and a reader that does not know it refuses the file.

@@ -25,7 +25,7 @@ void put_entry(std::span<std::byte> table, std::size_t at, const SectionContent&
   put<std::uint64_t>(table, at + entry::kHashAt, hash);
 }
 
-// Takes bytes for a place of the file, in ascending order but for the header, which comes last.
+// Receives bytes for an offset of the file, in ascending order except the header, which is last.
 using PlacedSink = std::function<Status(std::size_t offset, std::span<const std::byte> bytes)>;
 
 // The section's bytes to the sink; their hash.

@@ -13,11 +13,11 @@
 
 namespace tremolo {
 
-// Takes the next bytes of what is written.
+// Receives the next bytes of the output.
 using ByteSink = std::function<Status(std::span<const std::byte> bytes)>;
 
-// A section to come. bytes: its contents, rows * columns elements as they lie in memory; they must
-// stay until it is written. stream: if there is one, it gives them piece by piece in their place.
+// A section to be written. bytes: its contents, rows * columns elements in the order of memory;
+// they must stay until it is written. stream: if set, it supplies them piece by piece instead.
 struct SectionContent {
   section_layout::SectionShape shape;
   std::span<const std::byte> bytes;
@@ -38,8 +38,8 @@ struct SectionList {
 // The whole file; the same sections give the same bytes. Errors are those of the streams.
 Result<std::vector<std::byte>> encode_sections(const SectionList& list);
 
-// The same, written under a temporary name and renamed to `path`. Errors: also kSystem for what
-// cannot be written.
+// The same, written under a temporary name and renamed to `path`. Errors: also kSystem for a file
+// that cannot be written.
 Status write_sections(const std::string& path, const SectionList& list);
 
 template <class List>

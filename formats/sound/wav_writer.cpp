@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kFullScale = 32767.0;
 
-// Little-endian, as the format wants it.
+// Appends a value, little-endian.
 void put(std::string& out, std::uint32_t value, int bytes) {
   for (int k = 0; k < bytes; ++k) out.push_back(static_cast<char>(value >> (8 * k) & 0xffU));
 }

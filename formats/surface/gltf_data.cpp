@@ -218,7 +218,7 @@ Result<GltfValues> GltfData::values(std::int64_t index) {
         values.values.push_back(component_of(bytes->data() + k * stride + c * part,
                                              found->component, found->normalised));
   } else {
-    // All zero, but for sparse entries: there is no data that would bound the count.
+    // All values are zero, except sparse ones: no data would limit the count.
     if (found->count > (1U << 24U)) return content_error("an accessor has no data");
     values.values.assign(found->count * columns, 0.0F);
   }

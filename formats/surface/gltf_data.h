@@ -14,7 +14,7 @@
 
 namespace tremolo {
 
-// The number or text at `key`, or `otherwise` where there is none of that kind.
+// The number or text at `key`, or `otherwise` if there is none of that type.
 std::int64_t gltf_integer(const nlohmann::json& object, const char* key, std::int64_t otherwise);
 std::string gltf_text(const nlohmann::json& object, const char* key);
 // The array at `key`, or an empty one.
@@ -23,7 +23,7 @@ const nlohmann::json& gltf_list(const nlohmann::json& object, const char* key);
 // The component type of 32-bit floats.
 inline constexpr std::int64_t kGltfFloat = 5126;
 
-// Values of an accessor, row behind row; normalised integers are numbers from -1 or 0 to 1.
+// Values of an accessor, row by row; normalised integers are numbers from -1 or 0 to 1.
 struct GltfValues {
   std::int64_t columns = 0;
   std::vector<float> values;
@@ -32,8 +32,8 @@ struct GltfValues {
 // Reads values. Nothing in the document is trusted.
 class GltfData {
  public:
-  // open: the bytes of a file beside the document, or an empty text. binary: the .glb's second
-  // chunk, or empty. Both and the document must outlive it.
+  // open: returns the bytes of a file in the document's folder, or an empty text. binary: the
+  // .glb's second chunk, or empty. Both and the document must outlive it.
   using Open = std::function<std::string(const std::string& name)>;
   GltfData(const nlohmann::json& document, std::string_view binary, Open open)
       : document_(document), binary_(binary), open_(std::move(open)) {}

@@ -19,7 +19,7 @@ using nlohmann::json;
 constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
 
-// Extensions that change no shape: what they add is not read.
+// True for extensions that do not change shapes: their additions are not read.
 bool changes_no_shape(std::string_view name) {
   constexpr std::array<std::string_view, 11> kHarmless = {
       "KHR_technique",    "KHR_texture_transform", "KHR_texture_basisu", "EXT_texture_webp",
@@ -99,7 +99,7 @@ class PlainMaker {
   PlainMaker(json& document, std::string_view binary, const GltfData::Open& open)
       : document_(document), original_(document), data_(original_, binary, open) {}
 
-  // Whether anything was changed.
+  // Returns whether anything was changed.
   Result<bool> make() {
     if (Status s = make_meshes(); !s) return s.error();
     if (Status s = make_animations(); !s) return s.error();
@@ -169,7 +169,7 @@ class PlainMaker {
     return Success{};
   }
 
-  // Whether assimp unpacks the primitive, of which the accessors are then floats alone.
+  // True if assimp decompresses the primitive; all its accessors are then floats.
   Result<bool> is_draco(const json& primitive) const {
     const auto extensions = primitive.find("extensions");
     if (extensions == primitive.end() || !extensions->is_object() ||
@@ -198,7 +198,7 @@ class PlainMaker {
     return Success{};
   }
 
-  // Floats behind those that are there already, as an accessor.
+  // Appends floats to the existing ones, as an accessor.
   std::int64_t add_floats(const std::vector<float>& values, std::size_t columns, const char* type) {
     changed_ = true;
     document_["bufferViews"].push_back({{"buffer", gltf_list(original_, "buffers").size()},
@@ -212,8 +212,8 @@ class PlainMaker {
     return static_cast<std::int64_t>(document_["accessors"].size() - 1);
   }
 
-  // Without inverse bind matrices they are the identity. Bones are found by their names: each node
-  // gets one of its own.
+  // Missing inverse bind matrices are the identity. Bones are found by their names, so each node
+  // gets a unique one.
   void make_skins() {
     if (gltf_list(document_, "skins").empty()) return;
     for (json& skin : document_["skins"]) {
@@ -310,7 +310,7 @@ Result<std::optional<std::string>> plain_gltf(std::string_view bytes, bool glb,
                                               const GltfData::Open& open) {
   const GlbParts parts = glb ? glb_parts(bytes) : GlbParts{without_mark(bytes), {}};
   json document = json::parse(parts.json, nullptr, false);
-  // What is wrong with it, assimp says; of version 1 it reads all that there was.
+  // assimp reports errors in the JSON, and reads version 1 completely.
   if (!document.is_object() || !document.contains("asset") ||
       gltf_text(document["asset"], "version").starts_with("1"))
     return std::optional<std::string>();

@@ -10,11 +10,11 @@
 
 namespace tremolo {
 
-// The bytes of the file in plainer terms, or nothing where they are plain already, or are not glTF
-// 2.0. Integers in attributes and animations (KHR_mesh_quantization, and what glTF itself allows)
-// become floats, EXT_mesh_gpu_instancing becomes nodes, a byte-order mark goes. glb: the file is a
-// .glb. open: as GltfData's. Errors (kContent): an extension that the file requires and that is not
-// understood, with its name and what to do; accessors that cannot be read.
+// Converts the file to simpler glTF; nothing if it is simple already, or is not glTF 2.0. Integers
+// in attributes and animations (KHR_mesh_quantization, and those of glTF itself) become floats,
+// EXT_mesh_gpu_instancing becomes nodes, a byte-order mark is removed. glb: the file is a .glb.
+// open: as for GltfData. Errors (kContent): a required extension that is not supported, with its
+// name and what to do; accessors that cannot be read.
 Result<std::optional<std::string>> plain_gltf(std::string_view bytes, bool glb,
                                               const GltfData::Open& open);
 

@@ -154,7 +154,7 @@ RigClip SceneRig::read_clip(const aiAnimation& animation, double& stretch) const
   }
   std::sort(ticks.begin(), ticks.end());
   const double second = animation.mTicksPerSecond > 0 ? animation.mTicksPerSecond : kUsualTicks;
-  // Keys that differ by a float's rounding alone are one moment.
+  // Times that differ only by a float's rounding are equal.
   const auto same = [second](double a, double b) { return b - a < 1e-6 * second; };
   ticks.erase(std::unique(ticks.begin(), ticks.end(), same), ticks.end());
   if (static_cast<double>(ticks.size()) * static_cast<double>(nodes_.size()) > kMostPoses)
@@ -211,7 +211,8 @@ std::shared_ptr<const SurfaceRig> SceneRig::finish(const std::vector<std::int32_
   if (stretch > 1e-3)
     notes.push_back("movements scale their bones by up to " + number_text(100 * stretch) +
                     " %: left out, bones move rigidly");
-  // Each vertex once, weights that sum to one; without any it hangs on a bone that does not move.
+  // Each vertex once, with weights that sum to one; a vertex without weights follows a bone that
+  // does not move.
   std::sort(weights_.begin(), weights_.end(), [](const RigWeight& a, const RigWeight& b) {
     return std::pair(a.vertex, a.bone) < std::pair(b.vertex, b.bone);
   });

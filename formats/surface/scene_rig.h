@@ -19,32 +19,32 @@ struct aiScene;
 
 namespace tremolo {
 
-// Bones are the nodes that skins name, with the node's tree for their order and parents. Weights
-// come in while the meshes are placed.
+// Bones are the nodes that skins refer to; the node tree gives their order and parents. Weights are
+// added while the meshes are placed.
 class SceneRig {
  public:
   // root: the transform above the scene's root node. A scene without skins has no bones.
   SceneRig(const aiScene& scene, const Eigen::Matrix4d& root);
 
   bool empty() const { return bones_.empty(); }
-  // The node's place in the world at rest, or null. Of two nodes with one name the first.
+  // The node's transform in the world at rest, or null. Of two nodes with one name the first.
   const Eigen::Matrix4d* place_of(std::string_view node) const;
-  // The bone that carries what hangs on a node without a skin, or kNoParent.
+  // The bone that moves things attached to a node without a skin, or kNoParent.
   std::int32_t bone_of(const aiNode* node) const;
 
   // Weights of a skinned mesh's vertices; vertex_of: the surface's for each of the mesh's, or
   // negative.
   void add_skin(const aiMesh& mesh, const std::vector<std::int32_t>& vertex_of);
 
-  // With the recorded motions, for a surface of so many vertices of which `carriers` has the bone
-  // of those without a skin. Null without bones. Appends notes for the user.
+  // The rig with the recorded motions, for a surface of so many vertices; `carriers` has the bone
+  // of vertices without a skin. Null without bones. Appends notes for the user.
   std::shared_ptr<const SurfaceRig> finish(const std::vector<std::int32_t>& carriers,
                                            std::vector<std::string>& notes);
 
  private:
   struct Node {
     const aiNode* node;
-    std::int32_t parent, bone;  // among nodes_; the bone that it is or hangs on
+    std::int32_t parent, bone;  // among nodes_; its own bone or the one it is attached to
     Eigen::Matrix4d local, place;
   };
   RigClip read_clip(const aiAnimation& animation, double& stretch) const;

@@ -19,8 +19,8 @@ constexpr std::size_t kLongestMessage = 1024;
 std::vector<std::byte> encode_surface(const SurfaceFile& file);
 std::vector<std::byte> encode_refusal(std::string_view message);
 
-// The surface of such bytes, or an error of kind kContent with the message. Nothing in them is
-// trusted: what comes out keeps what render_surface.h promises, all numbers are finite, all names
+// Decodes the surface, or the error, of kind kContent, with its message. The bytes are untrusted:
+// the result satisfies the conditions of render_surface.h, all numbers are finite, all names
 // printable and there is at least one triangle. Memory is bounded by the number of bytes.
 Result<SurfaceFile> decode_surface(std::span<const std::byte> bytes);
 

@@ -36,8 +36,9 @@ std::uint8_t channel_byte(float value) {
 
 }  // namespace
 
-// Where a node puts its meshes. normals: the cofactors, which are the inverse transposed times the
-// determinant and exist for flat transforms too; turned for mirrors, so that outside stays outside.
+// The transform of a node's meshes. normals: the cofactor matrix, which is the inverse transposed
+// times the determinant and exists for singular transforms, too; negated for mirrored ones, so that
+// normals stay outward.
 struct Flattener::Placement {
   explicit Placement(const Matrix4d& world)
       : linear(world.topLeftCorner<3, 3>()), offset(world.topRightCorner<3, 1>()) {

@@ -28,14 +28,15 @@ struct Refusal {
   std::string message;
 };
 
-// Takes triangles alone; counts what it leaves out. bytes: what the surface may take. Its functions
-// may throw Refusal.
+// Collects triangles; counts other things, which are left out. bytes: limit for the surface. Its
+// functions may throw Refusal.
 class Flattener {
  public:
   Flattener(const aiScene& scene, std::uint64_t bytes) : scene_(scene), bytes_(bytes) {}
 
-  // All nodes, divided by what of the file's unit is in the root's transform. A skinned mesh is
-  // where its joints and their inverse bind matrices put it at rest; its own node does not count.
+  // Adds all nodes, divided by the part of the file's unit that is in the root's transform. The
+  // position of a skinned mesh follows from its joints and their inverse bind matrices at rest; its
+  // own node is ignored.
   void add_nodes(double file_scale);
   void fill_normals();
   // Gives the surface its skeleton; false if the scene has none.
@@ -54,7 +55,7 @@ class Flattener {
   const aiScene& scene_;
   std::uint64_t bytes_;
   std::optional<SceneRig> rig_;
-  std::vector<std::int32_t> carriers_;  // of each vertex: the bone that its node hangs on
+  std::vector<std::int32_t> carriers_;  // of each vertex: the bone that its node is attached to
   std::vector<Eigen::Matrix<double, 4, 5>> skin_;  // of the mesh at hand: blended matrix, weights
   std::vector<VertexId> taken_;  // of the mesh at hand: the surface's vertices of the mesh's
   std::vector<bool> has_normal_;

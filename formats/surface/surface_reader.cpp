@@ -19,7 +19,8 @@
 namespace tremolo {
 namespace {
 
-// What assimp 5.2.5 reads, without files that hold movements alone, and without XML of any kind.
+// Extensions that assimp 5.2.5 reads, without files of animations alone and without any kind of
+// XML.
 constexpr std::array<std::string_view, 64> kExtensions = {
     ".3d",   ".3ds",     ".3mf",  ".ac",       ".ac3d", ".acc", ".amf",    ".ase",
     ".ask",  ".assbin",  ".b3d",  ".blend",    ".bsp",  ".cob", ".dae",    ".dxf",
@@ -35,7 +36,8 @@ constexpr std::uint64_t kMemoryPerByte = 100;
 // An extent beyond these is more likely a unit that was not said, m.
 constexpr double kLarge = 100;
 constexpr double kSmall = 1e-3;
-// Coordinates come in single precision: so far from the origin the shape has 1e-4 of its size left.
+// Coordinates are in single precision: at this distance from the origin their error is 1e-4 of the
+// size.
 constexpr double kFarOff = 1e-4 * (1 << 24);
 
 // The size of a regular file that can be read. It is opened by assimp only.
@@ -47,7 +49,7 @@ Result<std::uint64_t> size_of(const std::string& path) {
   return status->st_size;
 }
 
-// With the .bin files beside a .gltf, whose values they may hold.
+// The size including the .bin files in the folder of a .gltf, which may hold its values.
 std::uint64_t size_with_others(const std::string& path, std::uint64_t size) {
   namespace fs = std::filesystem;
   if (lower_case(fs::path(path).extension().string()) != ".gltf") return size;

@@ -10,33 +10,32 @@
 
 namespace tremolo {
 
-// metres_per_unit: what coordinates are multiplied by; 0: what the file says of its unit, and one
-// metre if it says nothing. seconds, bytes: what reading may take; bytes 0: by the file's size.
+// Options and limits of reading.
 struct SurfaceReadOptions {
-  double metres_per_unit = 0;
-  double seconds = 60;
-  std::uint64_t bytes = 0;
+  double metres_per_unit = 0;  // factor of the coordinates; 0: the file's unit, by default metres
+  double seconds = 60;         // limit of the time
+  std::uint64_t bytes = 0;     // limit of the memory; 0: by the file's size
 };
 
-// surface: all objects, each where the file's scene puts it, polygons cut into triangles; points
-// and lines are left out and noted. format: "Wavefront OBJ". unit: where metres_per_unit is from,
-// in words for the user.
+// A surface file's contents.
 struct SurfaceFile {
+  // All objects at their positions in the file's scene; polygons are divided into triangles; points
+  // and lines are left out and noted.
   RenderSurface surface;
-  std::string format;
+  std::string format;  // "Wavefront OBJ"
   double metres_per_unit = 1;
-  std::string unit;
+  std::string unit;  // the origin of metres_per_unit, in words for the user
   std::vector<std::string> notes;
 };
 
-// By the extension: obj, ply, stl, off, gltf, glb, fbx, dae, 3ds, ...; not what read_tet_mesh
-// takes.
+// By the extension: obj, ply, stl, off, gltf, glb, fbx, dae, 3ds, ...; not the formats of
+// read_tet_mesh.
 bool is_surface_file(const std::string& path);
 
-// assimp runs in a child process with limits: what a file does to it, it does to the child. The
-// child's answer is checked as if it came from a stranger. Errors: kSystem for a file that is
-// missing or unreadable; kContent for one that assimp refuses, crashes on, takes too long or too
-// much memory for, or that has no triangles.
+// assimp runs in a child process with limits, which a malformed file can crash without harm. The
+// child's answer is treated as untrusted. Errors: kSystem for a file that is missing or unreadable;
+// kContent for one that assimp refuses, crashes on, needs too much time or memory for, or that has
+// no triangles.
 Result<SurfaceFile> read_surface(const std::string& path, const SurfaceReadOptions& options = {});
 
 }  // namespace tremolo

@@ -29,7 +29,7 @@
 namespace tremolo {
 namespace {
 
-// The file's unit, m, and what of it assimp has put into the root's transform.
+// The file's unit, m, and the part of it that assimp has put into the root's transform.
 struct Unit {
   double metres = 1;
   std::string words = "the file does not say; taken as metres";
@@ -112,7 +112,7 @@ std::string lower_extension(const std::string& path) {
   return lower_case(extension);
 }
 
-// What assimp says, or what it means by it.
+// The error of assimp, replaced where its text is misleading.
 std::string reason(const std::string& said) {
   if (said.empty() || said.starts_with("No suitable reader"))
     return "it is not of the format that its extension says";
@@ -120,7 +120,7 @@ std::string reason(const std::string& said) {
 }
 
 void set_up(Assimp::Importer& importer) {
-  // Triangles for bones, where a file has bones alone, are not the author's.
+  // assimp's triangles for a file with only bones are not the author's.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_TEXTURES, false);

@@ -1,5 +1,5 @@
-// A file of any format that assimp reads -> SurfaceFile. Runs in a child process: assimp may crash,
-// hang and take memory without end.
+// Reads a file of any of assimp's formats as a SurfaceFile. Runs in a child process: assimp may
+// crash, hang or use unlimited memory.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 
 namespace tremolo {
 
-// Coordinates are in the file's unit; metres_per_unit and unit say what the file says of it.
-// bytes: what the surface may take, since a scene may show one mesh any number of times. Errors:
-// kContent, without the path. May throw what assimp throws. What assimp took is not given back.
+// Coordinates are in the file's unit; metres_per_unit and unit are those of the file. bytes: limit
+// for the surface, since a scene may use one mesh any number of times. Errors: kContent, without
+// the path. May throw exceptions of assimp, and does not free assimp's memory.
 Result<SurfaceFile> import_surface(const std::string& path, std::uint64_t bytes);
 
 }  // namespace tremolo

@@ -18,8 +18,8 @@ void append(std::string& text, const char* format, Values... values) {
   text += line;
 }
 
-// What the formats know of a surface beside its triangles' objects and materials. An empty list:
-// the surface has none. channels: of a colour that is written, 3 or 4.
+// The parts of a surface that the formats write, besides its triangles' objects and materials. An
+// empty list: the surface has none. channels: of a colour that is written, 3 or 4.
 template <class Normals>
 struct Drawn {
   const std::vector<Eigen::Vector3d>& vertices;
@@ -36,14 +36,14 @@ Drawn<std::vector<Eigen::Vector3f>> drawn(const RenderSurface& surface) {
 
 const std::vector<Eigen::Vector2f> kNoUvs;
 
-// A name goes to the end of its line.
+// Makes a name safe for the rest of a line.
 std::string one_line(std::string name) {
   std::replace_if(
       name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < 32; }, '_');
   return name.empty() ? "unnamed" : name;
 }
 
-// authored: how many vertices come first that are no copies of others.
+// authored: number of the first vertices, which are not copies of others.
 template <class Normals>
 void append_obj_vertices(std::string& text, const Drawn<Normals>& surface, std::size_t authored) {
   for (std::size_t v = 0; v < authored; ++v) {

@@ -14,7 +14,7 @@ namespace tremolo {
 // another ending, kSystem if the file cannot be written.
 Status write_surface(const std::string& path, const SurfaceMesh& surface);
 
-// The same as .ply alone, with a colour a vertex.
+// The same for .ply only, with a colour per vertex.
 Status write_painted_surface(const std::string& path, const SurfaceMesh& surface,
                              const std::vector<Colour>& colours);
 
@@ -22,19 +22,19 @@ Status write_painted_surface(const std::string& path, const SurfaceMesh& surface
 // triangle has the vertex.
 std::vector<Eigen::Vector3d> vertex_normals(const SurfaceMesh& surface);
 
-// A drawn surface with all that the format can carry; the ending and the errors are as above.
-//   .obj  text: v (and the colour behind it), vt, vn; of the author's vertices alone where
-//         `sources` says which are copies; an `o` line where the object changes,
-//   `usemtl`
-//         where the material does, and a `mtllib` line if `library` names a file
+// Writes a drawn surface with everything that the format supports; extension and errors are as
+// above.
+//   .obj  text: v (followed by the colour), vt, vn; only the author's vertices if `sources` says
+//         which are copies; an `o` line where the object changes, `usemtl` where the material
+//         does, and a `mtllib` line if `library` names a file
 //   .ply  binary, little-endian: positions, normals, texture coordinates (s, t) and colours
 //   .inc  a POV-Ray mesh2 named Surface: positions, normals, texture coordinates
 Status write_render_surface(const std::string& path, const RenderSurface& surface,
                             const std::string& library = "");
 
-// What such an .mtl file holds: a `newmtl` for each material, with the mean colour of its
-// triangles' vertices, or a light grey where the surface has no colours. Textures and shininess are
-// not known here.
+// The text of such an .mtl file: a `newmtl` for each material, with the mean colour of its
+// triangles' vertices, or a light grey if the surface has no colours. Textures and shininess are
+// not written.
 std::string material_library(const RenderSurface& surface);
 
 }  // namespace tremolo

@@ -55,7 +55,7 @@ std::optional<TetsFault> surface_fault(const TetMesh& mesh, const TetsSurface& s
       return TetsFault{tets_layout::kDrawnVertices, name + " is not finite"};
     if (surface.tetrahedra[v] >= mesh.tetrahedra.size())
       return TetsFault{tets_layout::kDrawnTetrahedra, name + " hangs on none"};
-    // The weights of what stands out of the mesh stay in [-2, 3] (precompute/embedding/).
+    // The weights of vertices outside the mesh are in [-2, 3] (precompute/embedding/).
     const Eigen::Vector4d& w = surface.weights[v];
     if (!(w.cwiseAbs().maxCoeff() < 16.0) || !(std::abs(w.sum() - 1.0) < 1e-6))
       return TetsFault{tets_layout::kDrawnWeights,

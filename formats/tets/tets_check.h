@@ -1,4 +1,4 @@
-// Whether the values of a file of tetrahedra can be what they say (formats/tets/tets_file.h).
+// Checks the values of a file of tetrahedra (formats/tets/tets_file.h).
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace tremolo {
 
-// What is wrong, and in which section it stands.
+// An error in the file, and the section that has it.
 struct TetsFault {
   std::string_view section;
   std::string problem;

@@ -72,7 +72,7 @@ Material from_row(const double* row) {
   return material;
 }
 
-// What the list of sections refers to beside the caller's data.
+// Values in the list of sections that are not in the caller's data.
 struct TetsNumbers {
   TetsCounts counts{};
   std::vector<MaterialRow> materials;
@@ -125,7 +125,7 @@ auto with_tets_sections(const TetsData& data, const Use& use) -> decltype(use(Se
   return use(list);
 }
 
-// Copies a section's elements, as many as fit the target's rows; nothing where there is none.
+// Copies a section's elements, as many as the target's rows hold; does nothing without the section.
 template <class Element, class Row>
 Status read_rows(SectionFile& file, std::string_view name, std::vector<Row>& rows) {
   if (!file.has(name)) return Success{};

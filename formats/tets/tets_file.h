@@ -1,7 +1,7 @@
-// Files of corotated tetrahedra: a mesh with its materials, what is held, the surface that is drawn
-// and how it hangs on the mesh, and the distances at rest by which bodies touch
-// (docs/tets-format.md). Stiffness is not in them: the engine makes it by the formulas that the
-// precompute uses (common/elements/), in some microseconds an element.
+// Files of corotated tetrahedra: a mesh with its materials and fixed vertices, the drawn surface
+// with its weights on the mesh, and the distances at rest for contact (docs/tets-format.md). They
+// do not contain stiffness: the engine computes it with the formulas of the precomputation
+// (common/elements/), in some microseconds per element.
 #pragma once
 
 #include <cstddef>
@@ -18,9 +18,9 @@
 
 namespace tremolo {
 
-// A surface of triangles that hangs on tetrahedra: vertex v is at sum_c weights[v]_c X_c of the
-// corners of tetrahedra[v] at rest. The weights are barycentric coordinates, and may be somewhat
-// outside [0, 1]; their sum is 1. uvs: one a vertex, or none.
+// A surface of triangles that follows tetrahedra: at rest vertex v is at sum_c weights[v]_c X_c,
+// with the corners of tetrahedra[v]. The weights are barycentric coordinates, and may be somewhat
+// outside [0, 1]; their sum is 1. uvs: one per vertex, or empty.
 struct TetsSurface {
   std::vector<Eigen::Vector3d> vertices;  // m, at rest
   std::vector<Triangle> triangles;
@@ -42,8 +42,8 @@ struct TetsData {
   std::string provenance;
 };
 
-// The bytes of the file; the same data give the same bytes. Errors (kContent): what read_tets()
-// would refuse.
+// The bytes of the file; the same data give the same bytes. Errors (kContent): those of
+// read_tets().
 Result<std::vector<std::byte>> encode_tets(const TetsData& data);
 // The same, written under a temporary name and renamed to `path`. Errors: also kSystem.
 Status write_tets(const std::string& path, const TetsData& data);

@@ -37,9 +37,9 @@ ReducedForces reduced_forces(const Eigen::VectorXd& lambda, std::span<const doub
 // The forces at q, straightforwardly.
 Eigen::VectorXd evaluate(const ReducedForces& forces, const Eigen::VectorXd& q);
 
-// Bytes of a file -> values; `path` is for errors. Counts are compared with the file's size before
-// memory is taken; at most 4 096 coordinates. Errors (kContent) name the byte, what was expected
-// and what was found: also for values that are not finite and bytes behind the last one.
+// Reads the bytes of a file; `path` is for errors. Counts are compared with the file's size before
+// memory is allocated; at most 4 096 coordinates. Errors (kContent) give the byte, the expected and
+// the found value: also for values that are not finite and bytes after the last one.
 Result<ReducedForces> read_cub(std::string_view bytes, const std::string& path);
 Result<Eigen::MatrixXd> read_basis_matrix(std::string_view bytes, const std::string& path);
 

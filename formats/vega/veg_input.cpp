@@ -56,8 +56,8 @@ bool VegInput::include() {
     error_ = scanner.error();
     return false;
   }
-  // A mesh must not make the program open files elsewhere on the machine. Behind a NUL the system
-  // does not look: two names could be one file.
+  // A mesh must not make the program open files elsewhere on the machine. The system ignores names
+  // after a NUL, so that two names could be one file.
   constexpr std::string_view kNever("/\\\0", 3);
   if (name.find_first_of(kNever) != std::string::npos || !included_.insert(name).second) {
     scanner.fail("the name of a file in the same folder, each once", name);

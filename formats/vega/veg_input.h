@@ -12,8 +12,8 @@
 
 namespace tremolo {
 
-// Goes line by line over what is neither blank nor comment, following *INCLUDE to files in the same
-// folder. Each file is included at most once, so that memory is bounded by their sizes.
+// Reads lines that are neither blank nor comments, following *INCLUDE to files in the same folder.
+// Each file is included at most once, so that memory is bounded by their sizes.
 class VegInput {
  public:
   VegInput(std::string_view text, const std::string& path);
@@ -23,7 +23,7 @@ class VegInput {
   bool failed() const { return !error_.message.empty(); }
   // The current line, or the end of the file.
   TextScanner& line() { return sources_.back().scanner; }
-  // Goes to the next line, which must be there; what: "a vertex".
+  // Moves to the next line, an error if there is none; what: "a vertex".
   bool expect_line(std::string_view what);
   const Error& error() const { return failed() ? error_ : line_error(); }
 

@@ -7,7 +7,7 @@
 namespace tremolo {
 namespace {
 
-// What a kind of orthotropic material has behind density and E1, E2, E3.
+// The numbers that a kind of orthotropic material has after density and E1, E2, E3.
 struct OrthotropicKind {
   std::string_view name;
   std::size_t poisson;  // 3 or 1
@@ -30,7 +30,7 @@ Status set_axes(std::span<const double> r, Eigen::Matrix3d& axes) {
   axes << r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8];
   if (!axes.allFinite())  // maxCoeff() passes over NaN
     return content_error("expected nine finite numbers of a rotation");
-  // Files write few digits; what is farther off is no rotation.
+  // Files have few digits; a matrix with a larger error is not a rotation.
   constexpr double kDigits = 1e-4;
   const Eigen::Matrix3d gram = axes.transpose() * axes;
   if (!((gram - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= kDigits))

@@ -20,8 +20,8 @@ struct VegFile {
   VegRegions regions;
 };
 
-// How many items of `bytes` each this file can hold: the count may be a lie, and the items may
-// stand in an included file.
+// The number of items of `bytes` each that this file can hold. The given count may be wrong, and
+// the items may be in an included file.
 std::size_t at_most(VegInput& input, std::uint64_t count, std::size_t bytes) {
   return std::min<std::size_t>(count, input.line().remaining() / bytes);
 }
@@ -86,7 +86,7 @@ Status read_elements(VegInput& input, VegFile& file) {
     std::int64_t id = 0;
     if (!input.expect_line("an element") || !input.line().read(id, "an element id"))
       return input.error();
-    // Sets count elements by their place, so the ids have to say the same.
+    // Sets refer to elements by their position, so the ids must agree with it.
     if (e == 0) file.first_element = id;
     const std::int64_t expected = file.first_element + e;
     if ((id != 0 && id != 1 && e == 0) || id != expected)
@@ -142,7 +142,8 @@ std::string joined_rest(VegInput& input) {
   return text;
 }
 
-// Kind and numbers of a material on one line. What is wrong with it matters only to who wants it.
+// Reads kind and numbers of a material on one line. Errors in it matter only if the material is
+// used.
 Result<bool> read_material(VegInput& input, VegFile& file) {
   FileMaterial found;
   found.region = joined_rest(input);

@@ -26,7 +26,7 @@ void set_veg_regions(const VegRegions& file, MeshBuilder& builder) {
       builder.add_material(std::move(material));
     }
   std::vector<std::int64_t> material_of(builder.mesh().tetrahedra.size(), -1);
-  // From the last on, and of regions of one set the last alone: the work is bounded by the file.
+  // Backwards, with only the last of several regions of one set: the work is bounded by the file.
   std::set<std::string_view> done;
   std::vector<bool> shared(material_of.size(), false);
   std::size_t unknown = 0;

@@ -20,9 +20,9 @@ struct VegRegions {
   std::vector<std::pair<std::string, std::string>> regions;
 };
 
-// Gives the builder, which has all elements, its regions and their materials. A region of the mesh
-// is what has one material, and is called like it. As in VegaFEM, the last region that lists an
-// element decides; that, and regions of unknown names, are noted.
+// Gives the builder, which has all elements, the regions and their materials. A region of the mesh
+// has one material and its name. As in VegaFEM, the last region that lists an element decides; such
+// overlaps, and regions with unknown names, are noted.
 void set_veg_regions(const VegRegions& file, MeshBuilder& builder);
 
 }  // namespace tremolo

@@ -1,4 +1,4 @@
-// VegaFEM's binary mesh, .vegb. Little-endian; a text is i32 length and so many characters.
+// VegaFEM's binary mesh, .vegb. Little-endian; a text is an i32 length and the characters.
 //
 //   f64 version 1, i32 element type (1 tetrahedra, 2 cubes)
 //   i32 vertices, f64 x y z each
@@ -83,7 +83,7 @@ Status read_vertices(ByteScanner& input, MeshBuilder& builder) {
 Status read_elements(ByteScanner& input, MeshBuilder& builder) {
   std::size_t count = 0;
   std::int32_t nodes_of_one = 0;
-  // The number of nodes stands between the count and the elements.
+  // The number of nodes is stored between the count and the elements.
   if (Status status = read_count(input, "a number of elements", 0, 0, count); !status)
     return status;
   if (!input.read(nodes_of_one, "4 nodes of an element")) return input.error();
@@ -108,8 +108,7 @@ Status read_elements(ByteScanner& input, MeshBuilder& builder) {
   return Success{};
 }
 
-// Kind and properties are those of a .veg file; what is wrong with them matters only to who wants
-// the material.
+// Kind and properties are those of a .veg file; errors in them matter only if the material is used.
 Status read_materials(ByteScanner& input, VegRegions& regions) {
   std::size_t count = 0;
   if (Status status = read_count(input, "a number of materials", 8, 0, count); !status)

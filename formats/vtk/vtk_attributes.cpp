@@ -48,7 +48,7 @@ bool read_field(VtkInput& input, Attributes& found) {
         !input.text().read_word(type, "the type of an array") ||
         !read_array(input, name, type, tuples, components, found))
       return false;
-    // Each array may have a text of its own behind it.
+    // Each array may be followed by its own text.
     if (input.text().peek() == "METADATA") {
       input.text().token();
       skip_vtk_metadata(input);
@@ -71,7 +71,7 @@ bool read_scalars(VtkInput& input, Attributes& found) {
   return read_array(input, name, type, found.count, components, found);
 }
 
-// An array whose number of components its keyword says.
+// Reads an array whose keyword gives the number of components.
 bool read_fixed(VtkInput& input, std::uint64_t components, Attributes& found) {
   std::string name, type;
   return input.text().read_word(name, "the name of an array") &&

@@ -8,18 +8,18 @@
 
 namespace tremolo {
 
-// The cell array that numbers regions (region_rank()); no name if there is none.
+// The cell array with region numbers (region_rank()); an empty name if there is none.
 struct VtkCellArray {
   std::string name;
   std::vector<double> values;
 };
 
-// Reads from POINT_DATA or CELL_DATA on, which the input stands behind: `keyword`. Data that cannot
-// be read end it without an error, since the mesh is complete: `complaint` then says what is wrong,
+// Reads from POINT_DATA or CELL_DATA on; the input is positioned after `keyword`. Unreadable data
+// end it without an error, since the mesh is complete: `complaint` then gives the reason, and is
 // empty otherwise.
 VtkCellArray read_region_array(VtkInput& input, std::string keyword, std::string& complaint);
 
-// The arrays of FIELD and the text of METADATA, whose keyword has been read.
+// Skips the arrays of FIELD and the text of METADATA, whose keyword has been read.
 bool skip_vtk_field(VtkInput& input);
 void skip_vtk_metadata(VtkInput& input);
 

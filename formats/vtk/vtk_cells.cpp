@@ -101,7 +101,7 @@ void set_vtk_regions(const VtkCells& cells, const std::string& array,
   if (values.size() != cells.types.size()) {
     builder.add_note("cell data " + quoted_text(array) + " has " + std::to_string(values.size()) +
                      " numbers for " + std::to_string(cells.types.size()) +
-                     " cells: it names no regions");
+                     " cells: it is not used for regions");
     return;
   }
   std::vector<std::int64_t> labels;
@@ -109,7 +109,7 @@ void set_vtk_regions(const VtkCells& cells, const std::string& array,
     if (cells.tetrahedra[c] == 0) continue;
     if (!(std::abs(values[c]) <= kMostExact) || values[c] != std::floor(values[c])) {
       builder.add_note("cell data " + quoted_text(array) +
-                       " holds numbers that are not integers: it names no regions");
+                       " holds numbers that are not integers: it is not used for regions");
       return;
     }
     labels.insert(labels.end(), cells.tetrahedra[c], static_cast<std::int64_t>(values[c]));

@@ -26,17 +26,17 @@ struct VtkCells {
 std::string append_vtk_cells(const VtkCells& piece, std::span<const std::int64_t> id_of_point,
                              VtkCells& cells);
 
-// Checks the three against each other and gives the cells to the builder, whose vertices are
-// sealed. Returns a complaint that names the cell, empty if all is well.
+// Checks the three lists against each other and adds the cells to the builder, whose vertices are
+// sealed. Returns a complaint with the cell, or an empty text.
 std::string add_vtk_cells(VtkCells& cells, MeshBuilder& builder);
 
-// How well a cell array's name says that it numbers regions: 0 is best, -1 if it does not. Known
-// are material, region, gmsh:physical, medit:ref, CellEntityIds, subdomain, whatever their case,
-// also with Id or Ids behind them.
+// Rates the name of a cell array as region numbers: 0 is best, -1 if it is no such name. Known are
+// material, region, gmsh:physical, medit:ref, CellEntityIds, subdomain, in any case, also followed
+// by Id or Ids.
 int region_rank(std::string_view array);
 
-// values: of the array `array`, one a cell. Integers become regions called "region 3"; other
-// numbers are noted and left.
+// values: of the array `array`, one per cell. Integers become regions called "region 3"; other
+// numbers are noted and ignored.
 void set_vtk_regions(const VtkCells& cells, const std::string& array,
                      std::span<const double> values, MeshBuilder& builder);
 

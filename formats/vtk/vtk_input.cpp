@@ -120,15 +120,15 @@ bool VtkInput::read_values(const std::string& type, std::uint64_t count, std::st
   return text_.fail("a type of numbers such as float or int", type);
 }
 
-// A string stands on a line of its own in a text.
+// In a text file a string has its own line.
 bool VtkInput::skip_strings(std::uint64_t count) {
   if (!begin_bytes() || !text_.fits(count, 1, "strings")) return false;
   for (std::uint64_t n = 0; n < count; ++n) text_.rest_of_line();
   return true;
 }
 
-// The two highest bits of a string's first byte say how many bytes its length has: 3, 2, 1 and 0
-// stand for 1, 2, 4 and 8, of which the lower bits are the length.
+// The two highest bits of a string's first byte give the size of its length field: 3, 2, 1 and 0
+// mean 1, 2, 4 and 8 bytes, whose lower bits are the length.
 bool VtkInput::skip_binary_strings(std::uint64_t count) {
   if (!begin_bytes()) return false;
   ByteScanner bytes(whole_, path_, text_.offset(), kSwapsBigEndian);

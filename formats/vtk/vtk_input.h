@@ -29,8 +29,8 @@ class VtkInput {
   bool read_list(const std::string& type, std::uint64_t count, std::string_view what,
                  std::vector<double>& values);
 
-  // Goes behind an array that holds no numbers or that nobody needs: of any of VTK's types,
-  // "string", "bit" and "variant" among them. Memory is not taken.
+  // Skips an array without numbers or without use: of any of VTK's types, also "string", "bit" and
+  // "variant". Allocates nothing.
   bool skip_list(const std::string& type, std::uint64_t count, std::string_view what);
 
   TextScanner& text() { return text_; }
@@ -47,7 +47,7 @@ class VtkInput {
                    std::vector<T>& values);
   template <class Stored, class T>
   bool read_bytes(std::uint64_t count, std::string_view what, std::vector<T>& values);
-  // The bytes of a binary list begin on the next line; the text continues behind them.
+  // The bytes of a binary list begin on the next line; the text continues after them.
   bool begin_bytes();
   bool end_bytes(const ByteScanner& bytes, bool good);
   bool skip_strings(std::uint64_t count);

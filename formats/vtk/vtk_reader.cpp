@@ -13,7 +13,7 @@ namespace {
 struct VtkFile {
   MeshBuilder builder;
   VtkCells cells;
-  std::string cells_part;  // where they stand
+  std::string cells_part;  // their position
   bool has_points = false;
   bool has_cells = false;
   bool has_types = false;
@@ -46,7 +46,7 @@ bool read_offset_cells(VtkInput& input, std::uint64_t offsets, std::uint64_t nod
          input.read_list(type, nodes, "nodes of cells", cells.connectivity);
 }
 
-// Before: one list in which each cell's number of nodes stands before its nodes.
+// The older form: one list in which each cell's number of nodes precedes its nodes.
 bool read_counted_cells(VtkInput& input, std::uint64_t count, std::uint64_t size, VtkCells& cells) {
   std::vector<std::int64_t> list;
   if (!input.read_list("int", size, "nodes of cells", list)) return false;
@@ -111,7 +111,7 @@ bool read_part(VtkInput& input, const std::string& keyword, VtkFile& file) {
   return input.text().fail("POINTS, CELLS, CELL_TYPES, FIELD or POINT_DATA", keyword);
 }
 
-// Arrays of the whole file may stand before the kind of data set.
+// Arrays of the whole file may precede the kind of data set.
 bool read_dataset(VtkInput& input) {
   std::string keyword = upper_case(input.text().token());
   while (keyword == "FIELD" || keyword == "METADATA") {

@@ -12,7 +12,7 @@ namespace tremolo {
 
 enum class VtuCompression { kNone, kZlib, kLz4 };
 
-// Sizes that stand before the blocks: how many bytes the data have, and each block compressed.
+// Sizes before the blocks: of all data, and of each compressed block.
 struct VtuBlocks {
   std::size_t block = 0;  // bytes of a block that is not the last, not compressed
   std::size_t last = 0;   // of the last; 0: it is as long as the others
@@ -25,7 +25,7 @@ struct VtuBlocks {
   }
 };
 
-// bytes: of all blocks behind each other. place: of the array, for errors (kContent). Memory is
+// bytes: of all blocks in order. place: of the array, for errors (kContent). Memory is
 // blocks.size(), which the caller has bounded.
 Result<std::string> decompress_blocks(VtuCompression compression, const VtuBlocks& blocks,
                                       std::string_view bytes, const std::string& place);

@@ -16,15 +16,14 @@ namespace {
 // is damaged, and would take memory without bound.
 constexpr std::size_t kNumbersAByte = 4;
 
-// One array: its element, its name and place for errors.
+// One array: its element, its name and its position for errors.
 struct VtuArray {
   const VtuDocument& document;
   pugi::xml_node node;
   std::string place;  // "FILE, array `types` (element at byte 800)"
 };
 
-// The bytes of an array as the file encodes them, of which any number from the start can be asked
-// for.
+// The bytes of an array in the file's encoding, which can be read up to any number.
 struct VtuSource {
   std::string_view text;
   bool base64 = false;
@@ -71,7 +70,7 @@ Result<VtuSource> find_source(const VtuArray& array, const std::string& format) 
   return VtuSource{document.appended.substr(offset), document.appended_base64};
 }
 
-// The size that stands before data that are not compressed.
+// The size that precedes uncompressed data.
 Result<std::uint64_t> plain_size(const VtuArray& array, std::string_view header) {
   ByteScanner scanner(header, array.place, 0, array.document.swap);
   std::uint64_t size = 0;
@@ -82,7 +81,7 @@ Result<std::uint64_t> plain_size(const VtuArray& array, std::string_view header)
   return array.document.long_header ? size : short_size;
 }
 
-// Data that are not compressed. Inside an element nothing else may follow them.
+// Uncompressed data. Inside an element they must be the last part.
 Result<std::string> plain_bytes(const VtuArray& array, const VtuSource& source, bool is_inline) {
   std::string kept;
   const std::size_t header = array.document.long_header ? 8 : 4;
@@ -253,7 +252,8 @@ Status read_root(VtuDocument& document) {
   return Success{};
 }
 
-// Where the element AppendedData begins, npos without one. Its bytes are no XML if they are raw.
+// Finds the data of the element AppendedData, whose tag is at `begin`. They are not XML if they are
+// raw.
 Status cut_appended(std::string_view text, std::size_t begin, VtuDocument& document) {
   const std::size_t end = text.find('>', begin);
   if (end == std::string_view::npos)
@@ -275,7 +275,7 @@ Status cut_appended(std::string_view text, std::size_t begin, VtuDocument& docum
                          ": expected an underscore, with which appended data begin");
   document.appended = text.substr(first + 1);
   document.appended_base64 = !raw;
-  // Base64 has no `<`; raw bytes end somewhere before the last one, which is nobody's concern.
+  // Base64 has no `<`; raw bytes may have more bytes after them, which are ignored.
   if (!raw) document.appended = document.appended.substr(0, document.appended.find('<'));
   return Success{};
 }

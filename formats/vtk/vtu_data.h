@@ -21,7 +21,7 @@ struct VtuDocument {
   bool swap = false;         // the numbers have the other byte order than this machine
   bool long_header = false;  // sizes before the data are u64 rather than u32
   VtuCompression compression = VtuCompression::kNone;
-  std::string_view appended;     // behind the underscore; empty: none
+  std::string_view appended;     // after the underscore; empty: none
   bool appended_base64 = false;  // raw otherwise
   std::size_t most_numbers = 0;  // an array has no more: a bound of the memory that it takes
 

@@ -14,12 +14,12 @@
 namespace tremolo {
 namespace {
 
-// The pieces of a grid are read into one mesh. Each has points of its own: those of a piece that
-// lie exactly where one of an earlier piece lies are that point.
+// The pieces of a grid are read into one mesh. Each has its own points; those at exactly the
+// position of an earlier piece's point become that point.
 struct VtuGrid {
   MeshBuilder builder;
   VtkCells cells;
-  std::vector<double> regions;  // of the array `region_name`, one a cell
+  std::vector<double> regions;  // of the array `region_name`, one per cell
   std::string region_name;      // empty: none
   std::string region_problem;   // why the regions are not used; empty: they are
   std::map<std::array<double, 3>, std::int64_t> id_of_place;  // of earlier pieces; empty for one

@@ -29,7 +29,7 @@ struct Cells {
   std::size_t count() const { return nodes.size() / nodes_of_one; }
 };
 
-// One DataArray: its bytes behind their number, together in base64.
+// One DataArray: the number of its bytes and the bytes, together in base64.
 template <class T>
 Status write_array(AtomicFile& file, const std::string& attributes, std::span<const T> values) {
   std::string bytes;
@@ -111,7 +111,7 @@ Status write_vtu(const std::string& path, const std::vector<Eigen::Vector3d>& po
   return status ? file.commit() : status;
 }
 
-// The corners of all cells behind each other, as they lie.
+// The corners of all cells, in order.
 template <class Cell>
 std::span<const VertexId> corners(std::span<const Cell> cells) {
   static_assert(sizeof(Cell) == std::tuple_size_v<Cell> * sizeof(VertexId));

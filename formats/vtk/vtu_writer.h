@@ -31,8 +31,8 @@ Status write_modes_vtu(const std::string& path, const std::vector<Eigen::Vector3
                        std::span<const Triangle> cells, const BasisRows& rows,
                        const Eigen::VectorXd& lambda);
 
-// Triangles at their places with what displaces them. points, displacements: x y z x y z ..., m,
-// f32 in the file; displacements is the point data of that name. Errors: kSystem.
+// Writes triangles with displacements. points, displacements: x y z x y z ..., m, f32 in the file;
+// displacements is the point data of that name. Errors: kSystem.
 Status write_moved_vtu(const std::string& path, std::span<const float> points,
                        std::span<const Triangle> triangles, std::span<const float> displacements);
 

@@ -50,19 +50,19 @@ double mass_norm(const FullOrder& body, const Vector& u) {
   return std::sqrt(u.dot(multiply(body, body.mass, u)));
 }
 
-// Throws if the factor of the refined mesh is too large: for the memory that the user allows, or
-// for a user who has not said how much that is.
+// Throws if the factor of the refined mesh is too large for the user's memory limit, or without one
+// for the default limit.
 void require_refined_fits(const Problem& fine, const std::optional<double>& memory) {
   const DofMap map = make_dof_map(fine.mesh, fine.fixed, 1);
   const double entries = count_factor_entries(map);
   const double couplings = 9.0 * static_cast<double>(map.graph.neighbours.size() + map.nodes());
   const double bytes = 8.0 * entries + kBytesACoupling * couplings;
   if (memory ? bytes <= *memory : entries <= kMostRefinedEntries) return;
-  throw Failure(
-      system_error(text("the mesh refined once has %d unknowns, whose factor has %.2g entries: it "
-                        "takes about %.2g GB%s; a coarser mesh of the same body tells as well",
-                        3 * map.nodes(), entries, 1e-9 * bytes,
-                        memory ? "" : " and minutes, and is tried if --memory allows as much")));
+  throw Failure(system_error(
+      text("the mesh refined once has %d unknowns, whose factor has %.2g entries: it "
+           "takes about %.2g GB%s; a coarser mesh of the same body gives an estimate, too",
+           3 * map.nodes(), entries, 1e-9 * bytes,
+           memory ? "" : " and minutes, and is tried if --memory allows as much")));
 }
 
 // |u_h - u_{h/2}| / |u_{h/2}|.
@@ -94,7 +94,7 @@ double basis_error(const Rest& rest, const BudgetSubject& subject) {
   return moment.difference / moment.norm;
 }
 
-// Takes a number, or the reason why there is none.
+// Measures a number, or records the reason why it cannot.
 template <class Measure>
 std::optional<double> attempt(const char* what, const Measure& measure, ErrorBudget& budget) {
   try {
@@ -134,7 +134,7 @@ ErrorBudget measure_budget(const BudgetSubject& subject) {
   if (budget.reduction)
     budget.discretisation = attempt(
         "discretisation", [&] { return mesh_error(at_rest(), subject); }, budget);
-  // What is halved loses three quarters.
+  // Halving the element size reduces an error of order 2 to a quarter.
   if (budget.discretisation) budget.limit = *budget.discretisation * 4.0 / 3.0;
   budget.integration = attempt(
       "integration", [&] { return step_error(subject.file); }, budget);

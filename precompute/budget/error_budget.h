@@ -1,4 +1,4 @@
-// `--error-budget`: what the mesh, the basis and the step each leave out, in one norm.
+// `--error-budget`: the errors of mesh, basis and step, in one norm.
 //
 // discretisation and reduction are static, under the default load: |u_h - u_{h/2}| / |u_{h/2}| of
 // this mesh against the one refined once (of the same order), and |u - Uq| / |u| of the reduced
@@ -22,28 +22,29 @@ namespace tremolo {
 // tried unless the user says how much memory there is.
 inline constexpr double kMostRefinedEntries = 3e8;
 
-// None: not measured, for a reason in `reasons`. limit: Richardson's estimate of what the mesh is
-// off its limit, by the order 2 that linear elements have and quadratic ones near re-entrant edges.
+// The parts of the error; empty: not measured, for a reason in `reasons`. limit: Richardson's
+// estimate of the mesh's distance from its limit, with order 2, which linear elements have and
+// quadratic ones near re-entrant edges.
 struct ErrorBudget {
   int order = 1;  // of the elements
   std::optional<double> discretisation, limit, reduction, integration;
   std::vector<std::string> reasons;
 };
 
-// What the budget is measured on. rows: U's control values, 3n x r. file: the basis file, written.
+// The model whose error is measured.
 struct BudgetSubject {
   const Problem& problem;
   MassKind mass = MassKind::kConsistent;
   const BasisData& data;
-  const BasisRows& rows;
-  std::string file;
+  const BasisRows& rows;  // U's control values, 3n x r
+  std::string file;       // the basis file, already written
   unsigned threads = 1;
   std::optional<double> memory;  // bytes that the refined mesh may take; none: kMostRefinedEntries
 };
 ErrorBudget measure_budget(const BudgetSubject& subject);
 
 // Relative error of the default step of `tremolo run` on a basis file. Throws Failure (kSystem) if
-// that program is not beside this one or fails.
+// that program is not in the same folder or fails.
 double step_error(const std::string& file);
 
 std::string describe(const ErrorBudget& budget);  // one line: the three, and where to spend

@@ -170,8 +170,8 @@ void Checkpoint::require_same_identity(const CheckpointIdentity& identity) {
   std::optional<Error> refusal;
   if (!different.empty())
     refusal = content_error(folder_ + ": the stages in it belong to another run: " + different +
-                            ". Resume with that run's options, or start anew with --checkpoint in "
-                            "place of --resume");
+                            ". Resume with that run's options, or start again with --checkpoint "
+                            "instead of --resume");
   fail_together(refusal);
 }
 
@@ -183,7 +183,7 @@ void Checkpoint::make_folder() {
   if (!error) error = status_error;
   if (there) return;
   log_.note("warning: " + folder_ + ": cannot make the folder" +
-            (error ? ": " + error.message() : "") + "; the run goes on without checkpoints");
+            (error ? ": " + error.message() : "") + "; the run continues without checkpoints");
   writing_ = false;
 }
 
@@ -251,7 +251,7 @@ void Checkpoint::keep(const std::string& stage, std::vector<NamedArray> arrays) 
   const std::string problem = first_text(status ? "" : status.error().message);
   std::error_code ignored;
   fs::remove(path(stage), ignored);
-  log_.note("warning: " + problem + "; the run goes on without checkpoints");
+  log_.note("warning: " + problem + "; the run continues without checkpoints");
 }
 
 void Checkpoint::drop(const std::string& stage) {

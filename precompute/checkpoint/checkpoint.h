@@ -21,7 +21,7 @@
 
 namespace tremolo {
 
-// What a stage depends on: everything that changes a bit of it, with names that a user understands.
+// The inputs of a stage: everything that changes a bit of it, with names that a user understands.
 using CheckpointIdentity = std::vector<std::pair<std::string, std::string>>;
 
 // Returns the identity of a run. counts: the numbers chosen, not requested. Left out is what
@@ -36,7 +36,7 @@ inline constexpr const char* kSolverFact = "solver";
 std::string checkpoint_folder(const std::string& output_path);
 
 // Returns the solver that computed the stages in the folder, if they are to be resumed; the same on
-// all ranks. None if no stage tells.
+// all ranks. None if no stage has the information.
 std::optional<LinearSolver> kept_solver(const CheckpointRequest& request);
 
 // Reads and writes the stages of checkpoint_stages.h. All members are collective.

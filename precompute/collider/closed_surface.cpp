@@ -17,12 +17,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Vertices that are nearer to each other, in parts of the diagonal, are one.
+// Vertices closer to each other than this, relative to the diagonal, are joined.
 constexpr double kSamePlace = 1e-6;
-// In parts of the diagonal: how far beside a triangle its two sides are looked at.
+// Distance from a triangle, relative to the diagonal, at which its two sides are sampled.
 constexpr double kBeside = 1e-5;
 
-// The vertex with the lowest number at each vertex's place.
+// The vertex with the lowest number at each vertex's position.
 std::vector<VertexId> first_at_place(const std::vector<Vector3d>& vertices, double reach) {
   std::vector<BoundingBox> boxes;
   boxes.reserve(vertices.size());
@@ -40,7 +40,7 @@ std::vector<VertexId> first_at_place(const std::vector<Vector3d>& vertices, doub
   return first;
 }
 
-// Joined vertices, those in use alone; triangles with three different corners.
+// Joins vertices and keeps the used ones, and triangles with three different corners.
 SurfaceMesh weld(const RenderSurface& given) {
   const double diagonal = bounding_box(given.vertices).diagonal();
   const std::vector<VertexId> first = first_at_place(given.vertices, kSamePlace * diagonal);
@@ -106,10 +106,10 @@ double signed_volume_of(const SurfaceMesh& surface, const Triangle& t) {
          6.0;
 }
 
-// What hangs together by vertices.
+// Parts of a surface, connected by vertices.
 struct SurfaceParts {
-  std::vector<std::size_t> part_of;  // one a triangle
-  std::vector<double> volumes;       // one a part, m^3, with sign
+  std::vector<std::size_t> part_of;  // one per triangle
+  std::vector<double> volumes;       // one per part, m^3, with sign
 };
 
 SurfaceParts find_parts(const SurfaceMesh& surface) {
@@ -143,7 +143,8 @@ SurfaceParts turn_whole_outwards(SurfaceMesh& surface) {
   return parts;
 }
 
-// A part that faces inwards is a cavity if it lies in one that faces outwards; else it is turned.
+// A part that faces inwards is a cavity if it is inside one that faces outwards; else it is
+// reversed.
 void turn_parts_outwards(ClosedSurface& result) {
   SurfaceMesh& surface = result.surface;
   const SurfaceParts parts = turn_whole_outwards(surface);
@@ -166,7 +167,7 @@ void turn_parts_outwards(ClosedSurface& result) {
         text("%zu of %zu parts faced inwards and were turned", result.turned_parts, result.parts));
 }
 
-// Whether both sides are inside, at the middle and near the corners.
+// True if both sides of the triangle are inside, at its middle and near its corners.
 bool is_buried(const WindingNumber& winding, const SurfaceMesh& surface, const Triangle& t,
                double beside) {
   const Vector3d corners[] = {surface.vertices[t[0]], surface.vertices[t[1]],

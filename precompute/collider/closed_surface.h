@@ -1,6 +1,6 @@
-// The surface that encloses a solid, made of one as its author drew it: vertices at one place are
-// joined, triangles turned so that neighbours agree, holes closed, parts turned outwards, and what
-// lies inside of other parts is known.
+// The surface that encloses a solid, made of an author's surface: vertices at one position are
+// joined, triangles oriented consistently, holes closed, parts oriented outwards, and parts inside
+// others identified.
 #pragma once
 
 #include <cstddef>
@@ -17,11 +17,11 @@ namespace tremolo {
 // opening, not a hole.
 inline constexpr double kLargestHole = 0.1;
 
-// surface: no boundary, outwards; what is inside has a winding number above one half. buried: one a
-// triangle, 1 if both its sides are inside, so that it is no part of the solid's boundary. notes:
-// what was done, for the user.
+// A closed surface, oriented outwards; points inside have a winding number above one half.
 struct ClosedSurface {
   SurfaceMesh surface;
+  // One per triangle: 1 if both its sides are inside, so that it is not part of the solid's
+  // boundary.
   std::vector<char> buried;
   std::size_t parts = 0;             // shells
   std::size_t turned_triangles = 0;  // against their neighbours
@@ -29,7 +29,7 @@ struct ClosedSurface {
   std::size_t holes = 0;             // that were closed
   double largest_hole = 0;           // m, the diagonal of its box
   std::size_t buried_triangles = 0;
-  std::vector<std::string> notes;
+  std::vector<std::string> notes;  // repairs, for the user
 };
 
 // any_hole: close holes of every size. Errors (kContent): no triangle with an area; a surface with

@@ -61,7 +61,7 @@ SurfacePoint random_surface_point(const SurfaceDistance& surface, const std::vec
   return {a + u * (b - a) + v * (c - a), (b - a).cross(c - a).stableNormalized()};
 }
 
-// How far it is from the point straight through to the other side; `most` if it is no less.
+// Distance from the point through the solid to its other side; at most `most`.
 double wall_behind(const SurfaceDistance& surface, const SurfacePoint& point, double most) {
   constexpr int kLooks = 8;
   double inside = 0.0, outside = most;

@@ -10,7 +10,7 @@
 
 namespace tremolo {
 
-// Between surface and border there are so many cells at least.
+// The least number of cells between surface and border.
 inline constexpr double kLeastMarginCells = 3.0;
 
 // Cells along the longest side of the surface's box, margin in m around it (at least three cells).
@@ -21,8 +21,8 @@ Result<GridNodes> plan_nodes(const BoundingBox& surface, int cells, double margi
 std::vector<float> distances_at_nodes(const SurfaceDistance& surface, const GridNodes& nodes,
                                       unsigned threads);
 
-// Differences between the grid and the exact distance at random points, spread evenly over the
-// surface and up to two cells beside it. m.
+// Differences between the grid and the exact distance at random points, uniform over the surface
+// and up to two cells from it. m.
 struct GridError {
   std::size_t points = 0;
   double largest = 0;
@@ -31,9 +31,9 @@ struct GridError {
 // The same points every time, whatever the number of threads.
 GridError measure_error(const SurfaceDistance& surface, const DistanceGrid& grid, unsigned threads);
 
-// The share of the surface behind which the solid is thinner than two cells and the grid, in the
-// middle of that wall, knows of nothing solid: what meets it there goes through. 0 to 1, found at
-// 4 096 points, the same every time.
+// The fraction of the surface behind which the solid is thinner than two cells and the grid is
+// positive in the middle of that wall: bodies pass through it. 0 to 1, found at 4 096 points, the
+// same every time.
 double missed_share(const SurfaceDistance& surface, const DistanceGrid& grid, unsigned threads);
 
 }  // namespace tremolo

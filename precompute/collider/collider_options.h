@@ -8,20 +8,20 @@
 namespace tremolo {
 
 struct ColliderOptions {
-  std::string surface_path;  // a surface, or a tetrahedral mesh, whose boundary is taken
+  std::string surface_path;  // a surface, or a tetrahedral mesh, whose boundary is used
   std::string output_path;
-  std::string unit;  // of its coordinates, as metres_per_unit() reads it; empty: what the file says
+  std::string unit;  // of its coordinates, as for metres_per_unit(); empty: the file's
   bool y_up = false;
   std::optional<int> cells;      // along the longest side; none: enough for kColliderError
   std::optional<double> margin;  // m around the surface; none: kColliderMargin of the longest side
   bool fill_holes = false;
   unsigned threads = 1;
   bool json = false;
-  std::string command_line;  // what of it decides the result
+  std::string command_line;  // the part that affects the result
 };
 
-// Without --cells: the largest error and the margin, in parts of the longest side, and the share of
-// the surface whose walls may be missed.
+// Without --cells: the largest error and the margin, relative to the longest side, and the fraction
+// of the surface whose walls may be missed.
 inline constexpr double kColliderError = 0.005;
 inline constexpr double kColliderMissed = 0.002;
 inline constexpr double kColliderMargin = 0.05;

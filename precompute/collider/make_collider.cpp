@@ -54,13 +54,13 @@ SurfaceFile read_any_surface(const ColliderOptions& options) {
   return unwrap(read_surface(options.surface_path, reading));
 }
 
-// What is made, and how good it is.
+// A grid and its accuracy.
 struct MadeGrid {
   int cells = 0;
   double margin = 0;  // m
   ColliderData data;
   GridError error;
-  double missed = 0;  // share of the surface
+  double missed = 0;  // fraction of the surface
   double seconds = 0;
 };
 

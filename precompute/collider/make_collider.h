@@ -5,8 +5,8 @@
 
 namespace tremolo {
 
-// Reads the surface, closes it, finds the distances, measures the grid's error and writes the file;
-// JSON goes to stdout, what is done to stderr. Throws Failure, with the file in the message.
+// Reads the surface, closes it, computes the distances, measures the grid's error and writes the
+// file; JSON goes to stdout, progress to stderr. Throws Failure, with the file in the message.
 void make_collider(const ColliderOptions& options);
 
 }  // namespace tremolo

@@ -15,7 +15,7 @@ namespace tremolo {
 // half, which no crossing of triangles confuses. Safe to use from several threads.
 class SurfaceDistance {
  public:
-  // Copies what it needs.
+  // Copies the data that it needs.
   explicit SurfaceDistance(const ClosedSurface& closed);
 
   // m, not negative.

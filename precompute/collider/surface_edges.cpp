@@ -44,7 +44,7 @@ void for_each_edge(const std::vector<EdgeUse>& uses, const Visit& visit) {
 
 struct EdgeNeighbour {
   std::size_t triangle;
-  bool agrees;  // goes along the edge in the opposite direction
+  bool agrees;  // passes the edge in the opposite direction
 };
 using EdgeNeighbours = std::vector<std::vector<EdgeNeighbour>>;
 
@@ -73,8 +73,8 @@ Side other_side(Side side) {
   return side == Side::kTurned ? Side::kAsDrawn : Side::kTurned;
 }
 
-// The triangles that hang together with `start`, and the side of each; false: two ways to a
-// triangle contradict each other.
+// Finds the triangles connected with `start`, and the side of each; false: two paths to a triangle
+// contradict each other.
 bool spread_side(const EdgeNeighbours& neighbours, std::size_t start, std::vector<Side>& sides,
                  std::vector<std::size_t>& patch) {
   bool consistent = true;
@@ -132,7 +132,8 @@ Orientation orient_triangles(SurfaceMesh& surface) {
   return found;
 }
 
-// As many unmatched edges lead to a vertex as lead away from it, so that every walk comes back.
+// The number of unmatched edges into a vertex is that of edges out of it, so that every walk is
+// closed.
 std::vector<std::vector<VertexId>> boundary_loops(const SurfaceMesh& surface) {
   const std::vector<DirectedEdge> edges = unmatched_edges(surface);
   std::vector<std::size_t> next(surface.vertices.size());  // unused edge of each vertex

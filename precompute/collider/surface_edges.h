@@ -1,4 +1,4 @@
-// Edges of a triangle surface: who shares them, and where the surface ends.
+// Edges of a triangle surface: their triangles, and the boundary of the surface.
 #pragma once
 
 #include <cstddef>
@@ -8,16 +8,16 @@
 
 namespace tremolo {
 
-// Turns triangles so that two that share an edge with nobody else go along it in opposite
-// directions; of the triangles that hang together in that way, the larger area stays as it is.
+// Reverses triangles so that two that are the only ones at an edge pass it in opposite directions;
+// in each connected set, the orientation of the larger area is kept.
 struct Orientation {
   std::size_t turned = 0;
-  bool one_sided = false;  // there is no such turning
+  bool one_sided = false;  // there is no such orientation
 };
 Orientation orient_triangles(SurfaceMesh& surface);
 
-// Where the surface ends, as closed loops of vertices in the direction of the triangles there; an
-// edge that k more triangles pass in one direction than in the other is in k loops.
+// The boundary of the surface as closed loops of vertices, in the direction of the adjacent
+// triangles. An edge is in k loops if k more triangles pass it in one direction than in the other.
 std::vector<std::vector<VertexId>> boundary_loops(const SurfaceMesh& surface);
 
 }  // namespace tremolo

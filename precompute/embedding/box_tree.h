@@ -1,5 +1,5 @@
-// A bounding volume tree for searches around a point. It is ours because tremolo-precompute does
-// not link CGAL, whose AABB tree the mesher uses.
+// A bounding volume tree for searches around a point. tremolo-precompute does not link CGAL, whose
+// AABB tree the mesher uses.
 #pragma once
 
 #include <algorithm>
@@ -20,15 +20,15 @@ inline double squared_distance(const BoundingBox& box, const Eigen::Vector3d& x)
 
 class BoxTree {
  public:
-  // An item's number is its place in `boxes`. Fewer than 2^31 of them.
+  // An item's number is its index in `boxes`. Fewer than 2^31 of them.
   explicit BoxTree(const std::vector<BoundingBox>& boxes);
 
   struct Nearest {
     std::size_t item = 0;
     double squared_distance = std::numeric_limits<double>::infinity();
   };
-  // distance(item) -> squared distance of x to the item, which lies in its box. Infinite if there
-  // is none; the first that is found of several at the same distance.
+  // distance(item) -> squared distance of x to the item, which is inside its box. Infinite if there
+  // is none; the first one of several at the same distance.
   template <class Distance>
   Nearest nearest(const Eigen::Vector3d& x, const Distance& distance) const {
     Nearest best;
@@ -41,7 +41,8 @@ class BoxTree {
     return best;
   }
 
-  // visit(item) for every item whose box is no further away than that; always the same order.
+  // Calls visit(item) for every item whose box is at most at that distance; always in the same
+  // order.
   template <class Visit>
   void visit_near(const Eigen::Vector3d& x, double squared_radius, const Visit& visit) const {
     walk(

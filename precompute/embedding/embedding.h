@@ -1,10 +1,11 @@
-// A surface that hangs on the tetrahedra: each of its vertices is an affine combination of the four
+// A surface attached to the tetrahedra: each of its vertices is an affine combination of the four
 // corners of one of them,
 //
 //     x_v = sum_c w_vc X_c,   sum_c w_vc = 1        and so   u_v = sum_c w_vc u_c = (W U q)_v
 //
 // in the tetrahedron that contains it or, outside, in the one at the boundary's nearest point, with
-// weights that then are extrapolated: an affine motion of the mesh moves the surface by the same.
+// weights that are then extrapolated: an affine motion of the mesh moves the surface in the same
+// way.
 #pragma once
 
 #include <string>
@@ -16,9 +17,9 @@
 
 namespace tremolo {
 
-// Extrapolated weights stay in this range; further out they would make a small turn of the
-// tetrahedron a wild swing. Such a vertex follows the boundary's nearest point instead: rigidly for
-// translations only.
+// Extrapolated weights stay in this range; beyond it a small rotation of the tetrahedron would move
+// the vertex far. Such a vertex follows the boundary's nearest point instead, which is rigid only
+// for translations.
 inline constexpr double kLeastWeight = -2.0;
 inline constexpr double kLargestWeight = 3.0;
 
@@ -43,7 +44,7 @@ BasisRows embedded_rows(const Embedding& embedding, const TetMesh& mesh, const B
 // For each point the mesh's vertex with the largest weight.
 std::vector<VertexId> heaviest_vertices(const Embedding& embedding, const TetMesh& mesh);
 
-// How the points lie in the mesh, for the user.
+// Describes the positions of the points in the mesh, for the user.
 std::vector<std::string> describe(const Embedding& embedding, const TetMesh& mesh);
 
 }  // namespace tremolo

@@ -10,7 +10,7 @@
 
 namespace tremolo {
 
-// How many coefficients a displacement gradient has (element.h).
+// The number of coefficients of a displacement gradient (element.h).
 constexpr std::size_t gradients_of_order(int order) {
   return order == 1 ? 1 : 4;
 }

@@ -75,9 +75,9 @@ Field internal_force(const Solid& solid, const FieldRef& u, std::size_t count);
 void add_second_derivative(const Solid& solid, const std::vector<int>& elements, const FieldRef& a,
                            const FieldRef& b, const std::vector<int>& row_of_vertex, double* out);
 
-// Adds C[a, b, c], the third derivative of the internal force, likewise: the part of F S that is
-// linear in each of three displacement gradients is the sum of A S(sym(B^T C)) over the three
-// places of A.
+// Adds C[a, b, c], the third derivative of the internal force, in the same form: the part of F S
+// that is linear in each of three displacement gradients is the sum of A S(sym(B^T C)) over the
+// three choices of A.
 void add_third_derivative(const Solid& solid, const std::vector<int>& elements,
                           const std::array<Field, 3>& fields, const std::vector<int>& row_of_vertex,
                           double* out);

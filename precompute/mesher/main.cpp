@@ -45,7 +45,7 @@ struct Options {
   int answer = -1;          // descriptor that tremolo-precompute reads from (mesher_answer.h)
 };
 
-// --tets is met to this share, in at most so many tries.
+// --tets is met to this fraction, in at most so many tries.
 constexpr double kCountTolerance = 0.1;
 constexpr int kTries = 6;
 
@@ -125,7 +125,7 @@ Status answer(const Options& options) {
 
 Status run(const Options& options) {
   if (options.answer >= 0) return answer(options);
-  // A recipe's name stands before a file of that name.
+  // A recipe's name has priority over a file of that name.
   const NamedFile input{find_recipe(options.input) ? "" : options.input, "the surface", true};
   if (Status status = keep_apart({options.output, options.surface}, {input}); !status)
     return status;
@@ -141,13 +141,13 @@ Status run(const Options& options) {
   return Success{};
 }
 
-// The exit code when there is nothing more to do.
+// Returns the exit code if the program must end.
 std::optional<int> parse(int count, char** words, Options& options) {
   CLI::App app{
       "Cuts a surface, or one of the sample solids, into tetrahedra. Holes, crossings, repeats "
       "and\n"
-      "turned triangles are found, mended and told; what cannot be meshed is told with what to "
-      "do."};
+      "reversed triangles are repaired and reported. For a surface that cannot be meshed the "
+      "message says what to do."};
   app.name("tremolo-mesh");
   app.failure_message(one_line_message);
   app.set_version_flag("--version", std::string("tremolo-mesh ") + TREMOLO_VERSION);

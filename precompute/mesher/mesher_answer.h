@@ -1,4 +1,4 @@
-// What tremolo-mesh hands to the program that started it, tremolo-precompute.
+// The answer of tremolo-mesh to the program that started it, tremolo-precompute.
 #pragma once
 
 #include <cstddef>
@@ -11,18 +11,18 @@
 
 namespace tremolo {
 
-// mesh: vertices (m) and tetrahedra alone. notes: what was found, what was done, what came out.
+// A mesh with its notes.
 struct MesherAnswer {
-  TetMesh mesh;
-  std::string format;  // "Wavefront OBJ"
-  std::vector<std::string> notes;
+  TetMesh mesh;                    // only vertices (m) and tetrahedra
+  std::string format;              // "Wavefront OBJ"
+  std::vector<std::string> notes;  // findings, repairs and results
 };
 
-// The answer, or why there is none, as bytes of this machine: a line of JSON, then the vertices (n
-// times three doubles) and the tetrahedra (m times four int32).
+// The answer, or its error, as bytes of this machine: a line of JSON, then the vertices (n times
+// three doubles) and the tetrahedra (m times four int32).
 std::vector<std::byte> encode_answer(const Result<MesherAnswer>& answer);
 
-// What encode_answer() was given; kSystem for bytes that it did not make.
+// The inverse of encode_answer(); kSystem for bytes that it did not write.
 Result<MesherAnswer> decode_answer(std::span<const std::byte> bytes);
 
 }  // namespace tremolo

@@ -12,7 +12,7 @@ namespace tremolo {
 // "beam basket bridge horse tower heart"
 std::string recipe_names();
 
-// kUsage if there is none of that name.
+// kUsage for an unknown name.
 Result<Recipe> find_recipe(std::string_view name);
 
 }  // namespace tremolo

@@ -35,8 +35,8 @@ constexpr double kMostVertices = 2, kVerticesAtLeast = 25'000;
 // Budgets of the second and the last attempt by solid angle, over that of the first, and the least
 // factor by which the tetrahedra of the last one are larger.
 constexpr double kSecondQueries = 0.3, kLastQueries = 0.6, kLastSize = 1.4;
-// What all queries of an attempt about the solid may cost (side_cost), about 12 s, and the fewest a
-// tetrahedron with which an attempt is worth its time.
+// The largest cost of an attempt's queries about the solid (side_cost), about 12 s, and the fewest
+// queries per tetrahedron for which an attempt is worth its time.
 constexpr double kMostCost = 1.2e9, kFewSidesPerTet = 20;
 // Queries a tetrahedron of the last attempt, by which its size is chosen where they are expensive.
 constexpr double kLastSidesPerTet = 60;
@@ -136,9 +136,9 @@ Result<TetMesh> mesh_as_polyhedron(const SurfaceSolid& solid, const MeshPlan& pl
   return *with_edges;
 }
 
-// Meshes at the wanted sizes; where that exceeds its budget or would, without the demand for a
-// two-manifold, and at last with larger tetrahedra, which `method` then says. cost: of a query;
-// count: of tetrahedra that are expected.
+// Meshes at the requested sizes; if that exceeds or would exceed its budget, without the
+// requirement of a two-manifold, and at last with larger tetrahedra, which `method` then says.
+// cost: of a query; count: the expected number of tetrahedra.
 Result<TetMesh> mesh_in_tries(ImplicitRequest& request, const SizeField& sizes, double cost,
                               double count, std::string& method) {
   const auto most = static_cast<double>(request.most_queries);
@@ -215,7 +215,8 @@ Result<MeshAttempt> attempt_mesh(const SurfaceSolid& solid, const MeshPlan& plan
   return done;
 }
 
-// Meshes until the number of tetrahedra asked for is met; of several misses the nearest.
+// Meshes until the requested number of tetrahedra is met; if it never is, the nearest result is
+// used.
 Result<MeshAttempt> attempt_mesh_to_count(const SurfaceSolid& solid, MeshPlan plan, int wanted) {
   const auto share_of = [wanted](const MeshAttempt& attempt) {
     return static_cast<double>(attempt.mesh.tetrahedra.size()) / wanted;

@@ -18,14 +18,14 @@ struct MeshAttempt {
   std::string method;
 };
 
-// The mesh may be empty. Errors: kSolver if the mesher does not come to an end.
+// The mesh may be empty. Errors: kSolver if the mesher does not end.
 Result<MeshAttempt> attempt_mesh(const SurfaceSolid& solid, const MeshPlan& plan);
 
-// Whether so large a share of a wanted number of tetrahedra counts as that number: within 10 %.
+// True if such a fraction of the requested number of tetrahedra counts as that number: within 10 %.
 bool is_met(double share);
 
 // Scales the plan's sizes until `wanted` tetrahedra are met, in at most six tries, of which the
-// nearest is taken; 0: one try.
+// nearest is used; 0: one try.
 Result<MeshAttempt> attempt_mesh_to_count(const SurfaceSolid& solid, MeshPlan plan, int wanted);
 
 }  // namespace tremolo

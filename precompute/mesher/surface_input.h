@@ -9,7 +9,7 @@
 
 namespace tremolo {
 
-// unit: as in metres_per_unit(), or empty for what the file says. Errors as of read_surface(),
+// unit: as for metres_per_unit(), or empty for the file's. Errors as for read_surface(),
 // metres_per_unit() and mesh_surface(), with the path.
 Result<MesherAnswer> load_surface(const std::string& path, const std::string& unit,
                                   const SurfaceMeshOptions& options);

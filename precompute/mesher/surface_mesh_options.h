@@ -1,19 +1,15 @@
-// How a surface is to be cut.
+// Options for meshing a surface.
 #pragma once
 
 namespace tremolo {
 
-// size: longest wanted edge, m; 0: by the count. tets: wanted number of tetrahedra; 0: 10 000 or as
-// many as thin walls ask for. error: wanted distance between the surfaces, m; 0: 0.3 % of the
-// diagonal. thicken: m; above 0 the surface is taken for a sheet of that thickness. fill_holes:
-// close holes however large they are. keep_crumbs: keep parts far smaller than the largest.
 struct SurfaceMeshOptions {
-  double size = 0;
-  int tets = 0;
-  double error = 0;
-  double thicken = 0;
-  bool fill_holes = false;
-  bool keep_crumbs = false;
+  double size = 0;           // longest edge requested, m; 0: by the count
+  int tets = 0;              // requested number of tetrahedra; 0: 10 000, or more for thin walls
+  double error = 0;          // requested distance between the surfaces, m; 0: 0.3 % of the diagonal
+  double thicken = 0;        // m; above 0 the surface is a sheet of that thickness
+  bool fill_holes = false;   // close holes of any size
+  bool keep_crumbs = false;  // keep parts far smaller than the largest
 };
 
 }  // namespace tremolo

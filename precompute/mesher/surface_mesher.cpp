@@ -13,12 +13,12 @@ namespace {
 
 // Shares of the solid angle: a surface that lacks more is closed only on demand, or is a sheet.
 constexpr double kMostLacking = 0.09, kSheet = 0.4;
-// A solid lies behind at least this share of its surface.
+// The solid is behind at least this fraction of its surface.
 constexpr double kLeastBacked = 0.3;
-// Further attempts where a mesh does not follow its surface and the user asked for no size.
+// Further attempts if a mesh does not follow its surface and the user requested no size.
 constexpr int kRefinements = 2;
 
-// Refuses what is no solid, with what its maker can do.
+// Refuses a surface that encloses no solid, and says what its maker can do.
 Status refuse_hopeless(const SurfaceSolid& solid, const SurfaceFindings& findings,
                        const SurfaceMeshOptions& options, const Scaling& scaling) {
   if (solid.half_thickness > 0) return Success{};
@@ -45,7 +45,7 @@ Status refuse_hopeless(const SurfaceSolid& solid, const SurfaceFindings& finding
                        thicken);
 }
 
-// Says why no way of meshing came to an end, and what the maker of the surface can do.
+// The error when no method of meshing succeeds, and what the maker of the surface can do.
 Error no_end(const Error& error, const SurfaceSolid& solid, const SurfaceFindings& findings) {
   if (solid.half_thickness > 0 || findings.holes == 0)
     return {error.kind, error.message +
@@ -66,7 +66,7 @@ struct Outcome {
   SurfaceDistances distances;
 };
 
-// Meshes by the plan, and by smaller sizes if the user asked for none and the surfaces are too far
+// Meshes by the plan, and by smaller sizes if the user requested none and the surfaces are too far
 // apart.
 Result<Outcome> mesh_close_to_surface(const SurfaceSolid& solid, const SurfaceFindings& findings,
                                       MeshPlan plan, const SurfaceMeshOptions& options) {
@@ -90,7 +90,7 @@ Result<Outcome> mesh_close_to_surface(const SurfaceSolid& solid, const SurfaceFi
   }
 }
 
-// What the user should know about the mesh, as sentences.
+// Notes about the mesh for the user, as sentences.
 std::vector<std::string> notes_on(const Outcome& outcome, const MeshQuality& quality,
                                   int wanted_count) {
   std::vector<std::string> notes;

@@ -1,4 +1,4 @@
-// Any surface -> tetrahedral mesh: looks, mends, and chooses how to mesh.
+// Meshes any surface with tetrahedra: checks, repairs, and chooses the method.
 #pragma once
 
 #include <string>
@@ -13,13 +13,13 @@
 
 namespace tremolo {
 
-// Distances in metres, each the largest from 20 000 points of the one surface to the other. Points
-// where a hole was closed count apart, and the way back leaves out what is not the solid's border:
-// inner walls, inner shells and crumbs.
+// Distances in metres, each the largest from 20 000 points of one surface to the other. Points at
+// closed holes are counted separately, and the distance from the surface to the mesh ignores parts
+// that are not the solid's border: inner walls, inner shells and crumbs.
 struct SurfaceMeshReport {
   SurfaceFindings findings;
   std::string method;              // "as a polyhedron with sharp edges kept"
-  std::vector<std::string> notes;  // what was done, and what the user should know
+  std::vector<std::string> notes;  // steps taken, and warnings for the user
   MeshQuality quality;
   std::size_t tetrahedra = 0;
   double diagonal = 0;         // of the surface's bounding box, m
@@ -34,8 +34,8 @@ struct MeshedSurface {
 };
 
 // The same surface and options give the same mesh. Errors, each with what to do: kContent if the
-// surface encloses nothing, is open beyond what can be guessed, one-sided, or too thin for the
-// number of tetrahedra; kSolver if no way of meshing comes to an end.
+// surface encloses nothing, has too large openings, is one-sided, or too thin for the number of
+// tetrahedra; kSolver if no method of meshing succeeds.
 Result<MeshedSurface> mesh_surface(const RenderSurface& surface, const SurfaceMeshOptions& options);
 
 // The report as lines for people.

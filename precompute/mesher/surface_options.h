@@ -11,7 +11,7 @@
 
 namespace tremolo {
 
-// unit: as the user wrote it; empty: what the file says.
+// unit: as the user wrote it; empty: the file's.
 inline void add_surface_options(CLI::App& app, SurfaceMeshOptions& mesh, std::string& unit) {
   CLI::Option* size =
       app.add_option("--size", mesh.size, "longest wanted edge, m (thin walls may ask for less)")

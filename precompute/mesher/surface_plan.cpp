@@ -9,7 +9,7 @@
 namespace tremolo {
 namespace {
 
-constexpr double kError = 0.003;  // unless asked
+constexpr double kError = 0.003;  // the default
 constexpr double kDefaultTets = 10'000;
 constexpr double kMostTets = 4 * kDefaultTets;  // where walls are thin
 constexpr std::size_t kWallSamples = 6'000;
@@ -55,7 +55,7 @@ Result<MeshPlan> make_plan(const SurfaceSolid& solid, const SurfaceMeshOptions& 
   MeshPlan plan;
   plan.volume = volume(solid);
   if (solid.half_thickness > 0) {
-    // A sheet is as thick as it was asked to be.
+    // A sheet has the requested thickness.
     for (const SurfacePoint& at : spread_points(solid.surface, kWallSamples))
       plan.walls.push_back({at.point, 2.0 * solid.half_thickness, 1.0});
   } else {

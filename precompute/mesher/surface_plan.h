@@ -1,4 +1,4 @@
-// How finely a solid is to be cut.
+// The element sizes for meshing a solid.
 #pragma once
 
 #include "common/result.h"
@@ -8,14 +8,14 @@
 
 namespace tremolo {
 
-// In units of the diagonal: wanted edges between fine and coarse, wanted distance to the surface.
+// Lengths in units of the diagonal.
 struct MeshPlan {
   std::vector<WallSample> walls;
   double volume = 0;
-  double coarse = 0;
-  double fine = 0;
-  double error = 0;
-  bool error_asked = false;  // by the user, who may want more tetrahedra for it
+  double coarse = 0;         // the longest edge requested
+  double fine = 0;           // the shortest edge requested
+  double error = 0;          // requested distance to the surface
+  bool error_asked = false;  // requested by the user, even if it takes more tetrahedra
 };
 
 // Errors: kContent for walls so thin that more tetrahedra than are made unasked would be needed.

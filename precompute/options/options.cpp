@@ -40,7 +40,7 @@ std::string without_output_options(const std::vector<std::string>& words) {
   return line;
 }
 
-// What is read as text first.
+// Options that are parsed from text.
 struct ModelTexts {
   std::string encoding = "full";
   std::string solver = "auto";
@@ -61,14 +61,16 @@ void add_outputs(CLI::App& app, PrecomputeOptions& options, ModelTexts& texts) {
   app.add_flag("--keep-elements", options.keep_elements,
                "keep the tetrahedra and their masses in the file: a body on several bones shares "
                "its mass among them");
-  app.add_option("--response-at", options.response_at,
-                 "keep how vertices give way to forces on them beyond what the basis has of it, so "
-                 "that a poked spot dents: a selector, or `load` for the default load; again for "
-                 "more");
+  app.add_option(
+      "--response-at", options.response_at,
+      "keep the compliance of vertices that the basis does not represent, so that a force "
+      "there makes a dent: a selector, or `load` for the default load; again for "
+      "more");
   app.add_option("--modes-vtu", options.modes_vtu,
                  "also write the modes on the tetrahedra, .vtu, for ParaView and meshio");
-  app.add_option("--encoding", texts.encoding,
-                 "full (f64), or compact: coefficients f32, basis rows 16 bits; the error is told")
+  app.add_option(
+         "--encoding", texts.encoding,
+         "full (f64), or compact: coefficients f32, basis rows 16 bits; the error is printed")
       ->check(CLI::IsMember({"full", "compact"}))
       ->capture_default_str();
 }
@@ -212,7 +214,7 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   SolidTexts solid_texts;
   ModelTexts model_texts;
   add_solid_options(app, options, solid_texts);
-  // They are of `reference`; whoever gives one here is told so.
+  // These are flags of `reference`; given here, they get an error that says so.
   for (const char* flag : {"--fix-x", "--fix-y", "--fix-z"}) app.get_option(flag)->group("");
   add_outputs(app, options, model_texts);
   add_model_options(app, options);

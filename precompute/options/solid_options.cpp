@@ -123,8 +123,9 @@ void add_solid_options(CLI::App& app, ProblemRequest& request, SolidTexts& texts
       std::string("of the surface's coordinates, or of a tetrahedral mesh's where no surface is "
                   "read: ") +
       kLengthUnits);
-  app.add_option("--mesh-unit", request.mesh_unit,
-                 "of a tetrahedral mesh's coordinates, where --unit is of the --render surface");
+  app.add_option(
+      "--mesh-unit", request.mesh_unit,
+      "of a tetrahedral mesh's coordinates, when --unit applies to the --render surface");
   app.add_flag(
       "--merge", request.merge,
       "join vertices of a tetrahedral mesh that lie at one place, as where two regions were "

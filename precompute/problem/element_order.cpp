@@ -16,7 +16,7 @@ constexpr double kStraight = 1e-6;
 // off is no point of its edge.
 constexpr double kMostCurved = 0.5;
 
-// How many tetrahedra there will be.
+// The number of tetrahedra after refinement.
 std::size_t refined_count(const ProblemRequest& request, const TetMesh& mesh) {
   return mesh.tetrahedra.size() << (3 * request.refine);
 }
@@ -84,7 +84,7 @@ void prepare_edges(const ProblemRequest& request, Problem& problem) {
     std::vector<int>& labels = problem.report.part_of_vertex;
     labels = mesh_parts(mesh).part_of_vertex;
     problem.notes.push_back("--order 1: the file's " + std::to_string(removed) +
-                            " edge points are left out, the other vertices are numbered anew");
+                            " edge points are left out, the other vertices are renumbered");
   } else if (curved > 0) {
     refuse_misplaced(most);
     problem.notes.push_back(text(

@@ -144,7 +144,7 @@ std::vector<std::string> rigid_motion_notes(const TetMesh& mesh, const MeshRepor
   for (int part = 0; part < std::min(parts, kNamed); ++part)
     notes.push_back(describe_part(mesh, report, part) +
                     ": 3 translations and 3 rotations are left out");
-  if (parts > kNamed) notes.push_back(text("and of %d more parts alike", parts - kNamed));
+  if (parts > kNamed) notes.push_back(text("and the same for %d more parts", parts - kNamed));
   return notes;
 }
 

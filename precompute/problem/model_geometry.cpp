@@ -14,7 +14,7 @@ VertexBlock make_block(const TetMesh& mesh, const std::vector<VertexId>& ids) {
   return block;
 }
 
-// Whether the drawn boundary of a quadratic mesh uses the edge points.
+// True if the drawn boundary of a quadratic mesh uses the edge points.
 bool subdivides(const Problem& problem, const BoundarySurface& boundary) {
   if (problem.order == 1) return false;
   return problem.subdivide.value_or(boundary.triangles.size() < kCoarseBoundary);

@@ -31,7 +31,8 @@ std::string hash_mesh(const TetMesh& mesh) {
   return hash_text(hash_bytes(std::as_bytes(std::span(parts))));
 }
 
-// What some selectors chose; all ascending. by_place: by selectors that mean more than a surface.
+// The vertices chosen by some selectors; both lists are ascending. by_place: chosen by selectors
+// that are not limited to the surface.
 struct Chosen {
   std::vector<VertexId> vertices;
   std::vector<VertexId> by_place;
@@ -173,7 +174,7 @@ DefaultLoad make_load(const ProblemRequest& request, const Problem& problem) {
   }
   if (load.vertices.empty())
     throw Failure(content_error("--load-at " + request.load_at + ": every such vertex is fixed"));
-  // What a face's fixed vertices would have is shared by the others.
+  // The part of the force on a face's fixed vertices is distributed over the others.
   const auto count = static_cast<double>(load.vertices.size());
   for (const double share : of_free)
     load.forces.push_back((total > 0 ? share / total : 1.0 / count) * request.load_force);

@@ -43,8 +43,9 @@ auto on_all_ranks(const Work& work) -> decltype(work()) {
   return std::move(*result);
 }
 
-// Returns whether all ranks call this within two seconds. Then they failed alike, as in a solver
-// that does not converge, and one report suffices; otherwise the other ranks are still at work.
+// Returns whether all ranks call this within two seconds. Then all failed in the same way, as in a
+// solver that does not converge, and one report suffices; otherwise the other ranks are still at
+// work.
 bool all_ranks_failed();
 
 // A value to be compared, with a name that the user knows.

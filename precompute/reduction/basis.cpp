@@ -30,7 +30,7 @@ Eigen::VectorXd weights(const Eigen::VectorXd& w2, double amplitude, Eigen::Inde
       weight[k + pair_index(i, j)] = 0.5 * amplitude * share[i] * share[j];
   Eigen::Index at = k + pair_count(k);
   for (const auto& [i, j, l] : third_orders_of(k, columns)) {
-    // How often the sum has it: 1, 3 or 6 of 6.
+    // The number of times that the sum has it: 1, 3 or 6 of 6.
     const double often = i == l ? 1.0 / 6.0 : i == j || j == l ? 0.5 : 1.0;
     weight[at++] = often * amplitude * amplitude * share[i] * share[j] * share[l];
   }

@@ -43,14 +43,14 @@ PrincipalColumns principal_columns(const Matrices& matrices, Columns columns,
 void keep_always(const Matrices& matrices, Columns vectors, unsigned threads,
                  PrincipalColumns& principal);
 
-// How the directions are cut. marker: if set, coordinates of equal Lambda, and the selection among
-// equal singular values at the cut, are canonical (mode_clusters.h); else they depend on rounding.
-// extend: adds up to kMostAdded coordinates if r would divide equal singular values.
+// Options for truncating the directions.
 struct BasisCut {
   int r = 0;
   unsigned threads = 1;
+  // If set, coordinates of equal Lambda, and the selection among equal singular values at the cut,
+  // are canonical (mode_clusters.h); else they depend on rounding.
   const Marker* marker = nullptr;
-  bool extend = false;
+  bool extend = false;  // add up to kMostAdded coordinates if r would divide equal singular values
 };
 
 // Computes the basis. columns: local x (k + k(k+1)/2), the modes with squared frequencies w2 (k)

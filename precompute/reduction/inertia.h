@@ -9,8 +9,8 @@
 namespace tremolo {
 
 // Returns s, A and B of `basis` over the first `count` elements of this rank's part, as a sum over
-// ranks. basis: 3n x r at the part's vertices, control values. local: tells whose point mass counts
-// here. Collective.
+// ranks. basis: 3n x r at the part's vertices, control values. local: the vertices whose point
+// masses count here. Collective.
 InertiaIntegrals basis_inertia(const Solid& solid, std::size_t count, const LocalDofs& local,
                                const BasisRows& basis, MassKind kind);
 

@@ -42,7 +42,7 @@ std::set<VertexId> chosen_vertices(const Problem& problem, const std::string& se
   for (const VertexId vertex : unwrap(resolve_selector(selector, problem.mesh))) {
     if (std::binary_search(problem.fixed.begin(), problem.fixed.end(), vertex))
       throw Failure(content_error("--response-at " + selector + ": vertex " +
-                                  std::to_string(vertex) + " is held, nothing gives way there"));
+                                  std::to_string(vertex) + " is fixed, its displacement is zero"));
     chosen.insert(vertex);
   }
   if (chosen.empty())

@@ -1,7 +1,7 @@
-// How the body gives way at rest under forces at chosen places, beyond what the basis has of it
-// (docs/theory.md, "What the basis lacks under a load"):
+// Static displacement of the body under forces at chosen points, as far as the basis does not
+// represent it (docs/theory.md, "What the basis lacks under a load"):
 //
-//     W = (K^-1 - U Lambda^-1 U^T) G        G: unit forces along x, y, z at each place
+//     W = (K^-1 - U Lambda^-1 U^T) G        G: unit forces along x, y, z at each point
 #pragma once
 
 #include <string>
@@ -13,16 +13,16 @@
 
 namespace tremolo {
 
-// A place: the vertex, or kAtDefaultLoad, and the control points that share a unit force there with
-// their weights.
+// A point with a response: the vertex, or kAtDefaultLoad, and the control points with their
+// fractions of a unit force there.
 struct ResponsePlace {
   VertexId at = kAtDefaultLoad;
   std::vector<std::pair<VertexId, double>> shares;
 };
 
-// Those of the selectors, each of whose vertices is a place of its own; the word "load" is the
-// default load, whose place comes first. Ascending, each once. Throws Failure (kContent): no
-// default load, a vertex that is held, more than kMaxResponsePlaces of them.
+// The points of the selectors, one for each vertex; the word "load" is the default load, which
+// comes first. Ascending and unique. Throws Failure (kContent): no default load, a fixed vertex,
+// more than kMaxResponsePlaces points.
 std::vector<ResponsePlace> response_places(const Problem& problem,
                                            const std::vector<std::string>& selectors);
 

@@ -3,8 +3,8 @@
 // Under loads M Psi p the body is at u(p) = sum Psi_i p_i + 1/2 sum Phi_ij p_i p_j + 1/6 sum Xi_ijl
 // p_i p_j p_l + ... . Collecting third orders of K u + 1/2 H[u, u] + 1/6 C[u, u, u] gives
 //   K Xi_ijl = -(H[Psi_i, Phi_jl] + H[Psi_j, Phi_il] + H[Psi_l, Phi_ij] + C[Psi_i, Psi_j, Psi_l]).
-// What bends by several thicknesses turns its parts by angles whose cube the second order leaves
-// out: a basis without it is too stiff there, at any number of modes.
+// If a body bends by several thicknesses, its parts rotate by angles whose cube the second order
+// leaves out: a basis without the third order is too stiff there, with any number of modes.
 #pragma once
 
 #include <array>

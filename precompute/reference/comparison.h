@@ -37,7 +37,7 @@ struct Moment {
   double tip_difference = 0;        // largest distance between both there, m
   double energy_difference = 0;     // reduced minus full total energy, J
   double shown_difference = 0;      // |u - U q - W f|: with the response to the load's force f
-  double shown_tip_difference = 0;  // m, likewise
+  double shown_tip_difference = 0;  // m, with that response
 };
 // mass_u: M u.
 Moment compare(const FullOrder& body, const ReducedBody& reduced, const Vector& u,

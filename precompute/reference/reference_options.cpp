@@ -37,7 +37,8 @@ void add_world_options(CLI::App& app, ReferenceOptions& options, MotionTexts& te
   app.add_option("--spin", texts.spin,
                  "X,Y,Z, rad/s about the centre of mass: a free body (--fix none) flies, beginning "
                  "with this");
-  app.add_option("--velocity", texts.velocity, "X,Y,Z, m/s: likewise");
+  app.add_option("--velocity", texts.velocity,
+                 "X,Y,Z, m/s of the centre of mass: a free body (--fix none) begins with this");
 }
 
 // Returns false if a text is no vector; the error has been printed.

@@ -66,7 +66,7 @@ void write_table(Work& work, const ReferenceTable& table) {
   if (!written && !work.broken) work.broken = Failure(written.error());
 }
 
-// What follows from it is informative only, so a failure must not discard the results.
+// Its results are informative only, so a failure must not discard the others.
 Vector response_to(Work& work, const Vector& load) {
   try {
     return linear_response(work.solver, load);

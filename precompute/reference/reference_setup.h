@@ -1,4 +1,4 @@
-// What every run of the reference begins with: checks, watched vertices, the place of its output.
+// Common start of every run of the reference: checks, watched vertices, the path of its output.
 #pragma once
 
 #include <string>

@@ -132,7 +132,7 @@ int modes_that_fit(const DofMap& map, const LocalDofs& local, SolverRequest requ
   return request.linear_modes;
 }
 
-// Returns a count as it is told: two digits.
+// Rounds a count to two digits for messages.
 double rounded(double count) {
   const double digit = std::pow(10.0, std::floor(std::log10(count)) - 1.0);
   return digit < 1.0 ? std::round(count) : digit * std::round(count / digit);
@@ -143,7 +143,7 @@ double rounded(double count) {
   const int fewer = modes_that_fit(map, local, request, choice.available);
   std::string cure = fewer > 0 ? text("--linear-modes %d would fit; or take more ranks", fewer)
                                : std::string("Take more ranks");
-  // What is needed grows with the number of elements, without a factor no faster.
+  // The memory grows with the number of elements; without a factor, at most in proportion.
   const double fit = choice.available / choice.estimate.iterative() *
                      static_cast<double>(local.tetrahedra.size() * mpi_ranks());
   if (request.order == 2 && fit >= 1)

@@ -7,7 +7,7 @@
 
 namespace tremolo {
 
-// Returns the path of the program `name` beside this one; empty if it cannot be executed.
+// Returns the path of the program `name` in this program's folder; empty if it cannot be executed.
 std::string program_beside(const std::string& name, std::string& looked_at);
 
 // A descriptor of this process that the child gets under another number.

@@ -42,9 +42,9 @@ void start_alone() {
   ::setenv("OMPI_MCA_pml", "ob1", kKeep);
 }
 
-// Lets ranks that wait for each other give way. By default they look for messages without rest:
-// with three ranks on two processors an iterative solve then took 146 s instead of 3. Where each
-// has a processor it costs nothing that was seen (7.0 s either way). A user's setting is kept.
+// Ranks that wait for each other yield the processor. By default they poll for messages: with three
+// ranks on two processors an iterative solve then took 146 s instead of 3. If each rank has a
+// processor the cost is not measurable (7.0 s in both cases). A user's setting is kept.
 void yield_while_waiting() {
   constexpr int kKeep = 0;
   ::setenv("OMPI_MCA_mpi_yield_when_idle", "1", kKeep);

@@ -27,7 +27,7 @@ namespace {
 
 using TetsJson = nlohmann::ordered_json;
 
-// The solid's boundary, or the surface that was given, and how it hangs on the tetrahedra.
+// The solid's boundary, or the given surface, with its weights on the tetrahedra.
 TetsSurface drawn_surface(const Problem& problem, unsigned threads) {
   TetsSurface drawn;
   Embedding embedding;
@@ -51,7 +51,7 @@ TetsSurface drawn_surface(const Problem& problem, unsigned threads) {
   return drawn;
 }
 
-// The distances of the drawn surface; without them where it encloses nothing, which is told.
+// Adds the distances of the drawn surface; if that encloses nothing, a note instead.
 void add_distances(const TetsOptions& options, TetsData& data, StageLog& log) {
   if (options.cells == 0) return;
   RenderSurface surface;

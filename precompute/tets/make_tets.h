@@ -5,8 +5,8 @@
 
 namespace tremolo {
 
-// Reads and checks the solid as for a basis, hangs the drawn surface on it, finds the distances at
-// rest and writes the file; JSON goes to stdout, what is done to stderr. Throws Failure.
+// Reads and checks the solid as for a basis, attaches the drawn surface to it, computes the
+// distances at rest and writes the file; JSON goes to stdout, progress to stderr. Throws Failure.
 void make_tets(const TetsOptions& options);
 
 }  // namespace tremolo

@@ -23,7 +23,7 @@ std::variant<TetsOptions, int> parse_tets_line(int count, char** words) {
   add_config_option(app, "read options from a TOML file (keys are the long flag names)");
   SolidTexts texts;
   add_solid_options(app, options.solid, texts);
-  // What a basis and its loads have; the engine chooses the elements' order.
+  // These flags apply to a basis and its loads; the engine chooses the elements' order.
   for (const char* other : {"--load-force", "--load-at", "--mass", "--order", "--point-mass",
                             "--surface-subdivide", "--fix-x", "--fix-y", "--fix-z"})
     app.remove_option(app.get_option(other));

@@ -14,7 +14,7 @@ struct TetsOptions {
   std::string config_path;  // of --config; empty: none
   int cells = 32;           // of the distances' grid along the surface's longest side; 0: none
   bool json = false;
-  std::string command_line;  // what of it decides the result
+  std::string command_line;  // the part that affects the result
 };
 
 // Parses the words after `tets`. Returns the exit code if the program ends here (the text has been

@@ -1,5 +1,5 @@
-// What the C header's sources share: the objects behind the handles, and guarded(), through which
-// every entry point passes: whatever happens inside becomes a status and a message.
+// Common parts of the C interface's sources: the objects behind the handles, and guarded(), which
+// wraps every entry point: it converts every error inside to a status and a message.
 #pragma once
 
 #include <algorithm>
@@ -58,7 +58,7 @@ tremolo_status guarded(Action&& action) noexcept {
   }
 }
 
-// A pointer that the caller must give, and what its message calls it.
+// A pointer that the caller must pass, and its name in the error.
 struct Argument {
   const void* pointer;
   const char* name;
@@ -70,7 +70,7 @@ Status need(std::initializer_list<Argument> arguments);
 // kUsage unless the buffer is there and has the length that is needed.
 Status need_buffer(const void* buffer, std::size_t length, std::size_t needed);
 
-// What is behind a handle, and what a message calls it.
+// The object behind a handle, and its name in messages.
 inline const Model& behind(const tremolo_model& handle) {
   return *handle.pointer;
 }
@@ -112,7 +112,7 @@ inline const char* name_of(const tremolo_world*) {
   return "the world";
 }
 
-// Runs action(what is behind the handle) -> Status; kUsage for NULL, also of a further argument.
+// Runs action(object behind the handle) -> Status; kUsage for NULL, also of a further argument.
 template <class Handle, class Action>
 tremolo_status with(Handle* handle, std::initializer_list<Argument> further,
                     Action&& action) noexcept {
@@ -136,15 +136,16 @@ tremolo_status with_all(std::initializer_list<Argument> arguments, const Action&
   });
 }
 
-// What bodies and worlds hand out. p and the parts of the energy may be NULL. length: of q and p.
+// Copies the state or energy of a body or a world's body. p and the parts of the energy may be
+// NULL. length: of q and p.
 Status copy_state(const State& state, double* q, double* p, std::size_t length);
 void copy_energy(const Energy& energy, double* kinetic, double* potential, double* high_band);
 
 // kUsage where the number is beyond every vertex id.
 Result<VertexId> to_vertex(std::uint32_t vertex);
 
-// The caller's options over the defaults that init() gives; fields beyond the caller's size keep
-// theirs. given: NULL for the defaults. init_name: init's, for the message.
+// Completes the caller's options with the defaults of init(), for fields beyond the caller's size.
+// given: NULL for the defaults. init_name: init's, for the message.
 template <class Options>
 Result<Options> complete(const Options* given, void (*init)(Options*), const char* init_name) {
   Options options;
@@ -165,7 +166,7 @@ Status place_colliders(const tremolo_placed_collider* given, std::size_t count,
 
 Result<tremolo_body_options> complete_body_options(const tremolo_body_options* given);
 Result<IntegratorOptions> to_integrator_options(const tremolo_body_options& options);
-// kUsage for what is no tremolo_frame.
+// kUsage for a value that is not a tremolo_frame.
 Result<FrameKind> to_frame(std::int32_t frame);
 
 }  // namespace tremolo::c_api

@@ -1,4 +1,4 @@
-// tremolo_collider_*, and of tremolo_body_* what touches and holds a body, from C.
+// C functions tremolo_collider_*, and the tremolo_body_* functions for contact and grabs.
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -29,7 +29,7 @@ void put(double value, double* out) {
   if (out != nullptr) *out = value;
 }
 
-// NULL for what is missing is told by `need` before.
+// Calls `check` on the shape and creates the collider.
 tremolo_status make(const Collider& shape, tremolo_collider** collider) noexcept {
   return tremolo::c_api::guarded([&]() -> Status {
     if (Status s = need({{collider, "the place for the collider"}}); !s) return s;

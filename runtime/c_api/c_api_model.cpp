@@ -13,7 +13,7 @@ using tremolo::c_api::need;
 using tremolo::c_api::need_buffer;
 using tremolo::c_api::with;
 
-// Keeps the model that load() -> Result<Model::Pointer> gives. source: what it is loaded from.
+// Stores the model returned by load() -> Result<Model::Pointer>. source: its origin, for the error.
 template <class Load>
 tremolo_status load_model(tremolo::c_api::Argument source, tremolo_model** model, Load&& load) {
   return tremolo::c_api::guarded([&]() -> Status {

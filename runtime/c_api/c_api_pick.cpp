@@ -1,4 +1,4 @@
-// tremolo_body_*: rays, hands at any place of the surface, pins, from C.
+// C functions tremolo_body_*: rays, grabs at any point of the surface, pins.
 #include <algorithm>
 #include <optional>
 

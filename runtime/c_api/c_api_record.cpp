@@ -1,4 +1,4 @@
-// tremolo_recorder_*: what moved goes into files, from C.
+// C functions tremolo_recorder_*: record moving bodies and write files.
 #include <span>
 #include <string>
 #include <string_view>

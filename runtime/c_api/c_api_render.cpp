@@ -1,4 +1,4 @@
-// tremolo_model_*: what came with a render surface.
+// C functions tremolo_model_* about the render surface.
 #include <algorithm>
 #include <string>
 #include <vector>

@@ -54,7 +54,7 @@ const char* reason(tremolo::StepFailure failure) {
   }
 }
 
-// Keeps what was made, unless there is no place for it.
+// Stores a new number in `place`, which is not NULL.
 Status keep(const Result<std::uint32_t>& made, std::uint32_t* place) {
   if (!made) return made.error();
   *place = *made;

@@ -1,4 +1,4 @@
-// What a cloth is made of: particles, springs of three kinds, triangles.
+// The parts of a cloth: particles, springs of three kinds, triangles.
 #pragma once
 
 #include <cstdint>
@@ -22,18 +22,17 @@ struct ClothSprings {
   std::vector<double> rest;
 };
 
-// x: 3n, m, at rest. mass: n, kg. triangles: what the wind blows on and what is drawn. drag:
-// kg/m^3.
+// The particles, springs and triangles of a cloth.
 struct ClothParts {
-  Eigen::VectorXd x;
-  Eigen::VectorXd mass;
-  std::vector<Triangle> triangles;
+  Eigen::VectorXd x;                // at rest, m, 3n
+  Eigen::VectorXd mass;             // kg, n
+  std::vector<Triangle> triangles;  // for the wind and for drawing
   ClothSprings structural, shear, bend;
-  double drag = 0.0;
-  // Of a file: its surface as its author made it, moved by the cloth's position; null: a grid.
+  double drag = 0.0;  // of the wind, kg/m^3 (docs/cloth.md)
+  // For a file: its original surface, moved by the cloth's position; null: a grid.
   std::shared_ptr<const RenderSurface> drawn;
-  // Of a file of which vertices were joined: the particle of each of the file's vertices; else
-  // empty, and the numbers are the same.
+  // For a file with joined vertices: the particle of each of the file's vertices; else empty, and
+  // the numbers are the same.
   std::vector<VertexId> particle_of;
   std::size_t joined = 0;  // vertices of the file that have no particle of their own
 
@@ -46,11 +45,11 @@ struct ClothParts {
   std::size_t vertex_of_particle(std::size_t particle) const;  // the first one
 };
 
-// The drawn surface of a file where the particles are at x, 3n; its normals are those at rest.
+// The drawn surface of a file with the particles at x, 3n; its normals are those at rest.
 RenderSurface drawn_at(const ClothParts& parts, const Eigen::VectorXd& x);
 
-// Rest lengths of the pairs as they lie at x. Errors (kContent): of two particles in one place,
-// naming them and `kind`.
+// Sets the rest lengths of the pairs to those at x. Errors (kContent): two particles at one
+// position, with their numbers and `kind`.
 Status measure_springs(const Eigen::VectorXd& x, const char* kind, ClothSprings& springs);
 
 // Particle row * columns + column. Structural springs join neighbours, shear springs the diagonals
@@ -64,13 +63,13 @@ Result<ClothParts> make_grid_cloth(const SceneCloth& cloth);
 // vertices without a triangle, edges with more than two, triangles without an area.
 Result<ClothParts> make_mesh_cloth(const SceneCloth& cloth, const SurfaceMesh& mesh);
 
-// The grid's or the file's. Of a file vertices of the border that are at one place are joined: an
-// exporter splits a sheet where texture coordinates or normals differ. Errors also as of
+// Makes the parts of a grid or of a file. In a file, boundary vertices at one position are joined:
+// exporters split a sheet where texture coordinates or normals differ. Errors also as for
 // read_polygons() and triangles_of().
 Result<ClothParts> make_cloth_parts(const SceneCloth& cloth);
 
-// x, each particle moved by up to `share` of the mean length of its structural springs along each
-// axis, by random numbers of a fixed seed; those whose flag is not 0 stay.
+// x with each particle displaced by up to `share` of the mean length of its structural springs
+// along each axis, by random numbers of a fixed seed; particles whose flag is not 0 stay.
 Eigen::VectorXd crumpled(const ClothParts& parts, double share,
                          const std::vector<std::uint8_t>& stays);
 

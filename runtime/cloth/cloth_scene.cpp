@@ -56,7 +56,7 @@ Status check_cloth_motion(const Motion& motion) {
 }
 
 Status check_pin(const ClothPin& pin, std::size_t particles) {
-  if (pin.particles.empty()) return content_error("it names no particle");
+  if (pin.particles.empty()) return content_error("its list of particles is empty");
   for (const std::size_t particle : pin.particles)
     if (particles > 0 && particle >= particles)
       return content_error("there is no particle " + std::to_string(particle) + ", only " +
@@ -130,7 +130,7 @@ Status check_hand(const ClothScene& scene, const ClothHand& hand) {
   return check_cloth_motion(hand.motion);
 }
 
-// Each has a name of its own.
+// Checks that the names are unique.
 template <class Thing, class Check>
 Status check_named(const std::vector<Thing>& things, const std::string& kind, const Check& good) {
   std::set<std::string> names;

@@ -33,7 +33,7 @@ struct ClothGrid {
   Eigen::Vector3d along = Eigen::Vector3d::UnitX(), across = Eigen::Vector3d::UnitY();
 };
 
-// The particle of a row and a column, counted from 0: row behind row.
+// The particle of a row and a column, both from 0; particles are numbered row by row.
 inline std::size_t grid_particle(const ClothGrid& grid, std::size_t row, std::size_t column) {
   return row * grid.columns + column;
 }

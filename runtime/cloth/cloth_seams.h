@@ -13,8 +13,8 @@ struct JoinedSeams {
   std::vector<VertexId> particle_of;
 };
 
-// Joins vertices of the border (of edges with one triangle) that are nearer than a millionth of the
-// mesh's size. Inside, layers may lie on each other. Numbers keep their order.
+// Joins boundary vertices (of edges with one triangle) closer than a millionth of the mesh's size.
+// Other vertices are not joined: layers may lie on each other. Numbers keep their order.
 JoinedSeams join_seams(const SurfaceMesh& mesh);
 
 }  // namespace tremolo

@@ -1,4 +1,4 @@
-// Rows of the vertices inside a solid: in memory, or in a file until somebody asks.
+// Rows of the vertices inside a solid, in memory or read from a file on demand.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@ namespace tremolo {
 // kContent if sizes differ, ids do not ascend or a value is not finite.
 Result<VertexBlock> leading_columns(const VertexBlock& block, Eigen::Index modes, const char* name);
 
-// A file of which more is read when somebody asks for it.
+// An open file, of which more is read on demand.
 struct OpenBasis {
   std::mutex mutex;  // of the reader
   BasisReader reader;
@@ -31,7 +31,7 @@ class InteriorRows {
 
   // The block, read on first use. Thread-safe; the reference stays valid as long as the object.
   Result<const VertexBlock*> block();
-  // The rows of W, likewise.
+  // The rows of W, read and kept in the same way.
   Result<const BasisRows*> response();
 
  private:

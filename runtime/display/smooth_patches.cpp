@@ -9,7 +9,7 @@
 namespace tremolo {
 namespace {
 
-// What two vertices of a group have in common.
+// The common properties of vertices of one group.
 struct Key {
   std::array<double, 3> place{};
   std::array<std::int32_t, 3> kind{};  // of the normal, or {object, 0, 0}

@@ -15,9 +15,10 @@ struct SmoothPatches {
   std::size_t count = 0;
 };
 
-// Vertices are split where texture coordinates, materials or normals are. Those at exactly the same
-// place whose rest normals are equal to a thousandth belong together: the author shades across
-// them. Without rest normals, those at the same place whose first triangles are of one object do.
+// Vertices are split where texture coordinates, materials or normals are. Vertices at exactly the
+// same position whose rest normals agree to a thousandth belong to one patch: the author shades
+// across them. Without rest normals, vertices at the same position whose first triangles are of one
+// object do.
 SmoothPatches find_smooth_patches(const RenderSurface& surface);
 
 }  // namespace tremolo

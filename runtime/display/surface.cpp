@@ -91,7 +91,7 @@ void list_incident(const std::vector<Triangle>& triangles, std::size_t groups,
       basis.incident[next[group(corner)]++] = static_cast<std::uint32_t>(t);
 }
 
-// The integers of the block in order of rows, or nothing if some entry is no such multiple.
+// The integers of the block in order of rows; nothing if some entry is not such a multiple.
 std::vector<std::int32_t> integers_of(const BasisRows& rows, const Eigen::VectorXd& scales) {
   if (scales.size() != rows.cols() || rows.cols() == 0) return {};
   std::vector<std::int32_t> integers;
@@ -106,8 +106,8 @@ std::vector<std::int32_t> integers_of(const BasisRows& rows, const Eigen::Vector
   return integers;
 }
 
-// Columns of U and, behind them, of the response, with the scales of both: the response's integers
-// fill 16 bits. Nothing is scaled if U is not.
+// Columns of U followed by those of the response, with the scales of both: the response's integers
+// use all 16 bits. Nothing is scaled if U is not.
 struct ShownColumns {
   BasisRows rows;
   Eigen::VectorXd scales;

@@ -1,14 +1,14 @@
-// u = U q for display: where a solid's surface is, and its normals, in float.
+// u = U q for display: positions and normals of a solid's surface, in float.
 //
 //     x = X + sum_i q_i U_i        the rows of U are read once: 4 * 3s * r bytes are the cost, or
 //                                  half of them where the file's rows are 16-bit integers
 //
-// Where a model keeps its response to forces at p places, the 3p columns of W stand behind those of
-// U, and the forces behind q.
+// If a model keeps its response to forces at p points, the 3p columns of W follow those of U, and
+// the forces follow q.
 //
-//     n_v = sum over the triangles at v of (b - a) x (c - a), made a unit vector
+//     n_v = sum over the triangles at v of (b - a) x (c - a), normalised
 //
-// so each triangle counts with its area; the normal points outwards.
+// so each triangle is weighted by its area; the normal points outwards.
 #pragma once
 
 #include <cstddef>
@@ -43,7 +43,7 @@ struct SurfaceBasis {
   std::vector<FloatLine> rest;  // 4 lines a block, m
   std::vector<FloatLine> rows;  // 4 lines a block and column, kg^-1/2; empty if `pairs` is not
   std::vector<PairLine> pairs;  // 2 lines a block and column: 16-bit integers
-  std::vector<double> scales;   // r + 3p: what a coordinate is multiplied by before the product
+  std::vector<double> scales;   // r + 3p: factors of the coordinates before the product
 
   // Vertices that share a normal, g groups: s indices, or none if each has its own and g is s.
   std::vector<std::uint32_t> group_of;
@@ -58,15 +58,14 @@ struct SurfaceBasis {
   }
 };
 
-// 16-bit integers if the block has column scales and all its rows are such multiples of them, which
-// loses nothing; else floats.
-// triangles: indices below s. response: 3s x 3p, or without columns; where U's rows are integers
-// its columns become 16-bit integers too, off by 2^-16 of their largest entry.
+// Rows become 16-bit integers if the block has column scales and all entries are such multiples of
+// them, which is exact; else floats. triangles: indices below s. response: 3s x 3p, or without
+// columns; if U's rows are integers its columns become 16-bit integers too, with an error of 2^-16
+// of their largest entry.
 SurfaceBasis make_surface_basis(const VertexBlock& surface, const std::vector<Triangle>& triangles,
                                 const BasisRows& response = {});
-// The same for a render surface. Vertices that lie at one place and belong to one smooth patch
-// share a normal (runtime/display/smooth_patches.h): no crack shows where texture coordinates split
-// them.
+// The same for a render surface. Vertices at one position in one smooth patch share a normal
+// (runtime/display/smooth_patches.h): no seam is visible where texture coordinates split them.
 SurfaceBasis make_surface_basis(const RenderBlock& render, const BasisRows& response = {});
 
 // Scratch of one caller; grows at the first call that needs it.
@@ -80,7 +79,7 @@ struct SurfaceWorkspace {
   std::vector<float> group_normals;   // 3g, if vertices share normals
 };
 
-// coordinates_i = scales_i q_i for the leading q.size(): what write_surfaces() takes.
+// coordinates_i = scales_i q_i for the leading q.size(): the input of write_surfaces().
 void scale_coordinates(const SurfaceBasis& rows, std::span<const double> q,
                        std::span<float> coordinates);
 
@@ -96,8 +95,8 @@ void write_surfaces(const SurfaceBasis& rows, std::size_t modes, std::size_t cou
 void surface_positions(const SurfaceBasis& rows, const Eigen::VectorXd& q,
                        SurfaceWorkspace& workspace, std::span<float> positions);
 
-// The same, and the unit normals of those positions, 3s. triangles: those the basis was made with.
-// A vertex whose triangles have no area or cancel gets a zero normal (below 1e-19 m^2 a short one).
+// The same, with the unit normals of those positions, 3s. triangles: those of the basis. A vertex
+// whose triangles have no area or cancel gets a zero normal (below 1e-19 m^2 a short one).
 void surface_with_normals(const SurfaceBasis& rows, const std::vector<Triangle>& triangles,
                           const Eigen::VectorXd& q, SurfaceWorkspace& workspace,
                           std::span<float> positions, std::span<float> normals);

@@ -42,8 +42,8 @@ TREMOLO_CLONES Bent bend(const float* bounds, const float* q, const float* size,
   return {x, y, z, spread};
 }
 
-// Where the ray enters the box, 0 inside; infinity where it passes by. What is not a number does
-// not pass.
+// Distance at which the ray enters the box, 0 if it starts inside; infinity if it misses. A box
+// with a coordinate that is not a number counts as hit.
 double entry(const Vector3d& low, const Vector3d& high, const Vector3d& origin,
              const Vector3d& direction) {
   double from = 0.0, to = std::numeric_limits<double>::infinity();
@@ -110,7 +110,7 @@ std::size_t SurfaceTree::build(std::size_t first, std::size_t count) {
   return node;
 }
 
-// e from the exact spread: it bears what sums in float lose.
+// Computes e from the exact spread, with a margin for sums in float.
 void SurfaceTree::round_up(std::size_t node, const VectorXd& spread) {
   const double rounding = 1.2e-7 * static_cast<double>(modes_ + 8);
   float* c = bounds(node);
@@ -181,7 +181,7 @@ SurfaceTree::Box SurfaceTree::bent_box(std::size_t node, const float* q, const f
   const Node& at = nodes_[node];
   const Vector3d low(at.low[0], at.low[1], at.low[2]), high(at.high[0], at.high[1], at.high[2]);
   const Vector3d shift(bent.x, bent.y, bent.z);
-  // A little more, for the rounding of places themselves.
+  // A small margin for the rounding of positions.
   const double wider =
       1.00001 * bent.spread + 1e-12 * (low.norm() + high.norm() + shift.norm()) + 1e-300;
   return {low + shift - Vector3d::Constant(wider), high + shift + Vector3d::Constant(wider)};

@@ -1,12 +1,13 @@
-// Where a ray meets a surface that has bent: a tree of boxes over the rest surface, each of which
-// follows the coordinates without looking at its vertices.
+// Intersection of a ray with a deformed surface: a tree of boxes over the rest surface, each of
+// which follows the coordinates without reading its vertices.
 //
 // A node's vertices are at X + U q. With c, 3 x r, in the middle of their rows of U,
 //
 //     |(U - c) q| <= sum_i |q_i| e_i,   e_i the longest of |U_i - c_i| among them,
 //
-// so that the rest box, moved by c q and widened by that sum, holds them all: bent or not, in 4r
-// products. Only nodes that the ray enters are looked at, and only their triangles are evaluated.
+// so that the rest box, moved by c q and widened by that sum, contains the deformed vertices, at a
+// cost of 4r products. Only nodes that the ray enters are visited, and only their triangles are
+// evaluated.
 #pragma once
 
 #include <array>
@@ -22,29 +23,30 @@
 
 namespace tremolo {
 
-// What is drawn (Model::drawn), or the solid's boundary (Model::surface).
+// The drawn surface (Model::drawn) or the solid's boundary (Model::surface).
 enum class SurfaceKind { kDrawn, kBoundary };
 
-// In a triangle of a surface, at the mean of its corners by weights that sum to one.
+// A point of a surface: in a triangle, the mean of the corners with weights that sum to one.
 struct SurfacePlace {
   SurfaceKind surface = SurfaceKind::kDrawn;
   std::size_t triangle = 0;
   Eigen::Vector3d weights = Eigen::Vector3d::UnitX();
 };
 
-// vertex: of the mesh, the one to push, at (or, of a render surface, near) the corner that weighs
-// most. distance: from the ray's origin, m. point: m, world.
+// A point hit by a ray.
 struct SurfaceHit {
   SurfacePlace place;
-  VertexId vertex = 0;
-  double distance = 0.0;
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  VertexId vertex =
+      0;  // of the mesh: at, or for a render surface near, the corner of largest weight
+  double distance = 0.0;                            // from the ray's origin, m
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  // m, world
 };
 
 class SurfaceTree {
  public:
-  // All must live on and stay as they are. rows: of U, 3 a vertex. Takes about a fifth of the
-  // memory of `rows` of a closed surface with many triangles, and time in proportion to it.
+  // All arguments must outlive this object unchanged. rows: of U, 3 per vertex. For a closed
+  // surface with many triangles the tree takes about a fifth of the memory of `rows`; the time is
+  // proportional to it.
   SurfaceTree(const std::vector<Eigen::Vector3d>& rest, const BasisRows& rows,
               const std::vector<Triangle>& triangles);
 
@@ -53,16 +55,17 @@ class SurfaceTree {
     Eigen::Vector3d weights = Eigen::Vector3d::Zero();
     double distance = 0.0;
   };
-  // The nearest, from either side; nullopt if there is none. Of triangles that are equally near,
-  // one. origin, direction: along the surface's axes, the latter of length one; q: r. What is not
-  // finite meets nothing. Nothing is allocated for r up to kMostModes; safe from several threads.
+  // The nearest hit, from either side; nullopt if there is none. Of triangles at equal distance,
+  // any one. origin, direction: along the surface's axes, the latter of unit length; q: r. Values
+  // that are not finite hit nothing. Allocates nothing for r up to kMostModes; may be called from
+  // several threads.
   std::optional<Hit> nearest(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                              const Eigen::VectorXd& q) const;
   static constexpr std::size_t kMostModes = 256;
 
   std::size_t nodes() const { return nodes_.size(); }
 
-  // Whether the ray meets one triangle, and where, nearer than `most`: as nearest() finds it.
+  // The hit of one triangle if it is nearer than `most`, in the same form as nearest().
   std::optional<Hit> meet(std::size_t triangle, const Eigen::Vector3d& origin,
                           const Eigen::Vector3d& direction, const Eigen::VectorXd& q,
                           double most) const;
@@ -70,7 +73,8 @@ class SurfaceTree {
  private:
   static constexpr std::size_t kLeaf = 8;  // triangles at most
 
-  // count: of triangles from `first` on, of a leaf; 0: the children are the next node and `first`.
+  // count: number of triangles of a leaf, from `first` on; 0: the children are the next node and
+  // `first`.
   struct Node {
     std::array<float, 3> low, high;  // of the rest shape, rounded outwards
     std::uint32_t first = 0, count = 0;

@@ -147,7 +147,7 @@ std::span<const Pose> poses_at(const AnimatedBody& body, std::size_t frame) {
 void local_positions(const Animation& animation, const AnimatedBody& body, std::size_t frame,
                      std::span<double> out) {
   const std::vector<Vector3d>& rest = animation.shape_of(body).surface.vertices;
-  // Eigen's fixed vectors lie in memory without gaps.
+  // Eigen's fixed-size vectors are contiguous.
   Map<VectorXd>(out.data(), static_cast<Index>(out.size())) =
       displacements(animation, body, frame) +
       Map<const VectorXd>(rest[0].data(), static_cast<Index>(3 * rest.size()));

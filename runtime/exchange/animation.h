@@ -1,11 +1,11 @@
-// What is written for other programs: surfaces that move, as plain values.
+// Animations for other programs: moving surfaces as plain values.
 //
 //     x(t) = T(t) (X + U q(t))          T: the body's pose; on bones the blend of theirs
 //
-// or, of what no modes describe, X + u(t) with a displacement u for each vertex and frame.
+// or, of a motion without modes, X + u(t) with a displacement u for each vertex and frame.
 //
 // X, U and the triangles belong to a shape, which any number of bodies share; q and T to a body.
-// Lengths are m, times s; z is up unless the user's meshes say otherwise.
+// Lengths are in m, times in s; z is up unless the user's meshes say otherwise.
 #pragma once
 
 #include <cstddef>
@@ -24,44 +24,40 @@
 
 namespace tremolo {
 
-// surface: the rest shape, s vertices; its normals are not read. modes: 3s x r, kg^-1/2; r may be 0
-// of what does not deform. response_columns: so many of the last are the response of a body to
-// forces at places (LocalResponse), m/N, and their weights N. smooth_groups: s numbers; vertices of
-// one number share a normal. None: each has its own.
+// A shape of s vertices.
 struct AnimatedShape {
   std::string name;
-  RenderSurface surface;
-  BasisRows modes;
+  RenderSurface surface;  // at rest; its normals are not read
+  BasisRows modes;        // 3s x r, kg^-1/2; r may be 0 for a shape that does not deform
+  // The number of columns, the last ones, that are the response of a body to forces at points
+  // (LocalResponse), m/N; their weights are in N.
   Eigen::Index response_columns = 0;
+  // s numbers; vertices with the same number share a normal. Empty: each vertex has its own.
   std::vector<std::uint32_t> smooth_groups;
 };
 
-// shape: into Animation::shapes. q: r numbers a frame, frame behind frame, kg^1/2 m. poses: one a
-// frame; on bones one a frame and bone, the bones of a frame behind each other, as
-// runtime/skeleton/skin.h has them. weights: s x bones of a body on bones; else empty.
-// displacements: 3s numbers a frame, frame behind frame, m, of a body whose shape has no modes and
-// whose vertices go each their own way; else empty. collider: it is part of the scenery and has no
-// coordinates.
+// A body that moves.
 struct AnimatedBody {
   std::string name;
-  std::size_t shape = 0;
-  std::vector<double> q;
+  std::size_t shape = 0;  // index into Animation::shapes
+  std::vector<double> q;  // r numbers per frame, kg^1/2 m
+  // One per frame; on bones one per frame and bone, the bones of a frame together, as for
+  // runtime/skeleton/skin.h.
   std::vector<Pose> poses;
-  BoneWeights weights;
-  std::vector<std::string> bone_names;  // one a bone, or none
-  std::vector<double> displacements;
-  bool collider = false;
+  BoneWeights weights;                  // s x bones; empty: not on bones
+  std::vector<std::string> bone_names;  // one per bone, or empty
+  std::vector<double> displacements;  // 3s numbers per frame, m, of a shape without modes; or empty
+  bool collider = false;              // scenery, without coordinates
 
   std::size_t bones() const {
     return weights.cols() > 0 ? static_cast<std::size_t>(weights.cols()) : 1;
   }
 };
 
-// times: of the frames, s, ascending. rate: frames a second that were asked for, for formats that
-// know no times.
+// An animation.
 struct Animation {
-  double rate = 60.0;
-  std::vector<double> times;
+  double rate = 60.0;         // requested frames per second, for formats without times
+  std::vector<double> times;  // of the frames, s, ascending
   std::vector<AnimatedShape> shapes;
   std::vector<AnimatedBody> bodies;
 
@@ -69,9 +65,9 @@ struct Animation {
   const AnimatedShape& shape_of(const AnimatedBody& body) const { return shapes[body.shape]; }
 };
 
-// kUsage, naming the body, where sizes do not fit each other, an index names nothing, a number is
-// not finite, times do not ascend, names are empty or stand twice, or there is no frame or no body.
-// What writes an animation asks this first.
+// Checks an animation; writers call it first. kUsage, with the body's name: sizes do not match, an
+// index is out of range, a number is not finite, times do not ascend, names are empty or not
+// unique, or there is no frame or no body.
 Status check_animation(const Animation& animation);
 
 // The largest extent of the shape at rest, m.
@@ -81,19 +77,19 @@ Eigen::Map<const Eigen::VectorXd> coordinates_at(const Animation& animation,
                                                  const AnimatedBody& body, std::size_t frame);
 std::span<const Pose> poses_at(const AnimatedBody& body, std::size_t frame);
 
-// x y z x y z ... of the body's vertices, 3s numbers: X + U q in the body's own frame, and x in the
-// world.
+// Positions of the body's vertices, x y z x y z ..., 3s numbers: X + U q in the body's own frame,
+// and x in the world.
 void local_positions(const Animation& animation, const AnimatedBody& body, std::size_t frame,
                      std::span<double> out);
 void world_positions(const Animation& animation, const AnimatedBody& body, std::size_t frame,
                      std::span<double> out);
-// T's linear part times U q: what a vertex is displaced by, along the world's axes, m.
+// Displacements of the vertices along the world's axes, m: T's linear part times U q.
 void world_displacements(const Animation& animation, const AnimatedBody& body, std::size_t frame,
                          std::span<double> out);
 
-// Keeps the first `count` coordinates of every shape; others are left out of q and the modes. What
-// that changes: the largest |x_all - x_kept| of all bodies, frames and vertices, over the size of
-// the body's shape. kUsage if count is 0.
+// Keeps the first `count` coordinates of every shape and removes the others from q and the modes.
+// Returns the error: the largest |x_all - x_kept| over all bodies, frames and vertices, relative to
+// the size of the body's shape. kUsage if count is 0.
 Result<double> keep_coordinates(Animation& animation, std::size_t count);
 
 }  // namespace tremolo

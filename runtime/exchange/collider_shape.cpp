@@ -56,7 +56,7 @@ void add_lid(Solid& solid, VertexId circle, double z, bool up) {
 
 Solid make_capsule(double radius, double half) {
   Solid solid;
-  // Angle above the equator and end of the segment; the equator stands once at each end.
+  // Angle above the equator and end of the segment; the equator is listed once for each end.
   std::vector<std::pair<double, double>> circles;
   for (int ring = -kRings + 1; ring < kRings; ++ring) {
     const double angle = 0.5 * std::numbers::pi * ring / kRings;

@@ -9,8 +9,9 @@
 
 namespace tremolo {
 
-// The shape in its own frame: within a thousandth of a sphere's radius. plane: half the side of the
-// square that stands for a plane, m, above 0. Nothing of a grid: it knows distances, not triangles.
+// The shape in its own frame, with an error of a thousandth of a sphere's radius. plane: half the
+// side of the square that represents a plane, m, above 0. Nothing for a grid, which has distances
+// instead of triangles.
 std::optional<AnimatedShape> collider_shape(const Collider& collider, const std::string& name,
                                             double plane);
 

@@ -1,5 +1,5 @@
 // The container of glTF 2.0 (ISO/IEC 12113): a JSON text and one buffer in a .glb file, with the
-// buffer's views and accessors. What the accessors mean is the writer's business.
+// buffer's views and accessors. The writer gives the accessors their meaning.
 #pragma once
 
 #include <array>
@@ -13,20 +13,20 @@
 
 namespace tremolo {
 
-// The numbers that glTF gives to kinds of components.
+// glTF's codes for kinds of components.
 enum class GlbComponent { kByte = 5121, kShort = 5123, kInt = 5125, kFloat = 5126 };
 
-// What stands behind each other in one view of the buffer. kMotion: read by animations, not drawn.
+// Kinds of arrays; those of one kind are in one view of the buffer. kMotion: for animations.
 enum class GlbPart { kVectors, kUvs, kColours, kJoints, kWeights, kIndices, kMotion };
 inline constexpr std::size_t kGlbParts = 7;
 
-// How an accessor reads its bytes. components: 1 to 4 of a vector. bounds: its least and largest
-// values are told, which glTF wants of positions and times.
+// The format of an accessor.
 struct GlbFormat {
   GlbComponent component = GlbComponent::kFloat;
-  int components = 1;
+  int components = 1;  // of a vector, 1 to 4
   bool normalized = false;
-  bool bounds = false;
+  bool bounds =
+      false;  // write the least and largest values; glTF requires it for positions and times
 };
 
 class GlbFile {
@@ -37,11 +37,12 @@ class GlbFile {
                   std::size_t count);
   std::size_t add_floats(GlbPart part, int components, std::span<const float> values,
                          bool bounds = false);
-  // An image as its own file has it; returns its number.
+  // Adds an image in the format of its file; returns its number.
   std::size_t add_image(const std::string& name, const std::string& type, std::string bytes);
 
-  // Writes the file: members of the JSON's top level, each `"name":value`, and what is known here.
-  // Errors: kContent if it is larger than glTF's 4 GB; kSystem. bytes receives its size.
+  // Writes the file. members: of the JSON's top level, each `"name":value`, to which the buffer's
+  // views and accessors are added. Errors: kContent if it is larger than glTF's 4 GB; kSystem.
+  // bytes receives its size.
   Status write(const std::string& path, std::vector<std::string> members, std::uint64_t& bytes);
 
  private:
@@ -52,7 +53,7 @@ class GlbFile {
   std::size_t view_of(GlbPart part);
 
   std::array<std::string, kGlbParts> parts_;
-  std::array<int, kGlbParts> stride_{};  // bytes from vector to vector; 0: not told
+  std::array<int, kGlbParts> stride_{};  // bytes from vector to vector; 0: not written
   std::vector<GlbPart> views_;           // those that are used, in the order of their numbers
   std::vector<std::string> accessors_;
   std::vector<Image> images_;

@@ -15,7 +15,7 @@
 namespace tremolo {
 namespace {
 
-constexpr double kBodyColour[3] = {0.8, 0.8, 0.8};  // linear, where nobody says another
+constexpr double kBodyColour[3] = {0.8, 0.8, 0.8};  // linear, the default
 constexpr double kSceneryColour[3] = {0.25, 0.27, 0.3};
 
 std::string member(const std::string& name, std::size_t value) {
@@ -30,7 +30,7 @@ std::string object(const std::vector<std::string>& members) {
   return text;
 }
 
-// What a byte of a picture means in amounts of light (IEC 61966-2-1).
+// Converts an sRGB byte to linear light (IEC 61966-2-1).
 double light(std::uint8_t byte) {
   const double v = byte / 255.0;
   return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
@@ -42,7 +42,7 @@ std::size_t add_colours(GlbFile& file, const std::vector<Colour>& colours) {
     return static_cast<std::uint16_t>(std::lround(65535.0 * share));
   };
   for (const Colour& colour : colours) {
-    // Where nothing is painted the surface looks as if it had no colours.
+    // Unpainted parts have the colour of a surface without colours.
     for (std::size_t k = 0; k < 3; ++k)
       values.push_back(sixteen_bits(colour[3] == 0 ? kBodyColour[k] : light(colour[k])));
     values.push_back(sixteen_bits(1.0));
@@ -108,7 +108,7 @@ void add_primitives(GlbFile& file, const AnimatedShape& shape, const GlbOptions&
   for (std::size_t m = 0; m < corners.size(); ++m) {
     if (corners[m].empty()) continue;
     const std::size_t* texture = texture_of(options, surface.materials[m], lists);
-    // One that is for all goes where it can.
+    // A texture without a material name applies to all surfaces with texture coordinates.
     if (texture != nullptr && surface.uvs.empty()) texture = nullptr;
     out.primitives.push_back(
         {add_indices(file, corners[m], surface.vertices.size()), lists.materials.size()});
@@ -133,7 +133,7 @@ void add_targets(GlbFile& file, const MorphTargets& morphs, GlbShape& out) {
   }
 }
 
-// "image/png" or "image/jpeg" by what the file begins with; empty: neither.
+// "image/png" or "image/jpeg" by the file's first bytes; empty: neither.
 std::string image_type(std::string_view bytes) {
   if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return "image/png";
   return bytes.starts_with("\xff\xd8\xff") ? "image/jpeg" : "";

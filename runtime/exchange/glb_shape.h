@@ -1,4 +1,4 @@
-// A shape's part of a .glb: its arrays, its materials and what of it a mesh needs.
+// A shape's part of a .glb: its arrays, its materials and the members of its mesh.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace tremolo {
 
-// What the file's top level lists beside accessors; the entries are JSON.
+// Lists at the file's top level, besides accessors; the entries are JSON.
 struct GlbLists {
   std::vector<std::string> materials;
   std::vector<std::string> textures;
@@ -49,7 +49,7 @@ std::vector<std::string> add_bone_weights(GlbFile& file, const BoneWeights& weig
 // GlbReport::four_bones_error of a body on bones; frames as morph_error takes them.
 double four_bones_error(const Animation& animation, const AnimatedBody& body);
 
-// The mesh of a body: JSON. further: members beside the shape's own; weights: at first.
+// The mesh of a body as JSON. further: members besides the shape's own; weights: at the start.
 std::string mesh_text(const std::string& name, const GlbShape& shape,
                       const std::vector<std::string>& further, const std::vector<float>& weights);
 

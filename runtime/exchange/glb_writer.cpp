@@ -11,7 +11,7 @@
 namespace tremolo {
 namespace {
 
-// What a .glb's top level lists of bodies; the entries are JSON.
+// Lists of a .glb's top level about bodies; the entries are JSON.
 struct GlbScene {
   std::vector<std::string> nodes, meshes, skins, samplers, channels;
   std::vector<std::size_t> below_root, beside_root;
@@ -19,8 +19,8 @@ struct GlbScene {
   bool moves = false;     // there are at least two frames
 };
 
-// Poses of one node over time, as glTF has them: x, y, z, w, of which the sign follows the frame
-// before, since viewers go straight from key to key.
+// Poses of one node over time in glTF's form, x, y, z, w. The sign follows the previous frame,
+// since viewers interpolate linearly between keys.
 struct NodeKeys {
   std::vector<float> translations, rotations;
   bool translates = false, rotates = false;
@@ -55,7 +55,7 @@ void add_channel(GlbScene& scene, std::size_t node, const char* what, std::size_
                            ",\"output\":" + json_number(output) + "}");
 }
 
-// A node at the first pose, with the others as keys if they differ. members: what it is beside.
+// Adds a node at the first pose, with the others as keys if they differ. members: further members.
 std::size_t add_posed_node(GlbFile& file, GlbScene& scene, const AnimatedBody& body,
                            std::size_t bone, std::string members, std::size_t frames) {
   const NodeKeys keys = node_keys(body, bone, frames);
@@ -109,7 +109,7 @@ void add_body(GlbFile& file, GlbScene& scene, const Animation& animation, const 
     scene.below_root.push_back(node);
     return add_weight_keys(file, scene, animation, body, shape, node);
   }
-  // What a skin moves is where its joints are; its own node stands for itself.
+  // A skinned mesh is placed by its joints; the transform of its own node is ignored.
   std::vector<std::size_t> joints;
   for (std::size_t b = 0; b < body.bones(); ++b)
     joints.push_back(add_posed_node(file, scene, body, b,
@@ -124,7 +124,7 @@ void add_body(GlbFile& file, GlbScene& scene, const Animation& animation, const 
   add_weight_keys(file, scene, animation, body, shape, scene.nodes.size() - 1);
 }
 
-// The root, which turns z up into y up, and whose children the bodies are.
+// Adds the root, which rotates z up to y up and has the bodies as children.
 std::vector<std::size_t> add_root(GlbScene& scene, bool z_up) {
   std::vector<std::size_t> roots = scene.beside_root;
   if (scene.below_root.empty()) return roots;

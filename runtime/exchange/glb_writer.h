@@ -1,11 +1,10 @@
 // An animation as one .glb file, glTF 2.0.
 //
 // Modes are morph targets and q their weights over time (runtime/exchange/morph_targets.h); poses
-// are translations and rotations of nodes; bones are the joints of a skin, which glTF blends
-// as runtime/skeleton/skin.h does. Data is in the meshes' coordinates; one root node turns z up
-// into glTF's y up. A body's vertices are split by nothing but what split them before, so that
-// their order is that of the surfaces that `tremolo run` writes. Triangles of one material are a
-// primitive each.
+// are translations and rotations of nodes; bones are the joints of a skin, which glTF blends as
+// runtime/skeleton/skin.h does. Data is in the meshes' coordinates; one root node rotates z up to
+// glTF's y up. Vertices are not split further, so that their order is that of the surfaces that
+// `tremolo run` writes. Triangles of one material form a primitive.
 #pragma once
 
 #include <cstddef>
@@ -33,23 +32,22 @@ struct GlbOptions {
   std::vector<GlbTexture> textures;
 };
 
-// Weights of a body that viewers are asked to hold. WebGL2 guarantees textures of so many layers,
-// and one target takes a layer.
+// The largest number of weights of a body. WebGL2 guarantees textures with so many layers, and a
+// target takes one layer.
 inline constexpr std::size_t kMostGlbTargets = 256;
 
-// bytes: of the file. targets: the most of a shape. dropped: coordinates of all shapes that never
-// change. position_error: share of the size, normal angles in degrees (MorphError). bones_a_vertex:
-// the most that carry one vertex. four_bones_error: share of the size by which programs that read
-// the four heaviest of them, as glTF asks of all, show a vertex elsewhere at most.
+// Size and accuracy of a file.
 struct GlbReport {
-  std::uint64_t bytes = 0;
+  std::uint64_t bytes = 0;  // of the file
   std::size_t vertices = 0;
-  std::size_t targets = 0;
-  std::size_t dropped = 0;
-  double position_error = 0.0;
-  double normal_mean = 0.0;
-  double normal_max = 0.0;
-  std::size_t bones_a_vertex = 0;
+  std::size_t targets = 0;         // the most of a shape
+  std::size_t dropped = 0;         // coordinates of all shapes that never change
+  double position_error = 0.0;     // relative to the size (MorphError)
+  double normal_mean = 0.0;        // degrees
+  double normal_max = 0.0;         // degrees
+  std::size_t bones_a_vertex = 0;  // the most bones of a vertex
+  // The largest error of a vertex, relative to the size, in programs that read only the four
+  // largest weights of a vertex, the minimum that glTF requires.
   double four_bones_error = 0.0;
 };
 

@@ -5,8 +5,8 @@
 namespace tremolo {
 namespace {
 
-// Bytes of the character that begins here; 0 if it is none (RFC 3629: no overlong forms, no
-// surrogates, nothing above U+10FFFF).
+// The number of bytes of the character that begins here; 0 if it is invalid (RFC 3629: no overlong
+// forms, no surrogates, nothing above U+10FFFF).
 std::size_t character_size(std::string_view text) {
   const auto byte = [&text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char lead = byte(0);

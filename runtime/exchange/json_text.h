@@ -10,7 +10,7 @@
 
 namespace tremolo {
 
-// In quotes, with what must be escaped; a byte that is not of UTF-8 becomes '?'.
+// The text in quotes, with escapes; a byte that is not valid UTF-8 becomes '?'.
 std::string json_string(std::string_view text);
 
 // The shortest text that reads back as the same number, which must be finite.

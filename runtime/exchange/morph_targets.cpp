@@ -17,8 +17,8 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-// A vertex whose normal is shorter than this share of its length at rest has no direction that the
-// first order could tell; it keeps that of the rest shape.
+// Below this ratio of a normal's length to that at rest, the first order has no useful direction;
+// the vertex keeps the normal of the rest shape.
 constexpr double kShortNormal = 1e-3;
 
 std::size_t group(const AnimatedShape& shape, VertexId vertex) {
@@ -45,7 +45,7 @@ Matrix3Xd area_normals(const AnimatedShape& shape, const Matrix3Xd& x) {
   return sums;
 }
 
-// How these change along u, 3 x s, from x on.
+// Derivatives of the normals along u, 3 x s, at x.
 Matrix3Xd normal_rates(const AnimatedShape& shape, const Matrix3Xd& x, const Matrix3Xd& u) {
   Matrix3Xd sums = Matrix3Xd::Zero(3, x.cols());
   for (const Triangle& t : shape.surface.triangles) {
@@ -68,7 +68,7 @@ Matrix3Xd mode_of(const AnimatedShape& shape, Index coordinate) {
   return Map<const Matrix3Xd>(column.data(), 3, column.size() / 3);
 }
 
-// All vertices divided by what makes the base's normals unit vectors.
+// Divides all vertices by the length of the base's normals, so that these become unit vectors.
 void fill_normals(const AnimatedShape& shape, const TargetRanges& ranges, Eigen::MatrixXf& out) {
   const Matrix3Xd rest = rest_of(shape);
   Matrix3Xd base = area_normals(shape, rest);

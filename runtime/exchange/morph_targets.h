@@ -20,32 +20,31 @@
 
 namespace tremolo {
 
-// Unit normals of the shape with its vertices at these places, s, each triangle counting with its
-// area and smooth groups sharing theirs; zero where there is none.
+// Unit normals of the shape with its vertices at `places`, m, s vectors. Triangles are weighted by
+// area, and smooth groups share a normal; zero if there is none.
 std::vector<Eigen::Vector3d> smooth_normals(const AnimatedShape& shape,
                                             const std::vector<Eigen::Vector3d>& places);
 
-// How a coordinate becomes a weight: w = (q - low)/width.
+// The map from a coordinate to a weight: w = (q - low)/width.
 struct TargetRange {
   Eigen::Index coordinate = 0;
   double low = 0.0;
   double width = 1.0;
 };
 
-// low: r, what the base has of each coordinate. targets: coordinates that change, or in the plain
-// form those that are not always zero.
+// The coordinates of a shape as targets.
 struct TargetRanges {
-  Eigen::VectorXd low;
+  Eigen::VectorXd low;  // r, the coordinates of the base
+  // Coordinates that change; in the plain form, those that are not always zero.
   std::vector<TargetRange> targets;
 };
 
 TargetRanges target_ranges(const Animation& animation, std::size_t shape, bool plain);
 
-// Column 0 is the base, column i + 1 the delta of target i; 3s rows. normals: no columns unless
-// they were asked for; those of the base have length one.
+// Column 0 is the base, column i + 1 the delta of target i; 3s rows.
 struct MorphTargets {
   Eigen::MatrixXf positions;
-  Eigen::MatrixXf normals;
+  Eigen::MatrixXf normals;  // those of the base have unit length; no columns unless requested
 };
 
 MorphTargets morph_targets(const AnimatedShape& shape, const TargetRanges& ranges, bool normals);
@@ -53,13 +52,12 @@ MorphTargets morph_targets(const AnimatedShape& shape, const TargetRanges& range
 // The weights of a frame, as many as targets.
 std::vector<float> target_weights(const Eigen::VectorXd& q, const TargetRanges& ranges);
 
-// What floats and the first order cost, over frames that lie evenly, at most 64. position: the
-// largest distance from X + U q, over the shape's size. normal_mean, normal_max: degrees between
-// the normals and those of the bent shape, each vertex counting alike; zero without normals.
+// Errors by float numbers and by the first order of the normals, over at most 64 evenly spaced
+// frames.
 struct MorphError {
-  double position = 0.0;
-  double normal_mean = 0.0;
-  double normal_max = 0.0;
+  double position = 0.0;     // the largest distance from X + U q, relative to the shape's size
+  double normal_mean = 0.0;  // degrees to the normals of the deformed shape, over all vertices
+  double normal_max = 0.0;   // degrees; both are zero without normals
 };
 
 MorphError morph_error(const Animation& animation, std::size_t shape, const TargetRanges& ranges,

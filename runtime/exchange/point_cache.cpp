@@ -46,7 +46,7 @@ Result<WrittenFile> write_cache(const std::string& path, const Animation& animat
   if (!file) return file.error();
   const AnimatedBody& known = animation.bodies[body];
   std::vector<double> places(3 * animation.shape_of(known).surface.vertices.size());
-  // Copies of a vertex go where it goes: the author's mesh has it once.
+  // Copies of a vertex move with it: the author's mesh has it once.
   const std::size_t numbers = 3 * animation.shape_of(known).surface.authored();
   CacheBytes& frame_bytes = head;
   WrittenFile written{path, 0};

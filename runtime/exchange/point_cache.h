@@ -1,7 +1,7 @@
-// Point caches: the positions of one body's vertices, frame by frame, in the world. PC2 is what
-// Blender's Mesh Cache modifier and 3ds Max read, MDD what LightWave and Maya do as well. Both say
-// nothing of triangles: the mesh that they move must have the same vertices in the same order,
-// which the rest shape beside them (rest_obj) has.
+// Point caches: the positions of one body's vertices, frame by frame, in the world. Blender's Mesh
+// Cache modifier and 3ds Max read PC2; LightWave and Maya read MDD, as Blender does. Both formats
+// have no triangles: the mesh that they move must have the same vertices in the same order, as the
+// rest shape (rest_obj) written next to them.
 #pragma once
 
 #include <cstddef>
@@ -22,9 +22,9 @@ struct WrittenFile {
 };
 
 // PC2, little-endian: "POINTCACHE2\0", int32 1, int32 vertices, float first frame 0, float 1 (one
-// sample a frame), int32 frames; then float x, y, z of every vertex, frame behind frame. It knows
-// no times: sample k is frame k. Errors: check_animation's; kContent for more vertices or frames
-// than an int32 counts; kSystem.
+// sample per frame), int32 frames; then float x, y, z of every vertex, for each frame. It has no
+// times: sample k is frame k. Errors: check_animation's; kContent for more vertices or frames than
+// an int32 can count; kSystem.
 Result<WrittenFile> write_pc2(const std::string& path, const Animation& animation,
                               std::size_t body);
 
@@ -42,8 +42,9 @@ Result<WrittenFile> write_rest_obj(const std::string& path, const Animation& ani
 std::string path_of_body(const std::string& path, const Animation& animation, std::size_t body);
 // Bodies that have coordinates: scenery has none.
 std::vector<std::size_t> deforming_bodies(const Animation& animation);
-// What a name is in the name of a file, and kUsage where two bodies would get the same one.
+// Converts a body's name to a part of a file name.
 std::string file_name_of(std::string_view name);
+// kUsage if two bodies would get the same file name.
 Status check_file_names(const Animation& animation);
 // "OUT" of "FOLDER/OUT.pc2" with its folder.
 std::string without_ending(const std::string& path);

@@ -40,7 +40,8 @@ double describe(AnimatedShape& shape, AnimatedBody& body, Index most, double eno
     if (!(solver.eigenvalues()[k] > kLeastSquare * largest)) break;
     modes.col(count) = motion * solver.eigenvectors().col(k);
     modes.col(count).normalize();
-    // Shares of what is left, not of all: the next mode makes good the rounding of this one.
+    // Coordinates of the residual, not of the whole motion: the next mode corrects the rounding of
+    // this one.
     const VectorXd shares = left.transpose() * modes.col(count);
     left.noalias() -= modes.col(count) * shares.transpose();
     off = farthest(left);

@@ -1,5 +1,5 @@
-// Motion that no modes describe -> modes of what was recorded, for formats that move vertices by
-// few numbers a frame.
+// Computes modes for a recorded motion without any, for formats that move vertices by few numbers
+// per frame.
 #pragma once
 
 #include <cstddef>
@@ -9,12 +9,12 @@
 
 namespace tremolo {
 
-// Each body with displacements u gets a shape of its own whose modes span what was recorded best in
-// the mean square: with D = (u_1 ... u_f), the left singular vectors of D, largest singular values
-// first, by the eigenvectors of D^T D (Sirovich 1987, method of snapshots). There are as few as
-// keep every vertex within `enough` of the shape's size at every frame, and at most `most`. Other
-// bodies stay. Returns the largest distance of all vertices and frames from where they were, over
-// the size of the shape. Errors: check_animation's.
+// Gives each body with displacements u a shape of its own whose modes are optimal for the recording
+// in the mean square: with D = (u_1 ... u_f), the left singular vectors of D, largest singular
+// values first, by the eigenvectors of D^T D (Sirovich 1987, method of snapshots). Their number is
+// the smallest for which every vertex is within `enough` of the shape's size at every frame, and at
+// most `most`. Other bodies stay. Returns the largest error over all vertices and frames, relative
+// to the size of the shape. Errors: check_animation's.
 Result<double> describe_by_modes(Animation& animation, std::size_t most, double enough);
 
 }  // namespace tremolo

@@ -1,4 +1,4 @@
-// Bodies that go become an Animation, frame by frame.
+// Records moving bodies as an Animation, frame by frame.
 #pragma once
 
 #include <cstddef>
@@ -16,19 +16,19 @@
 
 namespace tremolo {
 
-// What is drawn of the model (Model::drawn) as a shape.
+// The drawn surface of the model (Model::drawn) as a shape.
 AnimatedShape animated_shape(const Model& model, std::string name);
 
 // First tracks, then frames; in each frame every track is recorded once. Not for a step loop: it
 // allocates.
 class Recording {
  public:
-  // rate: frames a second that are asked for, for formats that know no times.
+  // rate: requested frames per second, for formats without times.
   explicit Recording(double rate = 60.0) { animation_.rate = rate; }
 
-  // A body of this model; bodies of one model share its shape. skin: of a body on bones. Returns
-  // the track's number. kUsage once there is a frame, for a name that is empty or
-  // stands twice, or a skin of another surface.
+  // Adds a body of this model; bodies of one model share its shape. skin: of a body on bones.
+  // Returns the track's number. kUsage after the first frame, for a name that is empty or not
+  // unique, or for a skin of another surface.
   Result<std::size_t> add(const Model::Pointer& model, std::string name,
                           const std::shared_ptr<const Skin>& skin = nullptr);
   Result<std::size_t> add(const Body& body, std::string name);
@@ -37,8 +37,8 @@ class Recording {
 
   // time: s, later than the last frame's. kUsage if it is not, or the last frame lacks a track.
   Status begin_frame(double time);
-  // q: as many as the model has, finite. poses: one, or one a bone. kUsage also for a track that is
-  // not there, or that this frame has already; nothing is recorded then.
+  // q: as many as the model has, finite. poses: one, or one per bone. kUsage, with nothing
+  // recorded, also for a track that does not exist or that this frame has already.
   Status record(std::size_t track, std::span<const double> q, std::span<const Pose> poses);
   Status record(std::size_t track, const Body& body);
 

@@ -31,7 +31,7 @@ WrittenFile written_file(const std::string& path) {
   return {path, fs::file_size(path, ignored)};
 }
 
-// A file's text with `<`, `&` and quotes as XML wants them.
+// A text with `<`, `&` and quotes escaped for XML.
 std::string xml_text(std::string_view text) {
   std::string safe;
   for (const char c : text) {
@@ -51,14 +51,14 @@ bool is_digits(std::string_view text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-// What stands in front of the frame's number; empty of a name without one.
+// The part before the frame's number; empty for a name without one.
 std::string_view before_number(std::string_view stem) {
   const std::size_t dash = stem.rfind('-');
   if (dash == std::string_view::npos || stem.size() - dash < 5) return {};
   return is_digits(stem.substr(dash + 1)) ? stem.substr(0, dash) : std::string_view();
 }
 
-// Whether a name is that of a file of the series `path`.
+// True if the name is that of a file of the series `path`.
 bool is_of_series(const fs::path& path, std::string_view name) {
   const fs::path file(name);
   const std::string_view front =
@@ -75,7 +75,7 @@ std::string_view next_line(std::string_view& rest) {
   return line;
 }
 
-// A list that was written earlier; empty if it is none of ours.
+// An earlier list; empty if this program did not write it.
 std::string earlier_list(const std::string& path, std::string_view head) {
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored)) return {};
@@ -132,7 +132,7 @@ constexpr std::string_view kPvdHead =
     "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" "
     "byte_order=\"LittleEndian\">\n<Collection>\n";
 
-// The body as it is in a frame; normals only where the shape came with some.
+// The body's surface in a frame; with normals only if the shape has some.
 RenderSurface bent_surface(const Animation& animation, const AnimatedBody& body,
                            std::size_t frame) {
   RenderSurface bent = animation.shape_of(body).surface;

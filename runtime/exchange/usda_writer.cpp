@@ -57,7 +57,7 @@ std::string tuple_list(std::span<const double> places) {
   return text + "]";
 }
 
-// The extent of points as USD wants it: the least and the largest corner.
+// The extent of points in USD's form: the smallest and the largest corner.
 std::string extent_list(std::span<const double> places) {
   Eigen::AlignedBox3f box;
   for (std::size_t i = 0; i + 2 < places.size(); i += 3)
@@ -78,7 +78,7 @@ std::string prim_name(std::string_view name, std::set<std::string>& taken) {
   return free;
 }
 
-// A value, or one at each frame's time code. text: of a frame. changes: whether to give them all.
+// A value, or one for each frame's time code. text: of a frame. changes: write all of them.
 template <class Text>
 void add_samples(UsdText& out, const Animation& animation, const std::string& name, bool changes,
                  const Text& text) {

@@ -1,4 +1,4 @@
-// A force of the world on a vertex of a body whose frame moves.
+// A force in the world on a vertex of a body whose frame moves.
 #pragma once
 
 #include <Eigen/Core>

@@ -18,8 +18,8 @@ MadeIntegrator always(Model::Pointer model, const IntegratorOptions& options) {
   return kMake(std::move(model), options);
 }
 
-// halves: a step whose solve fails may be taken in parts. drifts: the residual of the solve shows
-// in the energy.
+// halves: a step whose solve fails may be subdivided. drifts: the residual of the solve affects the
+// energy.
 struct Entry {
   std::string_view name;
   IntegratorMaker make;

@@ -18,7 +18,8 @@ IntegratorPointer make_rk2(Model::Pointer model, const IntegratorOptions& option
 IntegratorPointer make_rk4(Model::Pointer model, const IntegratorOptions& options);
 IntegratorPointer make_verlet(Model::Pointer model, const IntegratorOptions& options);
 IntegratorPointer make_verlet4(Model::Pointer model, const IntegratorOptions& options);
-// Half the trace of its step on a linear mode of angle z = h omega, the cosine of its turn.
+// Half the trace of its step on a linear mode of angle z = h omega: the cosine of the step's
+// rotation angle.
 double verlet4_cosine(double z);
 
 IntegratorPointer make_implicit_euler(Model::Pointer model, const IntegratorOptions& options);

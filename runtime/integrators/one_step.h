@@ -26,7 +26,7 @@ class OneStep : public Integrator {
   void carry(StateStream& stream) override { stream(V_); }
 
  protected:
-  // want, uses: those of the PotentialCache.
+  // want, uses: arguments of the PotentialCache.
   OneStep(std::string_view name, Model::Pointer model, const IntegratorOptions& options,
           unsigned want = kWantEnergy | kWantForce, unsigned uses = kUsePoint)
       : name_(name),

@@ -1,9 +1,9 @@
-// Charts of curves as SVG: zoom, values under the pointer, curves that come and go by the legend.
-// A chart is what to_json(Chart) of runtime/program/output/chart.h writes.
+// Charts of curves as SVG, with zoom, values under the pointer, and curves that the legend
+// switches. Their data are the output of to_json(Chart) in runtime/program/output/chart.h.
 const kMargin = { left: 66, right: 14, top: 30, bottom: 46 }; // of the axes, px
 const kReach = 24; // px from the pointer to a point that it means
 
-// One chart. figure: what its panels share: looks, hidden labels, whether they zoom together.
+// One chart. figure: the common state of its panels: looks, hidden labels, linked zoom.
 class ChartPanel {
   constructor(chart, height, figure) {
     Object.assign(this, { chart, height, figure, zoom: { x: null, y: null }, now: null });
@@ -24,7 +24,7 @@ class ChartPanel {
     return this.chart.curves.filter((curve) => !this.figure.hidden.has(curve.label));
   }
 
-  // The range of an axis: what was zoomed to, what the chart says, or what its curves need.
+  // The range of an axis: the zoomed one, else the chart's own, else that of its curves.
   range(axis) {
     const { chart } = this, logarithmic = chart[`log_${axis}`], told = chart[`${axis}_range`];
     if (this.zoom[axis]) return this.zoom[axis];
@@ -104,7 +104,7 @@ class ChartPanel {
     this.svg.setPointerCapture(event.pointerId);
   }
 
-  // The stretch that is drawn: a flat one is of x alone, a steep one of y alone.
+  // The selected range: a flat selection is of x alone, a steep one of y alone.
   stretch(to) {
     const [dx, dy] = [Math.abs(to[0] - this.from[0]), Math.abs(to[1] - this.from[1])];
     if (Math.max(dx, dy) < 6) return null;
@@ -144,7 +144,7 @@ class ChartPanel {
     this.box?.setAttribute('width', 0);
   }
 
-  // The wheel with ctrl, as maps have it; alone it moves the page.
+  // The wheel zooms with ctrl, as in maps; alone it scrolls the page.
   roll(event) {
     if (!event.ctrlKey && !event.metaKey) return;
     event.preventDefault();
@@ -173,7 +173,7 @@ class ChartPanel {
     return found;
   }
 
-  // Values at a place of the chart; null: none.
+  // Shows the values at a point of the chart; null: none.
   tell(at) {
     const inside = at && at[0] >= kMargin.left && at[1] >= kMargin.top && at[1] <= this.height - kMargin.bottom;
     const found = inside ? this.nearest(at) : [];
@@ -194,7 +194,7 @@ class ChartPanel {
         cx: this.sx.pixel(curve.x[i]), cy: this.sy.pixel(curve.y[i]), stroke: this.figure.looks.get(curve).colour }));
   }
 
-  // Where the film is.
+  // Marks the time of the film.
   follow(time) {
     if (!this.chart.time) return;
     this.now = time;

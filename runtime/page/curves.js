@@ -1,8 +1,8 @@
-// What curves of charts look like, where their axes lie, and what of them is drawn.
+// Curves of charts: their colours and dashes, the range of their axes, and their points.
 
-// A method looks the same on every page. Eight colours, dark enough for thin lines on white and
-// apart for the colour-blind as far as eight can be, each with two dashes; marks tell the sixteen
-// apart in print. Of one colour are two that are seldom in one picture.
+// A method looks the same on every page. There are eight colours, dark enough for thin lines on
+// white and as different for the colour-blind as eight can be, each with two dashes; marks
+// distinguish the sixteen in print. Methods of the same colour rarely appear in one picture.
 const kMethods = ['ep4', 'imexv', 'newmark', 'implicit-euler', 'verlet', 'midpoint', 'imexv-linear',
   'imexv-adaptive', 'rk4', 'imexv-thesis', 'avf', 'explicit-euler', 'verlet4', 'ep2', 'imexv-coupled', 'rk2'];
 const kInks = ['#0060a8', '#d95f02', '#1b9e77', '#7b3fa0', '#d01c6f', '#8c5a1e', '#1c2126', '#3aa6dd'];
@@ -27,8 +27,8 @@ function lookOfNumber(k) {
   return { colour: kInks[k % 8], dash: kDashes[Math.floor(k / 8) % 4], mark: kMarks[(k + Math.floor(k / 8)) % 8] };
 }
 
-// Of all curves of a figure, by label and colour: the same label looks the same in all its charts.
-// Methods have their places; others take the first that is free.
+// Looks of all curves of a figure, by label: the same label looks the same in all its charts.
+// Methods have fixed looks; others take the first free one.
 function looksOf(charts) {
   const looks = new Map(), labels = [], numbers = new Map(), taken = new Set();
   for (const curve of charts.flatMap((chart) => chart.curves))
@@ -103,7 +103,7 @@ function ticksOf(scale, count) {
 
 const isDrawn = (curve, i) => curve.x[i] !== null && curve.y[i] !== null;
 
-// x never falls: what is nearest to an x can then be looked up.
+// True if x never falls, so that an x can be searched.
 function ascends(curve) {
   if (curve.ascends === undefined) {
     const x = curve.x.filter((value) => value !== null);
@@ -123,8 +123,8 @@ function indexAt(curve, value) {
   return low;
 }
 
-// What a curve's path goes through, in pixels; null is a gap. Of long series each column of pixels
-// keeps its first, lowest, highest and last point, which looks the same.
+// Points of a curve's path, in pixels; null is a gap. For long series only the first, lowest,
+// highest and last point of each column of pixels are kept, which gives the same picture.
 function pixelsOf(curve, sx, sy) {
   const sorted = ascends(curve), end = curve.x.length;
   const first = sorted ? Math.max(0, indexAt(curve, sx.low) - 1) : 0;
@@ -159,7 +159,7 @@ function linePath(pixels) {
   return path;
 }
 
-// Marks of a line lie apart, and beside those of its neighbours.
+// Marks of a line are spaced, and offset from those of its neighbours.
 function sparse(pixels, number) {
   const chosen = [];
   let next = -Infinity;

@@ -10,8 +10,8 @@ std::string page_document(std::string_view report) {
   const std::size_t mark = page.find(kMark);
   std::string document(page.substr(0, mark));
   document.reserve(page.size() + report.size());
-  // Without the character <, so that no text ends the page's script element: it stands in strings
-  // only, where JSON has another way to write it.
+  // Escapes the character <, so that no text ends the page's script element; it appears only in
+  // strings, where JSON allows the escape.
   for (const char c : report) c == '<' ? document += "\\u003c" : document += c;
   document += page.substr(mark + kMark.size());
   return document;

@@ -1,5 +1,5 @@
-// Recorded motion that plays: shapes in WebGL, coordinates and poses straight between two frames.
-// A film is what page_motion of runtime/page/motion.h writes.
+// Plays recorded motion: shapes in WebGL, coordinates and poses interpolated linearly between two
+// frames. A film is the output of page_motion in runtime/page/motion.h.
 const kKinds = { int16: Int16Array, uint32: Uint32Array, float32: Float32Array };
 const kSpeeds = [[1, 'real time'], [0.5, '1/2'], [0.2, '1/5'], [0.1, '1/10'], [0.05, '1/20'], [0.02, '1/50'], [0.005, '1/200']];
 
@@ -34,7 +34,7 @@ class Film {
     return this.times[this.times.length - 1];
   }
 
-  // The frame at or before a time, and how much of the way to the next has gone.
+  // The frame at or before a time, and the fraction of the interval to the next.
   moment(time) {
     let low = 0, high = this.times.length - 1;
     while (low < high) {
@@ -52,7 +52,7 @@ class Film {
     return q;
   }
 
-  // The matrices of a body's poses. What stands still has them once.
+  // The matrices of a body's poses. A body at rest has one set for all frames.
   matrices(body, { frame, next, share }) {
     const width = 7 * body.bones, still = body.poses.length === width, matrices = [];
     for (let b = 0; b < body.bones; ++b) {
@@ -72,7 +72,7 @@ class Film {
     return this.bodies.map((body) => ({ q: this.coordinates(body, moment), poses: this.matrices(body, moment) }));
   }
 
-  // Where a body's vertices are in the body's own frame, X + U q; for tests, and for the curious.
+  // Positions of a body's vertices in the body's own frame, X + U q; for tests and inspection.
   positions(number, time) {
     const body = this.bodies[number], { rest, shapes, modes } = body.of, q = this.coordinates(body, this.moment(time));
     return Array.from(rest, (x, k) => {
@@ -81,7 +81,7 @@ class Film {
     });
   }
 
-  // Where a body's vertices are in the world, each `every`-th of them: (x, y, z) for each.
+  // World positions of every `every`-th vertex of a body: [x, y, z] for each.
   places(body, { q, poses }, every) {
     const { rest, shapes, modes } = body.of, places = [];
     for (let v = 0; v < rest.length / 3; v += every) {
@@ -97,7 +97,7 @@ class Film {
     return places;
   }
 
-  // What the camera looks at: the box of all bodies at twenty moments.
+  // The region in the camera's view: the box of all bodies at twenty times.
   bounds() {
     const low = [Infinity, Infinity, Infinity], high = low.map((x) => -x);
     const bodies = this.bodies.filter((body) => !body.scenery);
@@ -113,7 +113,7 @@ class Film {
     return [low, high];
   }
 
-  // The height of level scenery that stands still, which is drawn as the floor; null: none.
+  // The height of level scenery at rest, which is drawn as the floor; null: none.
   floorOf(number) {
     const body = this.bodies[number];
     if (!body.scenery || body.poses.length !== 7) return null;
@@ -123,7 +123,7 @@ class Film {
   }
 }
 
-// The mouse and fingers turn the camera; the wheel goes nearer once the stage has been touched.
+// The mouse and fingers rotate the camera; the wheel zooms once the stage has been touched.
 function orbit(canvas, renderer) {
   const pointers = new Map();
   canvas.addEventListener('pointerdown', (event) => {
@@ -175,7 +175,7 @@ function filmControls(film, player) {
 function playFilm(film, canvas, renderer, player) {
   const show = () => {
     const box = canvas.getBoundingClientRect();
-    if (box.width === 0 || box.bottom < 0 || box.top > innerHeight) return; // nobody sees it
+    if (box.width === 0 || box.bottom < 0 || box.top > innerHeight) return;  // not visible
     for (const [side, size] of [['width', box.width], ['height', box.height]]) {
       const pixels = Math.max(1, Math.round(size * devicePixelRatio));
       if (canvas[side] !== pixels) canvas[side] = pixels;
@@ -199,8 +199,8 @@ function playFilm(film, canvas, renderer, player) {
   requestAnimationFrame(frame);
 }
 
-// A stage with the recorded motion. live: a page beside this one whose bodies are moved by the
-// engine itself; it is shown first, and the record behind a button.
+// A stage with the recorded motion. live: a page in the same folder whose bodies the engine itself
+// moves; it is shown first, and the recording behind a button.
 function showFilm(data) {
   const canvas = element('canvas', { id: 'scene', tabindex: 0, 'aria-label': 'the moving bodies' });
   const stage = element('div', { class: 'stage' }, canvas);
@@ -224,7 +224,7 @@ function showFilm(data) {
     renderer.show(player.shown.map((number) => film.bodies[number]).map((body) => ({ ...body.of,
       colour: body.scenery ? [0.6, 0.63, 0.67] : bodyColour(body.name), scenery: body.scenery, bones: body.bones,
       weights: body.weights })), film.bounds(), floors.find((height) => height !== null));
-    renderer.zoom = 1.3; // nothing stands before the body here
+    renderer.zoom = 1.3;  // no scenery in front of the body here
     orbit(canvas, renderer);
     window.tremoloFilm.renderer = renderer;
     playFilm(film, canvas, renderer, player);
@@ -234,7 +234,7 @@ function showFilm(data) {
   return data.live ? withLive(data.live, player, [canvas, controls, hint], part) : part;
 }
 
-// recorded: what belongs to the record alone.
+// recorded: elements of the recording alone.
 function withLive(path, player, recorded, part) {
   const live = element('iframe', { src: path, title: 'the live engine' });
   const choice = element('div', { class: 'choice', role: 'group', 'aria-label': 'what is shown' });

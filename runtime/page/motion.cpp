@@ -42,7 +42,7 @@ std::string page_array(const char* type, const std::vector<Number>& values) {
                       page_member("data", json_string(encode_base64(bytes)))});
 }
 
-// The modes of a shape as a page has them. whole: 3s x r behind each other, or none.
+// The modes of a shape in the page's form. whole: 3s x r, or empty.
 struct PageFields {
   Eigen::MatrixXf floats;
   std::vector<std::int16_t> whole;
@@ -155,7 +155,7 @@ std::string page_body_text(const Animation& animation, const AnimatedBody& body)
   return page_object(members);
 }
 
-// The largest distance of what the page shows from X + U q, over the shape's size.
+// The largest distance between the page's positions and X + U q, relative to the shape's size.
 double page_error(const Animation& animation, std::size_t number, const PageFields& fields) {
   const AnimatedShape& shape = animation.shapes[number];
   const Index rows = shape.modes.rows(), r = shape.modes.cols();

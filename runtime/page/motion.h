@@ -17,7 +17,7 @@
 
 namespace tremolo {
 
-// What WebGL 2 promises to hold for a body.
+// Limits for a body that WebGL 2 guarantees.
 inline constexpr std::size_t kPageCoordinates = 192;
 inline constexpr std::size_t kPageBones = 24;
 
@@ -26,11 +26,11 @@ inline constexpr std::size_t kPageBones = 24;
 //   times   s, array of f frames
 //   shapes  of each: name, vertices s, modes r, rest (3s), fields (r x 3s), scales (r numbers where
 //           the fields are whole), corners (3t), groups (s, of smooth shapes that are split)
-//   bodies  of each: name, shape, bones b, scenery, q (f x r), poses (f x b x 7, or b x 7 of what
-//           stands still: x y z of the place, x y z w of the turn), weights (s x b on bones)
+//   bodies  of each: name, shape, bones b, scenery, q (f x r), poses (f x b x 7, or b x 7 of a body
+//           at rest: position x y z, rotation x y z w), weights (s x b on bones)
 // Arrays are {"type": "float32" | "int16" | "uint32", "data": base64}, little-endian.
-// position_error: the largest distance, over all bodies and at most 64 frames, of X + U q as the
-// page has it from the exact one, over the shape's size.
+// position_error: the largest distance, over all bodies and at most 64 frames, between the page's X
+// + U q and the exact one, relative to the shape's size.
 struct PageMotion {
   std::string json;
   double position_error = 0.0;
@@ -39,7 +39,7 @@ struct PageMotion {
 // Errors: check_animation's; kContent for more coordinates or bones than a page draws.
 Result<PageMotion> page_motion(const Animation& animation, bool z_up = true);
 
-// The film alone as a page, its title the file's name. Errors: page_motion's; kSystem.
+// Writes a page with the film alone; its title is the file's name. Errors: page_motion's; kSystem.
 Result<WrittenFile> write_motion_page(const std::string& path, const Animation& animation,
                                       bool z_up = true);
 

@@ -1,5 +1,4 @@
-// The page of a report: text, tables, charts and films, in the order in which they stand in it.
-// Nothing of it is read as HTML.
+// The page of a report: text, tables, charts and films, in their order. No text is parsed as HTML.
 function element(tag, attributes = {}, ...children) {
   const made = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
@@ -19,7 +18,7 @@ function makeTable(columns, rows, caption = "") {
     if (filled.length && filled.every(text => number(text) && text.length <= 24)) return "number";
     return filled.every(text => text.length <= 24) ? "brief" : "";
   });
-  // Rows whose first cells are empty go on with the group above.
+  // Rows whose first cells are empty continue the group above.
   const blanks = row => { const at = row.findIndex(text => text !== ""); return at < 0 ? row.length : at; };
   const indent = Math.max(0, ...rows.map(blanks));
   const line = (row, tag) => element("tr", tag === "td" && blanks(row) < indent ? {class: "group"} : {},

@@ -31,7 +31,7 @@
 namespace tremolo {
 namespace {
 
-// How a body begins and moves.
+// Adds the flags of a body's load, start and integrator.
 void add_motion_flags(CLI::App& run, RunOptions& o) {
   add_body_flags(run, o);
   run.add_option("--duration", o.duration, "simulated time, s")->capture_default_str();
@@ -150,9 +150,10 @@ struct Parser {
     run->add_option("file", request.file, "basis file, or scene.toml")->required();
     run->add_flag("--json", request.json, "print one JSON object on stdout");
     run->add_option("--save", request.save, "of a scene with [[bodies]]: its state at the end");
-    run->add_option("--restore", request.restore, "likewise: begin with what --save has written");
+    run->add_option("--restore", request.restore,
+                    "of a scene with [[bodies]]: begin in the state that --save wrote");
     run->add_option("--threads", request.threads,
-                    "likewise: how many threads step its bodies, 0: one a core (1)")
+                    "of a scene with [[bodies]]: threads that step its bodies, 0: one per core (1)")
         ->check(CLI::Range(0U, kMostThreads));
     run->add_option("--degree", request.degree,
                     "of bodies of kind tets: linear, quadratic or adaptive");
@@ -177,8 +178,8 @@ struct Parser {
   }
 };
 
-// Replaces this process by another program, which is installed beside this one, with the same
-// arguments. task: what it is for; how: to build it. Returns only if that cannot be started.
+// Replaces this process by another program of the same folder, with the same arguments. task: its
+// purpose; how: the way to build it; both are for the error. Returns only if it cannot be started.
 int start_beside(const char* program, const std::string& task, const char* how, char** words) {
   std::error_code error;
   const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", error);
@@ -201,7 +202,7 @@ int start_viewer(char** words) {
                       words);
 }
 
-// What runs a scene of this kind; the words are those that this program was given.
+// Starts tremolo-nodal for a scene of this kind, with this program's arguments.
 int start_nodal(const std::string& scene, char** words) {
   return start_beside("tremolo-nodal", scene + ": a scene of cloth or of tetrahedra",
                       "cmake --build --preset release --target tremolo-nodal", words);
@@ -214,28 +215,28 @@ std::vector<RunOptions> bodies_of(const Request& request, const RunOptions& flag
   return {options};
 }
 
-// Refuses flags that only worlds take.
+// Refuses flags that apply only to worlds.
 Status check_not_saved(const Request& request) {
   if (request.threads)
     return usage_error(
-        "--threads is of a scene with [[bodies]]: one body is stepped by one thread");
+        "--threads applies only to a scene with [[bodies]]: one body is stepped by one thread");
   if (request.save.empty() && request.restore.empty()) return Success{};
   return usage_error(
-      "--save and --restore are of a scene with [[bodies]]; of a run of one body --coordinate all "
+      "--save and --restore apply only to a scene with [[bodies]]; for one body --coordinate all "
       "--velocities records the states, and --start begins with one of them");
 }
 
-// Which flags were given. command: it must outlive what is returned.
+// Returns the test of whether a flag was given. command: must outlive the result.
 std::function<bool(const char*)> told_flags(const CLI::App& command) {
   return [&command](const char* flag) {
-    // What `export` keeps of the coordinates is not what moves.
+    // `export --modes` limits the coordinates in the file, not those of the motion.
     if (command.get_name() == "export" && std::string_view(flag) == "--modes") return false;
     const CLI::Option* option = command.get_option_no_throw(flag);
     return option != nullptr && option->count() > 0;
   };
 }
 
-// What a scene with [[bodies]] and the flags say.
+// Reads a scene with [[bodies]] and applies the flags.
 Result<SceneFile> world_of(const std::string& text, const SceneCommand& command) {
   Result<SceneFile> file = parse_world(text, command.file);
   if (!file) return file.error();
@@ -245,7 +246,7 @@ Result<SceneFile> world_of(const std::string& text, const SceneCommand& command)
 
 int run_world_scene(const std::string& text, const Request& request, const SceneCommand& command) {
   if (!request.degree.empty())
-    return report_error(usage_error("--degree is of bodies of kind \"tets\""));
+    return report_error(usage_error("--degree applies only to bodies of kind \"tets\""));
   Result<SceneFile> file = world_of(text, command);
   if (!file) return report_error(file.error());
   file->outputs.save = request.save;
@@ -253,7 +254,7 @@ int run_world_scene(const std::string& text, const Request& request, const Scene
   return run_world_command(*file, request.threads.value_or(1), request.json);
 }
 
-// What a scene with one table a body and the flags say.
+// Reads a scene with one table per body and applies the flags.
 Result<std::vector<RunOptions>> scene_bodies(const std::string& text, const std::string& path,
                                              int count, char** words, CLI::App* Parser::*command) {
   Result<std::vector<RunOptions>> bodies = parse_scene(text, path);
@@ -263,7 +264,7 @@ Result<std::vector<RunOptions>> scene_bodies(const std::string& text, const std:
     Parser parser(ignored, body);
     parser.app.parse(count, words);  // cannot fail: it has been parsed before
     const CLI::App& flags = *(parser.*command);
-    // A flag wins over the scene's way to say the same.
+    // A flag overrides the scene's key for the same quantity.
     if (flags.count("--load") > 0) {
       body.signal.clear();
       if (flags.count("--frequency") == 0) body.shape.frequency.reset();
@@ -274,7 +275,7 @@ Result<std::vector<RunOptions>> scene_bodies(const std::string& text, const std:
     if (flags.count("--deflect") > 0) body.scale = 1.0;
     if (!body.wav.empty() && flags.count("--step") == 0) take_sound_step(body);
     if (!body.wav.empty() && bodies->size() > 1)
-      return usage_error("--wav is of one body, and " + path + " has several");
+      return usage_error("--wav applies only to one body, and " + path + " has several");
   }
   return bodies;
 }
@@ -307,7 +308,7 @@ int run_scene(int count, char** words, const Request& request, const SceneComman
                                     : nodal->run_tets(*text, command);
 }
 
-// What `tremolo export` shall move of a scene that this program knows.
+// The motion that `tremolo export` records, of a scene that this program can run.
 Result<std::unique_ptr<MotionSource>> scene_motion(const std::string& text, SceneKind kind,
                                                    int count, char** words,
                                                    const SceneCommand& command) {
@@ -335,7 +336,7 @@ int export_scene(int count, char** words, const MotionOutputs& outputs, const Sc
   const Result<SceneKind> kind = scene_kind(*text, command.file);
   if (!kind) return report_error(kind.error());
   if (!command.beside.empty() && *kind != SceneKind::kCloth)
-    return report_error(usage_error("--beside is of scenes of cloth"));
+    return report_error(usage_error("--beside applies only to scenes of cloth"));
   const bool of_nodes = *kind == SceneKind::kCloth || *kind == SceneKind::kTets;
   if (of_nodes && nodal == nullptr) return start_nodal(command.file, words);
   const Result<std::unique_ptr<MotionSource>> source =
@@ -352,7 +353,7 @@ int run_export(int count, char** words, const Request& request, const RunOptions
   const bool asks_still = still.any();
   if (asks_still && is_scene(still.model))
     return report_error(usage_error(
-        "--cub, --U, --vtu, --light and --rescaled are of a basis file, not of a scene"));
+        "--cub, --U, --vtu, --light and --rescaled apply only to a basis file, not to a scene"));
   const MotionOutputs& moved = request.motion;
   if (Status s = keep_apart({still.cub, still.u, still.vtu, still.light, moved.glb, moved.pc2,
                              moved.mdd, moved.pvd, moved.usda, moved.series, moved.page},
@@ -368,13 +369,13 @@ int run_export(int count, char** words, const Request& request, const RunOptions
     return export_scene(count, words, request.motion, command, nodal);
   }
   if (!request.motion.beside.empty())
-    return report_error(usage_error("--beside is of scenes of cloth"));
+    return report_error(usage_error("--beside applies only to scenes of cloth"));
   Request of_run = request;
   of_run.file = still.model;
   return export_motion_command(request.motion, *bodies_motion(bodies_of(of_run, flags)));
 }
 
-// Scenes that this program knows.
+// Commands for scenes that this program can run.
 int inspect_bodies(const std::string& text, SceneKind kind, const Request& request) {
   if (kind == SceneKind::kWorld) {
     const Result<SceneFile> file = parse_world(text, request.file);
@@ -391,7 +392,7 @@ int inspect_scene(char** words, const Request& request, const NodalScenes* nodal
   const Result<SceneKind> kind = scene_kind(*text, request.file);
   if (!kind) return report_error(kind.error());
   if (!request.select.empty())
-    return report_error(usage_error("--select is of a basis file, not of a scene"));
+    return report_error(usage_error("--select applies only to a basis file, not to a scene"));
   if (*kind == SceneKind::kBodies || *kind == SceneKind::kWorld)
     return inspect_bodies(*text, *kind, request);
   if (nodal == nullptr) return start_nodal(request.file, words);

@@ -1,4 +1,4 @@
-// The command line of `tremolo`, and of the program beside it that knows other kinds of scenes.
+// The command line of `tremolo` and of tremolo-nodal, which runs other kinds of scenes.
 #pragma once
 
 #include <functional>
@@ -11,20 +11,18 @@
 
 namespace tremolo {
 
-// What the command line says of a scene. file: its path. flags: as they were parsed; told: whether
-// one, as "--step", was given. degree, beside: of --degree and --beside, empty where it was not
-// given.
+// The command line of a command that reads a scene.
 struct SceneCommand {
-  std::string file;
+  std::string file;  // path of the scene
   RunOptions flags;
-  std::function<bool(const char*)> told;
-  std::string degree;
+  std::function<bool(const char*)> told;  // whether a flag, such as "--step", was given
+  std::string degree;                     // of --degree; empty: not given
   bool json = false;
-  std::string beside = {};
+  std::string beside = {};  // of --beside; empty: not given
 };
 
-// What is done with the text of a scene with [[cloths]], and of one with [[bodies]] of kind "tets".
-// run_*, inspect_*: the exit code; errors are printed.
+// Commands for scenes with [[cloths]] and with [[bodies]] of kind "tets". run_* and inspect_* print
+// errors and return the exit code.
 struct NodalScenes {
   int (*run_cloth)(const std::string& text, const SceneCommand& command);
   int (*run_tets)(const std::string& text, const SceneCommand& command);
@@ -36,8 +34,8 @@ struct NodalScenes {
   int (*inspect_tets)(const std::string& text, const SceneCommand& command);
 };
 
-// Parses the words and does what they ask for; the exit code. nodal: null where another program,
-// tremolo-nodal beside this one, is to be started for such scenes.
+// Parses the words and runs the command; returns the exit code. nodal: null if such scenes are run
+// by another program, tremolo-nodal in the same folder.
 int run_command_line(int count, char** words, const NodalScenes* nodal);
 
 }  // namespace tremolo

@@ -167,7 +167,7 @@ void print_render(const RenderSurface& surface) {
   if (surface.rig != nullptr) print_rig(*surface.rig);
 }
 
-// What --select asks for.
+// Prints the vertices of --select.
 int print_selection(BasisReader& reader, const Contents& contents, const std::string& select,
                     bool json) {
   const Result<VertexBlock> surface =

@@ -5,8 +5,8 @@
 
 namespace tremolo {
 
-// Prints what a basis file holds and verifies every checksum; with a selector, the vertices that it
-// chooses instead. The exit code; errors are printed on stderr.
+// Prints the contents of a basis file and verifies every checksum; with a selector, prints its
+// vertices instead. Returns the exit code; errors are printed on stderr.
 int inspect_command(const std::string& path, const std::string& select, bool json);
 
 }  // namespace tremolo

@@ -1,4 +1,4 @@
-// tremolo: inspect a basis file, let it vibrate, plot what happened.
+// tremolo: inspects basis files, runs models and scenes, exports and plots the results.
 #include "runtime/program/command_line.h"
 
 int main(int count, char** words) {

@@ -1,5 +1,6 @@
 // tremolo-nodal: `tremolo run`, `inspect` and `export` of scenes of cloth and of bodies of
-// tetrahedra. A program of its own, which `tremolo` starts: who runs bases only need not build it.
+// tetrahedra. `tremolo` starts it as a separate program, so that a build for bases alone does not
+// need it.
 #include <utility>
 #include <vector>
 

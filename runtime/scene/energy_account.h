@@ -1,30 +1,27 @@
-// Where a body's energy came from and where it went.
+// Energy balance of a body: what it has now and what each cause has given.
 #pragma once
 
 namespace tremolo {
 
-// All in J. kinetic, potential: now; of a free body kinetic holds its motion as a whole, of a
-// driven one it is that of the motion relative to its frame. contact: what is stored between the
-// body and colliders now. The rest is what each cause has given since the start; what one took is
-// negative. load: forces on vertices. support: the accelerations of the frame. contact_given:
-// colliders that move and, of a driven body, its frame that moves along them. restitution,
-// friction, damping: never positive. hand, joint: the hands and joints that hold it. contact_error:
-// contact energy that a step found where the step before had left none; it should be zero, and is a
-// part of what remains.
+// All in J. The fields from `load` on are energy given since the start; a negative value was taken.
 struct EnergyAccount {
+  // Now; of a free body with its motion as a whole, of a driven one relative to its frame.
   double kinetic = 0.0;
-  double potential = 0.0;
-  double contact = 0.0;
-  double at_start = 0.0;  // kinetic + potential + contact then
-  double load = 0.0;
-  double support = 0.0;
+  double potential = 0.0;  // now
+  double contact = 0.0;    // now, stored between the body and colliders
+  double at_start = 0.0;   // kinetic + potential + contact at the start
+  double load = 0.0;       // by forces on vertices
+  double support = 0.0;    // by accelerations of the frame
   double gravity = 0.0;
-  double contact_given = 0.0;
-  double restitution = 0.0;
-  double friction = 0.0;
-  double hand = 0.0;
-  double joint = 0.0;
-  double damping = 0.0;
+  double contact_given =
+      0.0;                   // by moving colliders, and by a driven body's frame moving along them
+  double restitution = 0.0;  // never positive
+  double friction = 0.0;     // never positive
+  double hand = 0.0;         // by hands that hold the body
+  double joint = 0.0;        // by joints that hold the body
+  double damping = 0.0;      // never positive
+  // Contact energy that a step found although the step before had left none. It should be zero, and
+  // is part of remainder().
   double contact_error = 0.0;
 
   double total() const { return kinetic + potential + contact; }
@@ -32,7 +29,7 @@ struct EnergyAccount {
     return load + support + gravity + contact_given + restitution + friction + hand + joint +
            damping;
   }
-  // What nobody accounts for.
+  // The error of the balance: energy without a known cause.
   double remainder() const { return total() - at_start - given(); }
 };
 

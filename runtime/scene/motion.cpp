@@ -75,7 +75,7 @@ Pose pose_of(const FallMotion& fall, double t) {
   return shifted(path * fall.acceleration);
 }
 
-// The quaternion of a pose behind the position.
+// The numbers of a pose: position, then quaternion.
 Vector7d numbers_of(const Pose& pose) {
   Vector7d numbers;
   numbers << pose.position, pose.rotation.coeffs();
@@ -227,7 +227,7 @@ MotionPath::Keys MotionPath::make_keys(const KeyframeMotion& motion) {
       keys.segments.emplace_back();
     Segment& segment = keys.segments.back();
     Vector7d numbers = numbers_of({key.pose.position, key.pose.rotation.normalized()});
-    // A quaternion and its negative are one turn: the nearer one is meant.
+    // A quaternion and its negative are one rotation: the nearer one is chosen.
     if (!segment.values.empty() && segment.values.back().tail<4>().dot(numbers.tail<4>()) < 0.0)
       numbers.tail<4>() *= -1.0;
     segment.times.push_back(key.time);
@@ -307,7 +307,7 @@ Pose MotionPath::at(const Segment& segment, double t, std::pair<bool, bool> goes
 Pose MotionPath::keys_pose(const Keys& keys, std::size_t piece, double t) const {
   const std::vector<Segment>& segments = keys.segments;
   const bool cut = keys.jumps != JumpRule::kSmooth;
-  // The moment that says which segment it is: of a cut motion the start of the piece.
+  // The time that selects the segment: for a motion with jumps the start of the piece.
   const double moment = !cut ? t : piece == 0 ? kSinceEver : jumps_[piece - 1];
   std::size_t k = 0;
   while (k + 1 < segments.size() && segments[k + 1].times.front() <= moment) ++k;

@@ -1,9 +1,9 @@
-// How the frame of a body moves: a pose for every moment, in closed form.
+// Motion of a body's frame: its pose at every time, in closed form.
 //
-// A motion is made of parts, each a rigid map T(t) of the world onto itself; the frame that stands
-// at `base` without any motion is at T_n(t) ... T_1(t) base. Courses are smooth: where something
-// sets in or ends, its speed follows S(x) = x^3 (10 - 15 x + 6 x^2) over the ramp, so that
-// accelerations are continuous.
+// A motion consists of parts, each a rigid map T(t) of the world onto itself; a frame whose pose
+// without motion is `base` is at T_n(t) ... T_1(t) base. Motions are smooth: where a part begins or
+// ends, its speed follows S(x) = x^3 (10 - 15 x + 6 x^2) over the ramp, so that accelerations are
+// continuous.
 #pragma once
 
 #include <cstddef>
@@ -22,17 +22,17 @@ namespace tremolo {
 
 inline constexpr double kSinceEver = -std::numeric_limits<double>::infinity();
 inline constexpr double kForEver = std::numeric_limits<double>::infinity();
-// Moments that are nearer, in steps, are one.
+// Times closer than this, in steps, are equal.
 inline constexpr double kSameTime = 1e-9;
 
-// How far the length of a quaternion that somebody wrote down may be from 1; it is made so.
+// Tolerance for the length of a given quaternion; within it the quaternion is normalised.
 inline constexpr double kQuaternionSlack = 1e-3;
 
-// Why a pose is none; empty if it is one.
+// The reason why a pose is not valid; empty if it is.
 std::string pose_problem(const Pose& pose);
 
-// When something goes on, s: from `start`, by the ramp up to its full rate; from `end` on, by the
-// ramp down to nothing. Without a start it has gone on since ever.
+// The time span of a part, s: it starts at `start`, reaches its full rate after `ramp`, and from
+// `end` on its rate falls to zero within `ramp`. Without a start it has always been active.
 struct Course {
   double start = kSinceEver;
   double end = kForEver;
@@ -52,7 +52,7 @@ struct ShakeMotion {
   Course course;
 };
 
-// A turn about the axis through `about`, along the world's axes, at `rate`, rad/s.
+// A rotation about the axis through `about`, along the world's axes, at `rate`, rad/s.
 struct SpinMotion {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
   Eigen::Vector3d about = Eigen::Vector3d::Zero();  // m
@@ -60,8 +60,8 @@ struct SpinMotion {
   Course course;
 };
 
-// A turn to and fro about the axis through `about`, along the world's axes: amplitude sin(2 pi
-// frequency (t - start) + phase), rad and Hz, within the course, which needs a start and a ramp.
+// An oscillating rotation about the axis through `about`, along the world's axes: amplitude sin(2
+// pi frequency (t - start) + phase), rad and Hz, within the course, which needs a start and a ramp.
 struct SwingMotion {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
   Eigen::Vector3d about = Eigen::Vector3d::Zero();  // m
@@ -77,7 +77,8 @@ struct GlideMotion {
   Course course;
 };
 
-// From rest at `start` with this acceleration, m/s^2, to `end`, and by the ramp to rest again.
+// Moves from rest at `start` with this acceleration, m/s^2, until `end`, and then comes to rest
+// within the ramp.
 struct FallMotion {
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
   Course course;
@@ -88,29 +89,29 @@ struct Keyframe {
   Pose pose;
 };
 
-// kSmooth: cubic splines with continuous accelerations that begin and end at rest; they may swing
-// beyond a key. kLinear: straight lines; at the keys the speed changes at once.
+// kSmooth: cubic splines with continuous accelerations that begin and end at rest; they may
+// overshoot a key. kLinear: linear interpolation; at the keys the speed changes at once.
 enum class Interpolation { kSmooth, kLinear };
 
-// What becomes of a time that stands twice, with two poses. kRefuse: an error that tells the
-// acceleration. kSmooth: both courses are blended by S over `smooth_time`. kTeleport: the frame is
-// somewhere else at once, and the body on it feels nothing.
+// Treatment of a time that is listed twice, with two poses. kRefuse: an error that gives the
+// acceleration. kSmooth: S blends both courses over `smooth_time`. kTeleport: the frame changes its
+// position at once, without any force on the body.
 enum class JumpRule { kRefuse, kSmooth, kTeleport };
 
-// Poses at times that ascend; a time may stand twice. Before the first and after the last one they
-// stand still. absolute: they are where the frame is in the world, whatever its base and the parts
-// before this one; else they are maps of the world, so that the identity leaves the frame at its
-// base.
+// Poses at ascending times; a time may be listed twice. Before the first and after the last one the
+// frame is at rest.
 struct KeyframeMotion {
   std::vector<Keyframe> keys;
   Interpolation interpolation = Interpolation::kSmooth;
   JumpRule jumps = JumpRule::kRefuse;
   double smooth_time = 0.1;  // s
+  // True: the poses are the frame's in the world, whatever its base and the parts before this one.
+  // False: they are maps of the world; the identity leaves the frame at its base.
   bool absolute = false;
 };
 
-// Accelerations, m/s^2, at times that ascend, straight lines between, integrated twice from rest.
-// It goes on with the speed that it ends with.
+// Accelerations, m/s^2, at ascending times, interpolated linearly and integrated twice from rest.
+// After the last one the speed is constant.
 struct RecordMotion {
   std::vector<double> times;
   std::vector<Eigen::Vector3d> accelerations;
@@ -119,28 +120,28 @@ struct RecordMotion {
 using MotionPart = std::variant<ShakeMotion, SpinMotion, SwingMotion, GlideMotion, FallMotion,
                                 KeyframeMotion, RecordMotion>;
 
-// Nothing: still.
+// A sequence of parts; empty: at rest.
 struct Motion {
   std::vector<MotionPart> parts;
 };
 
-// Why a part is none; empty if it is one.
+// The reason why a part is not valid; empty if it is.
 std::string part_problem(const MotionPart& part);
 
-// A motion made ready to be asked for poses.
+// A motion prepared for the evaluation of poses.
 class MotionPath {
  public:
-  // Errors: kContent, with the number of the part, for what part_problem() finds.
+  // Errors: kContent, with the number of the part, if part_problem() finds one.
   static Result<MotionPath> create(const Motion& motion, const Pose& base = {});
 
-  // The quaternion is of length one but for rounding. Nothing is allocated.
+  // The quaternion is of unit length up to rounding. Allocates nothing.
   Pose pose(double t) const { return pose_in(piece(t), t); }
 
-  // Jumps of the kinds kRefuse and kTeleport cut the motion into pieces, counted from 0; a moment
-  // of a jump belongs to the piece behind it. pose_in: as if the piece had no end.
+  // Jumps of the kinds kRefuse and kTeleport divide the motion into pieces, counted from 0; the
+  // time of a jump belongs to the piece after it. pose_in: extends the piece beyond its ends.
   std::size_t piece(double t) const;
   Pose pose_in(std::size_t piece, double t) const;
-  // Behind piece k, s, ascending.
+  // The end of each piece but the last, s, ascending.
   const std::vector<double>& jumps() const { return jumps_; }
   // The first jump of the kind kRefuse, else kForEver.
   double refused_jump() const { return refused_; }
@@ -168,7 +169,7 @@ class MotionPath {
   static Keys make_keys(const KeyframeMotion& motion);
   static void find_slopes(Segment& segment, Interpolation interpolation);
   static Record make_record(const RecordMotion& motion);
-  // goes_on: straight lines go on before the first key and behind the last one, instead of an end.
+  // goes_on: extrapolate linearly before the first key and after the last one.
   static Pose at(const Segment& segment, double t, std::pair<bool, bool> goes_on = {});
   Pose part_pose(const Part& part, std::size_t piece, double t) const;
   Pose keys_pose(const Keys& keys, std::size_t piece, double t) const;

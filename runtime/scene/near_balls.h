@@ -18,7 +18,7 @@ class NearBalls {
   // After the last ball.
   void sort();
 
-  // The other bodies whose balls meet that of `body`, ascending; none for a body without a ball.
+  // The other bodies whose balls overlap that of `body`, ascending; none for a body without a ball.
   // Valid until the next call.
   std::span<const std::size_t> of(std::size_t body);
 

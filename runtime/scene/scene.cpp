@@ -118,7 +118,7 @@ Status check_bones(const SceneBody& body) {
 }
 
 Status check_body(const SceneBody& body) {
-  if (body.model.empty()) return content_error("it names no model");
+  if (body.model.empty()) return content_error("its model is empty: give the path of a basis file");
   if (const std::string problem = pose_problem(body.pose); !problem.empty())
     return content_error(problem);
   if (!body.velocity.allFinite() || !body.spin.allFinite())
@@ -182,7 +182,7 @@ Status check_colliders(const Scene& scene) {
 Status check_hand(const SceneHand& hand, const std::set<std::string>& bodies) {
   if (!bodies.contains(hand.body))
     return content_error("body: there is no body '" + hand.body + "'");
-  if (hand.at.empty()) return content_error("at: it names no vertex");
+  if (hand.at.empty()) return content_error("at: it is empty: give a vertex");
   if (!hand.pin && (!(hand.stiffness > 0.0) || !std::isfinite(hand.stiffness)))
     return content_error("stiffness must be positive and finite (N/m)");
   if (!(hand.damping >= 0.0) || !std::isfinite(hand.damping))
@@ -205,7 +205,7 @@ Status check_joint(const SceneJoint& joint, const std::set<std::string>& bodies)
     if (!bodies.contains(*name))
       return content_error(std::string(key) + ": there is no body '" + *name + "'");
   if (joint.body == joint.to) return content_error("to: it joins '" + joint.to + "' to itself");
-  if (joint.at.empty()) return content_error("at: it names no vertex");
+  if (joint.at.empty()) return content_error("at: it is empty: give a vertex");
   const JointOptions& options = joint.options;
   if (options.stiffness && (!(*options.stiffness > 0.0) || !std::isfinite(*options.stiffness)))
     return content_error("stiffness must be positive and finite (N/m)");

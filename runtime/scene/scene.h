@@ -1,5 +1,5 @@
-// A scene: everything that moves, and what moves it, as plain values. Units are SI; vectors are
-// along the world's axes. SceneWorld (runtime/scene/scene_world.h) makes it go.
+// A scene as plain values: everything that moves, and what moves it. Units are SI; vectors are
+// along the world's axes. SceneWorld (runtime/scene/scene_world.h) steps it.
 #pragma once
 
 #include <cstdint>
@@ -22,92 +22,83 @@
 
 namespace tremolo {
 
-// A force on vertices, times a course in time. at: a vertex's id or a selector on the boundary; the
-// force, N, is shared by its vertices. Empty: the model's default load, and no force. scale:
-// multiplies either. table: of a signal of the kind kTable.
+// A force on vertices, times a course in time.
 struct SceneLoad {
   Signal signal;
-  std::shared_ptr<const SignalTable> table;
+  std::shared_ptr<const SignalTable> table;  // of a signal of the kind kTable
+  // A vertex's id or a selector on the boundary. Empty: the model's default load, without `force`.
   std::string at;
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();
-  double scale = 1.0;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, distributed over the vertices
+  double scale = 1.0;                               // multiplies the force or the default load
 };
 
-// What a run writes of one body: vertices or selectors whose displacement is recorded, and
-// coordinates ("3", "0-5", "all"); velocities: of these too.
+// Columns of the CSV that a run writes of one body.
 struct SceneColumns {
-  std::vector<std::string> probes;
-  std::vector<std::string> coordinates;
-  bool velocities = false;
+  std::vector<std::string> probes;       // vertices or selectors whose displacement is recorded
+  std::vector<std::string> coordinates;  // "3", "0-5", "all"
+  bool velocities = false;               // of probes and coordinates, too
 };
 
-// A bone of a body. name: its own among the body's bones. parent: the name of one before it, which
-// takes it along; empty: the body's frame does. head, tail: its ends at rest, m, in the mesh's
-// coordinates; by its distance to them the body hangs on it, unless there are weights. motion: its
-// own, relative to the parent, about its head: the parts' positions and axes are along the mesh's
-// axes, from the head.
+// A bone of a body.
 struct SceneBone {
-  std::string name;
-  std::string parent;
+  std::string name;    // unique among the body's bones
+  std::string parent;  // an earlier bone, which moves this one; empty: the body's frame
+  // Ends at rest, m, in the mesh's coordinates. The distance to them gives the weights of vertices
+  // unless the body has bone_weights.
   Eigen::Vector3d head = Eigen::Vector3d::Zero();
   Eigen::Vector3d tail = Eigen::Vector3d::Zero();
+  // Relative to the parent, about the head: positions and axes are along the mesh's axes, from the
+  // head.
   Motion motion;
 };
 
-// A value that holds from a moment on, s.
+// A value that applies from a time on, s.
 struct ValueFrom {
   double time = 0.0;
   double value = 0.0;
 };
 
-// name: each body's own. model: path of the basis file; made_by: the command that makes it, told
-// where it is missing. options.step is not read: a scene has one step. alphas, betas: Rayleigh's,
-// in the order of time, in the place of options.alpha and beta from the first step on that begins
-// then. pose: at t = 0; a motion moves the frame from there. velocity, m/s, of the centre of mass,
-// and spin, rad/s: of a free body at t = 0. settled: it begins in the shape in which gravity and
-// its loads at t = 0 hold it at rest in its frame; not for a free body. acceleration_limit, m/s^2:
-// no point of the body may be accelerated more by its frame. A fixed body at a pose of its own is
-// driven by a motion that stands still. feels_contact: it touches the scene's colliders, as contact
-// says; a driven, free or turned body then needs avf, ep2 or ep4. Hands hold it either way.
-// contact.shape: what other bodies bump into; without one they pass through. shape_file: of a
-// mesh's distances, in its place; shape_made_by: the command that makes it, told where it is
-// missing. rig: bones, their weights and their motions are those of the model's render surface;
-// clip: the name of the motion, empty for the first one. bones: of a driven body that hangs on
-// several frames and touches nothing; bone_weights: a row a drawn vertex, a column a bone; none: by
-// distance, with bone_blend, m (runtime/bones.h; 0: the usual one).
+// A body of a scene.
 struct SceneBody {
-  std::string name;
-  std::string model;
-  std::string made_by;
+  std::string name;     // unique among the bodies
+  std::string model;    // path of the basis file
+  std::string made_by;  // the command that makes the file, for the error if it is missing
   ModelOptions model_options;
   FrameKind kind = FrameKind::kFixed;
   std::string integrator{kDefaultIntegrator};
-  IntegratorOptions options;
+  IntegratorOptions options;  // options.step is ignored: a scene has one step
+  // Rayleigh damping, 1/s and s, ascending in time: from the first step that begins at or after a
+  // value's time on, the value replaces options.alpha or options.beta.
   std::vector<ValueFrom> alphas, betas;
+  // At t = 0; `motion` moves the frame from there. A fixed body with a pose is driven, at rest.
   Pose pose;
+  // Of a free body at t = 0: of the centre of mass, m/s, and about it, rad/s.
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
   Eigen::Vector3d spin = Eigen::Vector3d::Zero();
+  // The body starts in its equilibrium under gravity and its loads at t = 0. Not for a free body.
   bool settled = false;
   std::vector<SceneLoad> loads;
   Motion motion;
-  std::vector<SceneBone> bones;
-  BoneWeights bone_weights;
-  double bone_blend = 0.0;
-  bool rig = false;
-  std::string clip;
-  double acceleration_limit = 1e4;
+  std::vector<SceneBone> bones;  // of a driven body with several frames and without contact
+  BoneWeights bone_weights;      // a row per drawn vertex, a column per bone; empty: by distance
+  double bone_blend = 0.0;       // m, for weights by distance (runtime/bones.h); 0: the default
+  bool rig = false;  // bones, weights and motions are those of the model's render surface
+  std::string clip;  // name of the rig's motion; empty: the first one
+  double acceleration_limit = 1e4;  // m/s^2, of any point of the body by its frame
+  // The body is in contact with the scene's colliders, by `contact`; a driven, free or rotated body
+  // then needs avf, ep2 or ep4. Hands can hold the body either way.
   bool feels_contact = true;
-  ContactOptions contact;
-  std::string shape_file;
-  std::string shape_made_by;
+  ContactOptions contact;     // without contact.shape other bodies pass through this one
+  std::string shape_file;     // of a mesh's distances, instead of contact.shape
+  std::string shape_made_by;  // the command that makes it, for the error if it is missing
   SceneColumns columns;
 };
 
-// That of the body in a world: a fixed one at a pose of its own is driven.
+// The kind of the body in a world: a fixed one with a pose is driven.
 FrameKind frame_kind(const SceneBody& body);
 
-// Gravity, m/s^2: values at moments (s, ascending), straight lines between; one value is constant.
-// Before the first and after the last moment it stays. Empty: none.
+// Gravity, m/s^2: values at ascending times, s, interpolated linearly; constant before the first
+// and after the last. Empty: none.
 struct SceneGravity {
   std::vector<double> times;
   std::vector<Eigen::Vector3d> values;
@@ -115,47 +106,40 @@ struct SceneGravity {
   Eigen::Vector3d at(double t) const;
 };
 
-// What bodies touch. name: each collider's own. file: of a mesh's distances (tremolo-precompute
-// collider); `shape` is then not read; made_by: the command that makes it, told where it is
-// missing. pose: of the shape's frame at t = 0; a motion moves it from there. friction: mu,
-// restitution: the share of the speed that comes back, 0 to 1; of the pair with whatever touches
-// it.
+// A rigid obstacle for bodies.
 struct SceneCollider {
-  std::string name;
-  Collider shape;
-  std::string file;
-  std::string made_by;
-  Pose pose;
+  std::string name;     // unique among the colliders
+  Collider shape;       // ignored if there is a file
+  std::string file;     // of a mesh's distances (tremolo-precompute collider)
+  std::string made_by;  // the command that makes the file, for the error if it is missing
+  Pose pose;            // of the shape's frame at t = 0; `motion` moves it from there
   Motion motion;
-  double friction = 0.3;
-  double restitution = 0.5;
+  double friction = 0.3;     // coefficient mu, for all pairs with this collider
+  double restitution = 0.5;  // ratio of the normal speeds after and before, 0 to 1, for all pairs
 };
 
-// A spring and a damper from a vertex of a body to a point that moves. body: its name. at: a
-// vertex's id, or a selector of one vertex. It holds from the step that begins at `from`, s, to
-// `until`. position: of the point without any motion, m; without one the point is where the vertex
-// is when it is taken hold of, and goes on from there as the motion does. What moves the point is
-// on the whole way at the end of each step; in its first step it comes from the vertex.
+// A spring and a damper between a vertex of a body and a point that moves. At the end of each step
+// the point is where its motion puts it; in the first step it starts at the vertex.
 struct SceneHand {
-  std::string body;
-  std::string at;
+  std::string body;        // its name
+  std::string at;          // a vertex's id, or a selector of one vertex
   bool pin = false;        // Body::pin: stiffness and damping are not read
   double stiffness = 0.0;  // N/m, above 0
   double damping = 0.0;    // N s/m
+  // Of the point without any motion, m. Empty: the vertex's position when it is grabbed.
   std::optional<Eigen::Vector3d> position;
   Motion motion;
-  double from = 0.0;
-  double until = kForEver;
+  double from = 0.0;        // s; it holds from the step that begins then
+  double until = kForEver;  // s
 };
 
-// A joint between a vertex of a body and one of another (runtime/contact/joint.h). body, to: their
-// names. at, to_at: a vertex's id, or a selector of one vertex; without to_at the second place is
-// where the first is at t = 0. It holds until `until`, s.
+// A joint between vertices of two bodies (runtime/contact/joint.h).
 struct SceneJoint {
-  std::string body, at;
-  std::string to, to_at;
+  std::string body, at;  // name; a vertex's id, or a selector of one vertex
+  std::string to;        // name of the other body
+  std::string to_at;     // its vertex; empty: the point of it at the first vertex at t = 0
   JointOptions options;
-  double until = kForEver;
+  double until = kForEver;  // s; it holds until then
 };
 
 struct Scene {
@@ -168,14 +152,14 @@ struct Scene {
   std::vector<SceneJoint> joints;
 };
 
-// Whether bodies of the scene may touch each other.
+// True if bodies of the scene may be in contact with each other.
 bool bodies_touch(const Scene& scene);
 
-// Whether the body needs Body::set_contact(): colliders or bodies that it feels, a hand or a joint
-// on it.
+// True if the body needs Body::set_contact(): it can be in contact with colliders or bodies, or a
+// hand or a joint holds it.
 bool needs_contact(const Scene& scene, const SceneBody& body);
 
-// The same for each body of a scene of many, which must outlive it.
+// The same query for many bodies of a scene, which must outlive this object.
 class ContactNeeds {
  public:
   explicit ContactNeeds(const Scene& scene);
@@ -186,11 +170,11 @@ class ContactNeeds {
   std::set<std::string_view> held_;  // bodies on hands and joints
 };
 
-// Errors, kContent, each with the body, collider, hand or key that it is about: no body, names that
-// are empty or stand twice, a step or duration that is not positive and finite, a pose, velocity,
-// gravity, force or motion that is not finite or out of range, a motion of a body that is not
-// driven, velocities of one that is not free, a method that contact does not go with, sizes,
-// friction or restitution out of range, a hand or a joint on a body that is not there.
+// Errors (kContent), each with its body, collider, hand or key: no body; names that are empty or
+// not unique; a step or duration that is not positive and finite; a pose, velocity, gravity, force
+// or motion that is not finite or out of range; a motion of a body that is not driven; velocities
+// of one that is not free; a method that does not support contact; sizes, friction or restitution
+// out of range; a hand or a joint on a body that does not exist.
 Status check_scene(const Scene& scene);
 
 }  // namespace tremolo

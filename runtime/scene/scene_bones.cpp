@@ -9,7 +9,7 @@
 namespace tremolo {
 namespace {
 
-constexpr double kMostBoneLooks = 1e5;  // steps whose accelerations are looked at before a run
+constexpr double kMostBoneLooks = 1e5;  // steps whose accelerations are checked before a run
 
 Error error_of_bone(const SceneBone& bone, const std::string& problem) {
   return content_error("bone '" + bone.name + "': " + problem);

@@ -15,23 +15,23 @@
 
 namespace tremolo {
 
-// Fills in the bones of a body that asks for those of its model's render surface: heads, weights,
-// and the clip as keyframes, a bone's relative to its parent. Errors (kContent): a surface without
-// a rig, a clip that it does not have.
+// For a body with `rig`, fills in the bones of its model's render surface: heads, weights, and the
+// clip as keyframes, a bone's relative to its parent. Errors (kContent): a surface without a rig, a
+// clip that does not exist.
 Status take_rig(SceneBody& body, const Model& model);
 
-// The skin that the body asks for. Errors of skin_of_weights and skin_near_bones.
+// The skin of the body's bones. Errors of skin_of_weights and skin_near_bones.
 Result<std::shared_ptr<const Skin>> make_scene_skin(const SceneBody& body, const Model& model);
 
 // T_b(t) = T_parent(t) (h_b M_b(t) h_b^-1): M_b is the bone's own motion, about its head, where
 // h_b puts the origin; the parent of a bone that names none is the body's frame.
 class BonePaths {
  public:
-  // Errors: kContent, with the bone's name, for a motion that is none or that jumps.
+  // Errors: kContent, with the bone's name, for a motion that is not valid or that jumps.
   static Result<BonePaths> create(const SceneBody& body);
 
   std::size_t size() const { return bones_.size(); }
-  // One a bone. Nothing is allocated.
+  // Writes one pose per bone. Allocates nothing.
   void poses(double t, std::span<Pose> out) const;
   // The motion of every bone in the k-th step, counted from 0, and where it ends. Nothing is
   // allocated. Valid until the next call.

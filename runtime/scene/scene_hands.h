@@ -1,4 +1,4 @@
-// The hands of a scene: they take hold of a vertex, move, and let go.
+// The hands of a scene: each grabs a vertex, moves it, and releases it.
 #pragma once
 
 #include <cstddef>
@@ -20,12 +20,12 @@ class MovingHand {
   // vertex that does not move.
   static Result<MovingHand> create(const SceneHand& wanted, const ContactBody& body);
 
-  // Before the body's k-th step, counted from 0: takes hold, says where the hand will be at the end
-  // of the step, or lets go. Nothing is allocated if the body has room for the hand
-  // (Body::reserve_contact). False if the body did not take it.
+  // Call it before the body's k-th step, counted from 0: grabs the vertex, sets the hand's position
+  // at the end of the step, or releases the vertex. Allocates nothing if the body has room for the
+  // hand (Body::reserve_contact). False if the body refuses the hand.
   bool before_step(const SceneHand& wanted, std::int64_t k, double step, ContactBody& body);
 
-  // What it carries between steps. body: which it holds, put back before.
+  // Saves or restores the state between steps. body: the held one, restored before.
   void carry(StateStream& stream, const ContactBody& body);
 
   VertexId vertex() const { return vertex_; }

@@ -10,7 +10,7 @@
 namespace tremolo {
 namespace {
 
-// Values one behind the other, and the hash of them all.
+// A sequence of values, and the hash of all.
 class Identity {
  public:
   template <class... Values>

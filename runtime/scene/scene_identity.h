@@ -1,4 +1,4 @@
-// What a saved world belongs to: every part of a scene, and a hash of what it is.
+// The identity of a scene in a saved world: each part with a hash of its contents.
 #pragma once
 
 #include <vector>
@@ -10,9 +10,9 @@
 
 namespace tremolo {
 
-// The step and gravity, then bodies with their models, colliders with their shapes, hands. How long
-// a run is and what it writes is not among it. models, colliders: in the scene's order. shapes: of
-// the bodies, null where there is none.
+// Parts: the step and gravity, then bodies with their models, colliders with their shapes, hands;
+// but not the duration and the outputs. models, colliders: in the scene's order. shapes: of the
+// bodies, null if there is none.
 std::vector<SavedPart> scene_parts(const Scene& scene, const std::vector<const Model*>& models,
                                    const std::vector<const Collider*>& shapes,
                                    std::span<const PlacedCollider> colliders);

@@ -37,7 +37,7 @@ Result<HeldJoint> HeldJoint::create(const SceneJoint& wanted, const ContactBody&
   if (!to) return to.error();
   Result<Joint> joint = make_joint(first, *at, second, *to, wanted.options);
   if (!joint) return content_error(joint.error().message);
-  // A stiff joint would draw them together at once.
+  // A stiff joint would pull them together suddenly.
   const double apart = joint_distance(*joint, first, second);
   const double limit = first.contact()->law().margin;
   if (!wanted.options.stiffness && std::abs(apart - joint->length) > limit)

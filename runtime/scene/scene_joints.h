@@ -15,12 +15,12 @@ namespace tremolo {
 
 class HeldJoint {
  public:
-  // kContent: a selector that is not one vertex, places that begin apart though the joint is stiff
-  // and has no length; else as make_joint.
+  // kContent: a selector that is not one vertex, or points that are apart at the start although the
+  // joint is stiff and has no length; else as for make_joint.
   static Result<HeldJoint> create(const SceneJoint& wanted, const ContactBody& first,
                                   const ContactBody& second);
 
-  // Joins the bodies a and b of the group; lets them go where the time is over at t, s.
+  // Joins the bodies a and b of the group; releases them when the joint's time is over at t, s.
   void begin(BodyGroup& group, std::size_t a, std::size_t b);
   void before_step(const SceneJoint& wanted, double t, double step, BodyGroup& group);
 
@@ -29,8 +29,8 @@ class HeldJoint {
     return number_ ? group.joint(*number_) : nullptr;
   }
 
-  // Whether it holds. What is read is put into the group: call it for all joints, in their order,
-  // after all have let go.
+  // carry() saves or restores whether the joint holds; when restoring, call let_go() for all joints
+  // first, then carry() for each, in their order.
   void let_go(BodyGroup& group);
   void carry(StateStream& stream, BodyGroup& group, std::size_t a, std::size_t b);
 

@@ -15,7 +15,7 @@
 namespace tremolo {
 namespace {
 
-constexpr double kMostLooks = 1e6;  // steps whose accelerations are looked at before a run
+constexpr double kMostLooks = 1e6;  // steps whose accelerations are checked before a run
 
 std::string acceleration_text(double acceleration) {
   return number_text(acceleration) + " m/s^2 (" + number_text(acceleration / 9.81) + " g)";

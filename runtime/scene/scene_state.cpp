@@ -1,4 +1,4 @@
-// SceneWorld: what it carries from step to step, saved and put back.
+// SceneWorld: saves and restores its state between steps.
 #include <algorithm>
 #include <cmath>
 #include <string>

@@ -35,11 +35,11 @@ double reach_of(const Model& model) {
   return reach;
 }
 
-// Momenta of what one frame carries. poses: of the frame a step before, now, and a step from now.
+// Momenta of the body of one frame. poses: of the frame one step before, now, and one step later.
 Momenta momenta_in_frame(const FrameInertia& inertia, const Eigen::VectorXd& q,
                          const Eigen::VectorXd& v, const std::array<Pose, 3>& poses, double h) {
   const auto& [before, pose, behind] = poses;
-  // The frame's velocities at the node are the mean of the steps before and behind it.
+  // The frame's velocities at the time between two steps are the means of the two steps.
   const Vector3d velocity =
       pose.rotation.conjugate() * (behind.position - before.position) / (2.0 * h);
   const Vector3d spin = (turn_of(before.rotation.conjugate() * pose.rotation) +
@@ -155,7 +155,8 @@ Status SceneWorld::begin(const SceneBody& wanted, Actor& actor) const {
     for (std::size_t b = 0; b < poses.size(); ++b)
       if (Status s = body.set_bone(b, poses[b]); !s) return s;
   }
-  // A body makes what gravity needs when it first gets some: not inside a step.
+  // A body computes integrals for gravity when it first gets some, which must not happen inside a
+  // step.
   for (const Vector3d& value : scene_.gravity.values)
     if (Status s = body.set_gravity(value); !s) return s;
   const Vector3d gravity = scene_.gravity.at(0.0);
@@ -263,7 +264,6 @@ Status SceneWorld::add_joints() {
   return Success{};
 }
 
-// Whether a joint holds the two that do not touch each other.
 bool SceneWorld::passes_through(std::size_t a, std::size_t b) const {
   return passing_.contains(std::minmax(a, b));
 }
@@ -304,7 +304,7 @@ Status SceneWorld::damp(std::size_t i) {
   return body.set_damping(now(wanted.alphas, body.alpha()), now(wanted.betas, body.beta()));
 }
 
-// Poses of a path are of length one and finite: the call cannot fail.
+// Poses of a path are finite with quaternions of unit length: the call cannot fail.
 void SceneWorld::move_bones(Actor& actor) const {
   const BonePaths::Step step = actor.bones->step(steps_, scene_.step);
   for (std::size_t b = 0; b < actor.bones->size(); ++b)
@@ -316,7 +316,7 @@ void SceneWorld::move_frame(Actor& actor) const {
   if (actor.path.still()) return;
   const double h = scene_.step, t = time();
   const std::size_t piece = actor.path.piece(t + 0.5 * h);
-  // Poses of a path are of length one and finite: neither call can fail.
+  // Poses of a path are finite with quaternions of unit length: neither call can fail.
   if (piece != actor.piece) (void)actor.body.set_pose(actor.path.pose_in(piece, t));
   actor.piece = piece;
   (void)actor.body.move_to(actor.path.pose_in(piece, static_cast<double>(steps_ + 1) * h),
@@ -339,7 +339,7 @@ struct PlaceSum {
   double impulse = 0.0;
   Vector3d push = Vector3d::Zero(), position = push, normal = push;
 
-  // sign: -1 for a point of what the body touches.
+  // sign: -1 for a point of the body's partner.
   void add(const ContactedPoint& point, double sign) {
     const double size = point.impulse.norm();
     impulse += size;

@@ -1,14 +1,13 @@
-// A scene that goes: its bodies, stepped together.
+// The bodies of a scene, stepped together.
 //
-// Each step takes every body from t to t + h. A driven body is told where its frame will be and how
-// it moves on the way, from the poses of its motion at t - h, t, t + h and t + 2h; gravity is that
-// of the middle of the step. Colliders move from pose to pose of their motion; every body touches
-// all of them, and the other bodies that have a shape (runtime/contact/solve/body_group.h). What a
-// body does depends on nothing but the scene's entries of it, of what it touches and of its hands,
-// bit for bit: not on the order in which they stand (bodies are taken by their names).
+// Each step takes every body from t to t + h. The motion of a driven body's frame in the step
+// follows from its poses at t - h, t, t + h and t + 2h; gravity is that of the middle of the step.
+// Colliders move from pose to pose of their motion; every body can be in contact with all of them,
+// and with the other bodies that have a shape (runtime/contact/solve/body_group.h). The result for
+// a body depends only on the scene's entries for it, for bodies and colliders in contact with it,
+// and for its hands, bit for bit: not on the order of the entries (bodies are sorted by name).
 //
-// A step of a body that cannot be made leaves it where it was, and it stands still from then on;
-// the others go on.
+// A body whose step fails keeps its state and is not stepped again; the other bodies continue.
 #pragma once
 
 #include <cstddef>
@@ -43,49 +42,49 @@
 
 namespace tremolo {
 
-// Where a body touched something in the last step in which it did, and its impulse since that
+// Mean position of the last contact of a body with something, and its impulse since the contact
 // began.
 struct ContactPlace {
   double impulse = 0.0;                            // sum of |F| h, N s
   Eigen::Vector3d push = Eigen::Vector3d::Zero();  // sum of F h on the body, N s, world
-  Eigen::Vector3d position = push, normal = push;  // means of the points that pushed, each
-                                                   // weighted by its impulse: m, world; out of
-                                                   // what is touched, of length 1 (zero if the
-                                                   // normals cancel)
+  Eigen::Vector3d position = push;  // mean of the contact points, weighted by impulse, m, world
+  // The mean normal with the same weights, out of the other thing, of unit length; zero if the
+  // normals cancel.
+  Eigen::Vector3d normal = push;
 
   void carry(StateStream& stream) { stream(impulse, push, position, normal); }
 };
 
-// A body that began to touch a collider or another body in the last step, or that did not touch it
-// any more. Points that leave for a single step end a contact: who wants long ones joins what is
+// The begin or end of a contact of a body with a collider or another body in the last step. A
+// contact ends when its points separate for a single step: to get longer ones, join events that are
 // close in time.
 struct ContactEvent {
   enum class Kind { kBegin, kEnd };
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
   std::size_t body = 0;
-  std::size_t collider = kNone;  // its number; kNone of two bodies,
-  std::size_t other = kNone;     // of which this is the second
+  std::size_t collider = kNone;  // its index; kNone for a contact of two bodies
+  std::size_t other = kNone;     // index of the second body; kNone for a collider
   Kind kind = Kind::kBegin;
   ContactPlace place;
 
   void carry(StateStream& stream) { stream(body, collider, other, kind, place); }
 };
 
-// The model of a body of a scene.
+// Supplies the model of a body of a scene.
 using ModelSource = std::function<Result<Model::Pointer>(const SceneBody&)>;
 
-// Model::load; where the file is missing the error names the command that makes it.
+// Model::load; if the file is missing the error gives the command that makes it.
 Result<Model::Pointer> load_scene_model(const SceneBody& body);
 
 class SceneWorld {
  public:
-  // source is asked once for bodies that share file and options. Errors: as check_scene; those of
-  // the source, of Body::create, of selectors and of loads, with the body's name in front; kContent
-  // for a motion that jumps and does not say how, or that accelerates a point of the body more than
-  // it may (looked at in the first 1e6 steps), for a collider's motion that jumps, for a body that
-  // begins inside a collider by more than its margin, for a hand whose selector is not one vertex
-  // that moves, for a joint likewise; those of load_scene_collider; kSolver where a body that
-  // should begin settled finds no shape to stand in.
+  // source is called once for bodies that share file and options. Errors: as for check_scene; those
+  // of the source, of Body::create, of selectors and of loads, with the body's name in front; those
+  // of load_scene_collider; kContent for a frame's motion that jumps (JumpRule::kRefuse) or
+  // accelerates a point of the body beyond its limit (checked for the first 1e6 steps), for a
+  // collider's motion that jumps, for a body that begins inside a collider by more than its margin,
+  // for a hand or a joint whose selector is not one vertex that moves; kSolver for a `settled` body
+  // without an equilibrium.
   static Result<SceneWorld> create(const Scene& scene,
                                    const ModelSource& source = load_scene_model);
 
@@ -97,58 +96,59 @@ class SceneWorld {
   // Bodies, in the scene's order.
   std::size_t size() const { return actors_.size(); }
   const ContactBody& body(std::size_t i) const { return actors_[i].body; }
-  // To push it; the world steps it.
+  // For applying forces; the world steps the body.
   ContactBody& body(std::size_t i) { return actors_[i].body; }
   const std::string& name(std::size_t i) const { return scene_.bodies[i].name; }
   std::optional<std::size_t> find(std::string_view name) const;
-  // Whether a joint holds the two bodies that do not touch each other.
+  // True if a joint between the two bodies switches their contact off.
   bool passes_through(std::size_t a, std::size_t b) const;
 
-  // As Body::set_method: of one body another method, of all another step, s. The world's time goes
-  // to the nearest multiple of it.
+  // As Body::set_method: sets another method of one body, or another step, s, of all. The world's
+  // time is rounded to the nearest multiple of the step.
   Status set_method(std::size_t i, std::string_view integrator);
   Status set_step(double step);
 
-  // As BodyGroup::set_threads: how many threads step the bodies, the caller's included; 0: one a
-  // core. No bit depends on it.
+  // As BodyGroup::set_threads: sets the number of threads that step the bodies, the caller's
+  // included; 0: one per core. The results do not depend on it.
   Status set_threads(unsigned threads) { return group_->set_threads(threads); }
 
-  // One step of all bodies that have not failed. The bodies that failed in this step are returned,
-  // valid until the next one. Nothing is allocated but for bodies that touch each other.
+  // Steps all bodies that have not failed. Returns the bodies that failed in this step, valid until
+  // the next one. Allocates only for bodies in contact with each other.
   struct Failure {
     std::size_t body;
     StepReport report;
   };
   std::span<const Failure> step();
   bool failed(std::size_t i) const { return actors_[i].failed; }
-  // At rest and not stepped, until something wakes it.
+  // True if the body is at rest and not stepped until something wakes it.
   bool asleep(std::size_t i) const { return group_->asleep(place_[i]); }
 
   // Events of the last step, those of colliders first; valid until the next one.
   std::span<const ContactEvent> events() const { return events_; }
-  // The points of an event's body and of what it touches that pushed in the last step, with their
-  // impulses on the body: empty for a contact that ended.
+  // The points in contact in the last step for an event's pair, with their impulses on the body;
+  // empty for a contact that ended.
   std::vector<ContactedPoint> points_of(const ContactEvent& event) const;
-  // How often the body began to touch something, and how deep its contact points were behind a
-  // surface at most at the end of any step, as a share of the body's size (0: never).
+  // The number of contacts that began, and the largest penetration of the body's contact points at
+  // the end of any step, relative to the body's size (0: none).
   std::int64_t contacts(std::size_t i) const { return actors_[i].contacts; }
   double penetration_max(std::size_t i) const { return actors_[i].penetration; }
-  // How far a contact point of the body began within the margin of a collider, m; 0: none did. Its
-  // contact begins where it is (runtime/contact/contact_law.h).
+  // The largest distance of a contact point within the margin of a collider when it started, m; 0:
+  // none was. Its contact begins at that distance (runtime/contact/contact_law.h).
   double begins_within(std::size_t i) const { return actors_[i].begins_within; }
-  // The impulse of the body on a collider since the start, N s, world. Both by their numbers.
+  // The impulse of body i on a collider since the start, N s, world.
   Eigen::Vector3d collider_impulse(std::size_t i, std::size_t collider) const {
     const std::size_t at = i * colliders_.placed().size() + collider;
     return at < touching_.size() ? touching_[at].whole : Eigen::Vector3d(Eigen::Vector3d::Zero());
   }
-  // How fast a point of the body near something went relative to it at most, m/s, and how often one
-  // went through it within a step, so that it was not pushed back (runtime/contact/passage.h).
+  // The largest speed of a point of the body relative to something near it, m/s, and the number of
+  // times that a point passed through something within a step, so that it was not pushed back
+  // (runtime/contact/passage.h).
   double contact_speed_max(std::size_t i) const { return actors_[i].speed; }
   std::int64_t passed_through(std::size_t i) const { return actors_[i].passed; }
-  // Below this speed, m/s, no point goes through a collider or a body's shape that is a sphere,
+  // Below this speed, m/s, no point passes through a collider, or a body's shape, that is a sphere,
   // capsule, box or cylinder; infinite if there is none.
   double contact_speed_limit() const;
-  // Where they were in the last step, in the scene's order.
+  // The colliders with their poses in the last step, in the scene's order.
   std::span<const PlacedCollider> colliders() const { return colliders_.placed(); }
   // In the scene's order.
   const MovingHand& hand(std::size_t i) const { return hands_[i].hand; }
@@ -159,22 +159,21 @@ class SceneWorld {
   // In the scene's order; null: its time is over.
   const Joint* joint(std::size_t i) const { return joints_[i].joint.find(*group_); }
 
-  // All that the world carries from step to step: the bytes of a file
-  // (formats/saved/saved_file.h), or the file, which appears whole or not at all (kSystem). With it
-  // put back into a world of the same scene, the steps that follow have the same bits as those of
-  // the world that was saved. What is not in the scene is not among it, but for forces of
-  // Body::apply_force() and what a body holds by itself: loads in time that were added.
+  // Saves the state between steps, as the bytes of a file (formats/saved/saved_file.h) or as a
+  // file, which is written whole or not at all (kSystem). A world of the same scene that is
+  // restored from it continues with the same bits as the saved one. Changes outside the scene are
+  // not saved, except forces of Body::apply_force() and loads added to a body.
   std::vector<std::byte> save() const;
   Status save(const std::string& path) const;
-  // kContent, which names what is wrong and leaves the world as it was, for what is damaged or cut
-  // off, of another version, or of a scene with another step, gravity, body, model, collider,
+  // Errors, which leave the world unchanged: kContent with the reason for data that are damaged,
+  // cut off or of another version, or of a scene with another step, gravity, body, model, collider,
   // hand or joint; kSystem for a file that cannot be read.
   Status restore(std::span<const std::byte> bytes);
   Status restore(const std::string& path);
-  // What save() holds without saying whose it is.
+  // Saves or restores the state only, without the identity of the scene.
   void carry(StateStream& stream);
 
-  // Body::pick of all bodies: what the ray meets first, and of which body. Errors as there.
+  // Body::pick over all bodies: the first hit of the ray, and its body. Errors as there.
   struct Hit {
     std::size_t body = 0;
     SurfaceHit hit;
@@ -184,7 +183,7 @@ class SceneWorld {
 
   // Evaluates the body's energy.
   EnergyAccount account(std::size_t i) const;
-  // A body that is not free needs the inertia integrals for them; zeros without.
+  // The momenta of a body that is not free need its inertia integrals; zeros without them.
   Momenta momenta(std::size_t i) const;
 
  private:

@@ -15,7 +15,7 @@ namespace {
 
 using Sets = std::map<std::string, std::vector<VertexId>>;
 
-// The vertex's index in the boundary's block, which stands for its id while a selector is resolved.
+// The vertex's index in the boundary's block, which replaces its id while a selector is resolved.
 std::optional<VertexId> place_of(const VertexBlock& block, VertexId id) {
   const std::optional<std::size_t> at = find_vertex(block.vertex_ids, id);
   return at ? std::optional(static_cast<VertexId>(*at)) : std::nullopt;
@@ -25,7 +25,7 @@ void add_to(Sets& sets, const std::string& name, const VertexBlock& block, Verte
   if (const std::optional<VertexId> place = place_of(block, id)) sets[name].push_back(*place);
 }
 
-// All in places of the block, as the whole selection is until its end.
+// All sets as indices into the block, as the whole selection until it is finished.
 Sets make_sets(const Boundary& boundary) {
   const VertexBlock& block = boundary.surface;
   Sets sets;
@@ -54,7 +54,7 @@ std::vector<Colour> make_colours(const Boundary& boundary) {
   return colours;
 }
 
-// Ids that a selector gives -> places.
+// Converts the ids in a selector to indices.
 Status localise(Selector& selector, const Boundary& boundary) {
   if (auto* list = std::get_if<SelectVertices>(&selector.choice))
     for (VertexId& id : list->ids) {

@@ -1,4 +1,4 @@
-// Selectors (common/mesh/selector.h) on what a basis file keeps of its mesh: the boundary.
+// Selectors (common/mesh/selector.h) on the boundary, the part of the mesh in a basis file.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace tremolo {
 
-// What is chosen from. render: nullptr if there is none. vertex_count: n of the whole mesh.
+// The boundary of a mesh. render: nullptr if there is none. vertex_count: n of the whole mesh.
 struct Boundary {
   const VertexBlock& surface;
   const RenderBlock* render;
@@ -25,19 +25,19 @@ struct Boundary {
 struct Selection {
   std::vector<VertexId> ids;
   std::vector<Eigen::Vector3d> places;
-  std::vector<std::string> notes;  // for the user: what a `near:` took
+  std::vector<std::string> notes;  // for the user: the vertex chosen by a `near:`
 };
 Result<Selection> select_on_boundary(const std::string& text, const Boundary& boundary);
 
-// text: a vertex's id, taken as it is (it may lie inside), or a selector on the model's boundary.
-// Errors: kContent for a negative id, else as select_on_boundary.
+// text: a vertex's id, which may be inside, or a selector on the model's boundary. Errors: kContent
+// for a negative id, else as for select_on_boundary.
 Result<std::vector<VertexId>> vertices_of(const std::string& text, const Model& model);
 
 // A force (N) on these vertices, on a face shared by its area (common/mesh/area_shares.h).
 DefaultLoad shared_by_area(const std::vector<VertexId>& vertices, const Eigen::Vector3d& force,
                            const Model& model);
 
-// What each `near:` of the text took, for the user; empty where vertices_of gives an error.
+// For each `near:` of the text, a note with the chosen vertex; empty if vertices_of gives an error.
 std::vector<std::string> nearest_of(const std::string& text, const Model& model);
 
 }  // namespace tremolo

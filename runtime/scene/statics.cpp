@@ -30,7 +30,8 @@ class Solver {
         workspace_(potential.make_workspace(kUseTangent)),
         evaluation_(potential.make_evaluation()) {}
 
-  // The shape under the share s of the force and of the target, near `at`; false if there is none.
+  // Solves for the shape under the fraction s of the force and of the target, starting at `at`;
+  // false if there is none.
   bool solve(double s, Standing& at) {
     const Eigen::Index r = force_.size(), c = hold_.target.size();
     Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(r + c, r + c);
@@ -54,7 +55,7 @@ class Solver {
     return false;
   }
 
-  // Whether the energy grows with every small motion that the hold leaves.
+  // True if the energy grows with every small motion that the hold permits.
   bool stable(const Standing& at) {
     potential_.evaluate(at.q, kWantTangent, workspace_, evaluation_);
     Eigen::MatrixXd tangent = evaluation_.tangent;

@@ -10,10 +10,10 @@
 
 namespace tremolo {
 
-// Reads `bones`, `bone-blend` and `bone-weights` into the body; a CSV file that is named is
-// appended to `files`. what: the body, in errors. What is wrong with a key is kept by `keys`; the
-// rest is returned: kSystem for a file that cannot be read, kContent with file, line or row, and
-// key or bone.
+// Reads `bones`, `bone-blend` and `bone-weights` into the body; appends the CSV files that were
+// read to `files`. what: the body, in errors. Errors of a key are kept by `keys`; others are
+// returned: kSystem for a file that cannot be read, kContent with file, line or row, and key or
+// bone.
 Status read_bones(TomlKeys& keys, const std::string& path, const std::string& what,
                   std::vector<std::string>& files, SceneBody& body);
 

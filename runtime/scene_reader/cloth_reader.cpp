@@ -28,7 +28,7 @@ std::size_t read_count(TomlKeys& keys, const char* key) {
   return keys.good() ? static_cast<std::size_t>(count) : 0;
 }
 
-// The direction may have any length but none; it comes out of length one.
+// Reads a direction of any length but zero and normalises it.
 void read_direction(TomlKeys& keys, const char* key, Eigen::Vector3d& direction) {
   keys.read(key, direction);
   if (!(direction.norm() > 0.0)) return keys.fail(key, std::string("'") + key + "' has no length");
@@ -53,15 +53,15 @@ void read_shape(TomlKeys& keys, SceneCloth& cloth) {
     if (!keys.has("columns") || !keys.has("rows"))
       keys.fail("columns", "it needs `columns` and `rows`, or a `file`");
     if (keys.has("position"))
-      keys.fail("position", "`position` is of a `file`: a grid has its `corner`");
+      keys.fail("position", "`position` applies only to a `file`: a grid has a `corner`");
     return read_grid(keys, cloth.grid);
   }
   for (const char* key : {"columns", "rows", "width", "height", "corner", "along", "across"})
     if (keys.has(key))
-      keys.fail(key, std::string("`") + key + "` is of a grid: leave it or `file` out");
+      keys.fail(key, std::string("`") + key + "` applies only to a grid: leave it or `file` out");
 }
 
-// [stiffness, damping] or the stiffness alone, which leaves the damping as it is.
+// Reads [stiffness, damping], or the stiffness alone, which leaves the damping unchanged.
 void read_law(TomlKeys& keys, const char* key, SpringLaw& law) {
   const toml::node* node = keys.find(key);
   if (node == nullptr || !node->is_array()) return keys.read(key, law.stiffness);
@@ -75,7 +75,7 @@ std::string told_name(const toml::table& table, const char* kind, std::size_t nu
   return std::string(kind) + " " + std::to_string(number);
 }
 
-// A mesh that is not there is told where the scene names it, not where a pin asks for it.
+// A missing mesh is reported at the key `file`, not at a pin that needs it.
 Status check_mesh(TomlKeys& keys, const SceneCloth& cloth) {
   if (cloth.file.empty()) return Success{};
   const auto seen = examine_input(cloth.file);
@@ -130,10 +130,12 @@ Result<SceneBall> read_ball(const toml::table& table, std::size_t number, const 
   if (Status s = take(ball.motion, read_motion(keys, path, what, files, true)); !s)
     return s.error();
   if (!ball.motion.parts.empty() && !ball.fixed)
-    keys.fail("motion", "a `motion` is of a ball with `fixed = true`: the others go as they fall");
+    keys.fail(
+        "motion",
+        "`motion` applies only to a ball with `fixed = true`: others move under their forces");
   for (const char* key : {"mass", "velocity", "spin"})
     if (ball.fixed && keys.has(key))
-      keys.fail(key, std::string("`") + key + "` is of a ball that is not fixed");
+      keys.fail(key, std::string("`") + key + "` applies only to a ball that is not fixed");
   if (Status s = keys.finish(); !s) return s.error();
   return ball;
 }
@@ -206,8 +208,8 @@ Result<ClothFile> parse_cloths(std::string_view text, const std::string& path) {
   std::vector<std::string>& files = file.files;
   if (Status s = read_all(keys, kClothTables, path, files, scene.cloths, read_cloth); !s)
     return s.error();
-  // Nothing keeps cloths apart, so whoever has several must say that they may go through each
-  // other.
+  // There is no contact between cloths, so a scene with several must allow them to pass through
+  // each other.
   bool may_pass = false;
   keys.read("cloths-pass", may_pass);
   if (scene.cloths.size() > 1 && !may_pass)

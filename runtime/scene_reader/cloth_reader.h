@@ -11,8 +11,7 @@
 
 namespace tremolo {
 
-// text: the file's. files: what the scene was read from beside `path`: CSV files of gravity and
-// motions.
+// text: the file's. files: further files of the scene: CSV files of gravity and motions.
 struct ClothFile {
   std::string path;
   std::string text;
@@ -22,8 +21,8 @@ struct ClothFile {
 };
 
 // Meshes and CSV files are relative to the scene file. Errors: kSystem if a file is unreadable;
-// kContent with file, line and key for a key that is unknown or whose value is wrong, and for what
-// check_scene finds.
+// kContent with file, line and key for an unknown key or a wrong value, and for errors of
+// check_scene.
 Result<ClothFile> parse_cloths(std::string_view text, const std::string& path);
 
 }  // namespace tremolo

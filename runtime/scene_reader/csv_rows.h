@@ -10,18 +10,18 @@
 
 namespace tremolo {
 
-// Rows of numbers, separated by commas or blanks, all of one length out of `widths`. A first line
-// that begins with a letter is a head; # begins a comment. what: what a row holds, for errors.
-// Errors: kContent with the line; a table without rows.
+// Rows of numbers, separated by commas or blanks; their common length is one of `widths`. A first
+// line that begins with a letter is a header; # begins a comment. what: the contents of a row, for
+// errors. Errors: kContent with the line; a table without rows.
 Result<std::vector<std::vector<double>>> parse_rows(std::string_view text, const std::string& path,
                                                     const std::vector<std::size_t>& widths,
                                                     const std::string& what);
 
-// A load's course: a line a moment, time (s) and value (dimensionless; the load is multiplied by
-// it). Errors: kSystem for a file that cannot be read, kContent with the line for what is no such
+// A load's course: a line per time, with time (s) and value (dimensionless; it multiplies the
+// load). Errors: kSystem for a file that cannot be read, kContent with the line for another kind of
 // table.
 Result<SignalTable> read_signal(const std::string& path);
-// The same of the file's contents; `path` stands in errors.
+// The same for the file's contents; `path` is for errors.
 Result<SignalTable> parse_signal_table(std::string_view text, const std::string& path);
 
 }  // namespace tremolo

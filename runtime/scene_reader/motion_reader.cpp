@@ -202,8 +202,8 @@ Result<Motion> read_motion(TomlKeys& keys, const std::string& path, const std::s
     if (keyframes != nullptr && keyframes->absolute && !placed)
       keys.fail(
           "motion",
-          "`frame = \"world\"` is of a body, a collider or a ball: this has no pose of its own, "
-          "its keyframes say how it moves from where it is");
+          "`frame = \"world\"` applies only to a body, a collider or a ball: without a pose the "
+          "keyframes are relative to the position");
     motion.parts.push_back(std::move(*part));
   }
   return motion;

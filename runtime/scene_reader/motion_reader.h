@@ -12,16 +12,16 @@
 
 namespace tremolo {
 
-// position and quaternion, or turn, of a table. The quaternion comes out of length one.
+// Reads position and quaternion, or turn, of a table. The quaternion is normalised.
 Pose read_pose(TomlKeys& keys);
 
-// A part of a motion. path: of the scene. what: its name in errors. files: those that were read are
-// added. Errors as read_world.
+// Reads a part of a motion. path: of the scene. what: its name in errors. files: CSV files that
+// were read are added. Errors as for read_world.
 Result<MotionPart> read_motion_part(const toml::table& table, const std::string& path,
                                     const std::string& what, std::vector<std::string>& files);
 
-// All parts of the key `motion` of a table that is named `what`. placed: what moves has a
-// `position`, so that `frame = "world"` means something; refused else.
+// Reads all parts of the key `motion` of a table. what: its name in errors. placed: the moving
+// thing has a `position`, which `frame = "world"` requires.
 Result<Motion> read_motion(TomlKeys& keys, const std::string& path, const std::string& what,
                            std::vector<std::string>& files, bool placed = false);
 

@@ -37,7 +37,7 @@ std::optional<GridPart> grid_part(const ClothGrid& grid, std::string_view word) 
     else if (!end.empty())
       return std::nullopt;
   }
-  // "top-bottom" names nothing, "-" neither.
+  // "top-bottom" and "-" are not valid.
   const bool rows = ends[0] == "top" || ends[0] == "bottom";
   const bool columns = ends[1] == "left" || ends[1] == "right";
   if (dash == std::string_view::npos ? word.empty() : !(rows && columns)) return std::nullopt;
@@ -83,7 +83,7 @@ void add_part(const ClothGrid& grid, const GridPart& part, std::vector<std::size
       particles.push_back(grid_particle(grid, row, column));
 }
 
-// One place of the key.
+// Adds the particles of one place of the key.
 void add_place(TomlKeys& keys, const char* key, const SceneCloth& cloth, const std::string& place,
                std::vector<std::size_t>& particles) {
   const bool is_grid = cloth.file.empty();

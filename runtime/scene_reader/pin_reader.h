@@ -10,12 +10,12 @@
 
 namespace tremolo {
 
-// The key `pins` of a cloth whose grid or file is read already: a place, a list of places, or
-// tables with `at` (likewise), `motion` and `until`. A place is a particle's number, "near:X,Y,Z"
-// (the nearest particle at rest), or of a grid "corners", "left", "right", "top", "bottom",
-// "top-left" and so on: the first row of particles is the bottom, the first column is on the left.
-// what: the cloth's name in errors. files: CSV files that were read are added. Errors as
-// parse_cloths.
+// Reads the key `pins` of a cloth whose grid or file has been read: a place, a list of places, or
+// tables with `at` (one or several places), `motion` and `until`. A place is a particle's number,
+// "near:X,Y,Z" (the nearest particle at rest), or of a grid "corners", "left", "right", "top",
+// "bottom", "top-left" and so on: the first row of particles is the bottom, the first column is on
+// the left. what: the cloth's name in errors. files: CSV files that were read are added. Errors as
+// for parse_cloths.
 Status read_pins(TomlKeys& keys, const std::string& path, const std::string& what,
                  std::vector<std::string>& files, SceneCloth& cloth);
 

@@ -10,21 +10,18 @@
 
 namespace tremolo {
 
-// What a run of the scene writes. out: a folder; empty: nothing. every: a CSV row every so many
-// steps. surfaces: so many of each body, evenly spaced in time, as ply, obj or inc. save: the file
-// of the world at the end; restore: of the one at which it begins; wav: its sound; empty: none.
-// listen: of --listen. sound_steps: steps a sample of it; 0: as many as its modes need.
+// The output files of a run of the scene, and the saved world that it starts from.
 struct SceneOutputs {
-  std::string out;
-  int every = 1;
-  int surfaces = 0;
-  std::string surface_format = "ply";
+  std::string out;                     // folder; empty: no files
+  int every = 1;                       // steps per CSV row
+  int surfaces = 0;                    // files per body, evenly spaced in time
+  std::string surface_format = "ply";  // ply, obj or inc
   bool plot = false;
-  std::string save;
-  std::string restore;
-  std::string wav;
-  std::string listen;
-  int sound_steps = 1;
+  std::string save;     // file of the world at the end; empty: none
+  std::string restore;  // file of the world at the start; empty: none
+  std::string wav;      // sound file; empty: none
+  std::string listen;   // of --listen: [BODY:]VERTEX or [BODY:]SELECTOR
+  int sound_steps = 1;  // steps per sample of the sound; 0: as many as its modes need
 };
 
 // out, every, surfaces and surface-format alone.

@@ -1,4 +1,4 @@
-// The kind of a scene file decides who reads it.
+// The kind of a scene file, which determines its reader.
 #pragma once
 
 #include <string>

@@ -45,7 +45,7 @@ SignalShape read_shape(TomlKeys& keys) {
   return shape;
 }
 
-// load or signal, at and force, scale. Nothing where the load is none.
+// Reads load or signal, at and force, scale. Returns nothing for the load "none".
 Result<std::vector<SceneLoad>> read_load(TomlKeys& keys, const std::string& usual,
                                          std::vector<std::string>& files) {
   std::string name = usual, csv;
@@ -89,7 +89,7 @@ Result<std::vector<SceneLoad>> read_load(TomlKeys& keys, const std::string& usua
   return std::vector<SceneLoad>{std::move(load)};
 }
 
-// A number, or rows [t, value], each from its moment on.
+// Reads a number, or rows [t, value], each for the time from t on.
 void read_course(TomlKeys& keys, const char* key, double& value, std::vector<ValueFrom>& course) {
   const toml::node* node = keys.find(key);
   const toml::array* rows = node == nullptr ? nullptr : node->as_array();
@@ -136,7 +136,7 @@ void read_what(TomlKeys& keys, SceneBody& body) {
   constexpr FrameKind kKinds[] = {FrameKind::kFixed, FrameKind::kDriven, FrameKind::kFree};
   body.kind = kKinds[keys.read_word("kind", {"fixed", "driven", "free"}, 0)];
   keys.read_path("model", body.model);
-  if (!keys.has("model")) keys.fail("model", "it names no `model`");
+  if (!keys.has("model")) keys.fail("model", "it has no key `model`");
   keys.read("made-by", body.made_by);
   keys.read("modes", body.model_options.modes);
   keys.read("linear", body.model_options.linear);
@@ -152,8 +152,8 @@ void read_what(TomlKeys& keys, SceneBody& body) {
   keys.read("velocities", body.columns.velocities);
 }
 
-// A body that stands in the scene several times, in rows along the world's axes from its own place.
-// random_turns: each is turned by itself, the same in each run.
+// Copies of a body in the scene, in rows along the world's axes from its own position.
+// random_turns: each has its own rotation, the same in each run.
 struct Copies {
   std::array<int, 3> count = {1, 1, 1};
   Eigen::Vector3d spacing = Eigen::Vector3d::Zero();  // m
@@ -185,7 +185,8 @@ Copies read_copies(TomlKeys& keys) {
   return copies;
 }
 
-// A turn that depends on k alone, all alike likely: a point of the sphere of quaternions.
+// A rotation that depends on k alone, uniform over all rotations: a point of the sphere of
+// quaternions.
 Eigen::Quaterniond random_turn(int k) {
   std::minstd_rand numbers(static_cast<unsigned>(k) + 1U);
   numbers.discard(10);

@@ -1,5 +1,5 @@
-// Scene files: TOML -> Scene (docs/reference.md, "Scenes"). A target of its own: the engine knows
-// neither TOML nor CSV.
+// Scene files: TOML -> Scene (docs/reference.md, "Scenes"). It is a separate target: the engine
+// reads neither TOML nor CSV.
 #pragma once
 
 #include <string>
@@ -12,14 +12,13 @@
 
 namespace tremolo {
 
-// What reads a scene with [[cloths]], and what else becomes of one: for errors of those that do
-// not.
+// Commands that accept a scene with [[cloths]], for the errors of those that do not.
 inline constexpr const char* kClothCommands =
     "`tremolo run` runs it and writes its surfaces, and `tremolo export` --usda, --pc2, --mdd, "
     "--pvd "
     "and --series write what other programs show";
 
-// files: what the scene was read from beside `path`, the CSV files that it names.
+// files: CSV files that the scene names, which were read besides `path`.
 struct SceneFile {
   std::string path;
   Scene scene;
@@ -27,13 +26,13 @@ struct SceneFile {
   std::vector<std::string> files;
 };
 
-// Whether a scene file is a world, one with [[bodies]]; files with one table a body are not. Errors
-// as parse_world; kContent also for a scene with [[cloths]], which cloth_reader.h reads.
+// True if a scene file is a world, one with [[bodies]]; files with one table per body are not.
+// Errors as for parse_world; kContent also for a scene with [[cloths]], which cloth_reader.h reads.
 Result<bool> is_world(std::string_view text, const std::string& path);
 
 // Models and CSV files are relative to the scene file. Errors: kSystem if a file is unreadable;
-// kContent with file, line and key for a key that is unknown or whose value is wrong, and for what
-// check_scene finds; CSV files with their own lines.
+// kContent with file, line and key for an unknown key or a wrong value, and for errors of
+// check_scene; CSV files with their own lines.
 Result<SceneFile> read_world(const std::string& path);
 // The same of the file's contents.
 Result<SceneFile> parse_world(std::string_view text, const std::string& path);

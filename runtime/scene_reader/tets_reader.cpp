@@ -57,7 +57,7 @@ Result<TetSceneBody> read_tets_body(const toml::table& table, std::size_t number
   if (body.name.empty() || body.name.front() == '.' || body.name.find('/') != std::string::npos)
     keys.fail("name", "it needs a `name`, which becomes that of a folder");
   keys.read_path("model", body.model);
-  if (!keys.has("model")) keys.fail("model", "it names no `model`");
+  if (!keys.has("model")) keys.fail("model", "it has no key `model`");
   keys.read("made-by", body.made_by);
   body.pose = read_pose(keys);
   keys.read("velocity", body.velocity);

@@ -19,10 +19,11 @@ std::string beside(const std::string& path, const std::string& name) {
   return (std::filesystem::path(path).parent_path() / file).lexically_normal().string();
 }
 
-// toml++ turns any float into an integer to see whether it is one, which a large one does not bear.
+// toml++ converts any float to an integer to check whether it is one, which is undefined for large
+// ones.
 std::optional<int> whole_number(const toml::node& node) {
   const auto* number = node.as_floating_point();
-  // toml++ would turn true into 1.
+  // toml++ would convert true to 1.
   if (number == nullptr) return node.is_integer() ? node.value<int>() : std::nullopt;
   const double value = number->get();
   if (!(std::abs(value) <= std::numeric_limits<int>::max()) || value != std::trunc(value))
@@ -70,8 +71,8 @@ std::optional<std::vector<double>> numbers_of(const toml::node& node) {
 }
 
 Result<toml::table> parse_toml(std::string_view text, const std::string& path) {
-  // A dotted key a.b.c is a table in a table, and those are built and destroyed by recursion. Where
-  // a comma stands a key has ended: the dots of numbers do not add up.
+  // A dotted key a.b.c is a table in a table, and these are built and destroyed by recursion. A
+  // comma ends a key, so that the dots of numbers do not add up.
   constexpr int kDots = 64, kBraces = 64;
   int line = 1, dots = 0, braces = 0;
   for (const char c : text) {

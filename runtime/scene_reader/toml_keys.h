@@ -17,10 +17,10 @@ namespace tremolo {
 // "FILE: line 12: WHAT", kContent.
 Error error_at(const std::string& path, const toml::source_region& where, const std::string& what);
 
-// What the file `path` names, relative to it.
+// The path of `name`, a name relative to the file `path`.
 std::string beside(const std::string& path, const std::string& name);
 
-// An integer, or a float that is one. Nothing for what is none or does not fit.
+// An integer, or a float with an integral value. Nothing for another node or a value out of range.
 std::optional<int> whole_number(const toml::node& node);
 
 // A text without a NUL, before which the system would end a path; or a whole number as text.
@@ -29,18 +29,18 @@ std::optional<std::string> text_or_number(const toml::node& node);
 // One of these or a list of them.
 std::optional<std::vector<std::string>> list_of_texts(const toml::node& node);
 
-// "F1,F2" of a text or of two numbers; nothing for what is neither.
+// "F1,F2" of a text or of two numbers; nothing for another node.
 std::optional<std::string> sweep_text(const toml::node& node);
 
-// So many numbers, all finite; nothing for what is none.
+// A list of finite numbers; nothing for another node.
 std::optional<std::vector<double>> numbers_of(const toml::node& node);
 
 // Parses the text. Errors: kContent with the line; also for tables nested so deeply that building
 // them, which is done by recursion, could exhaust the stack.
 Result<toml::table> parse_toml(std::string_view text, const std::string& path);
 
-// Reads known keys of a table; the first error is kept and finish() tells it, or else the first key
-// that nobody has asked for. A key that is not there leaves its target as it is.
+// Reads known keys of a table. finish() returns the first error, or else an error for the first key
+// that was never read. A missing key leaves its target unchanged.
 class TomlKeys {
  public:
   // what: the table's name in errors, as "body 'horse'"; may be empty. The table must outlive this.
@@ -61,7 +61,7 @@ class TomlKeys {
   std::vector<double> read_numbers(std::string_view key, std::size_t least, std::size_t most);
   // A table, or a list of tables.
   std::vector<const toml::table*> read_tables(std::string_view key);
-  // One of the words: its place, or `otherwise` where the key is missing.
+  // One of the words: its index, or `otherwise` if the key is missing.
   std::size_t read_word(std::string_view key, const std::vector<std::string_view>& words,
                         std::size_t otherwise);
   // The key's value; null if there is none.

@@ -42,7 +42,7 @@ void add_picture_flags(CLI::App& app, ViewerOptions& o) {
                  "[MATERIAL=]FILE.png for bodies with texture coordinates; may be repeated");
   app.add_option("--beside", o.beside, "of cloth: a second scene, shown beside the first");
   app.add_flag("--wire", o.wire, "show the triangles");
-  app.add_flag("--no-colliders", o.no_colliders, "do not show colliders, but for the ground");
+  app.add_flag("--no-colliders", o.no_colliders, "do not show colliders, except the ground");
   app.add_option("--lights", o.lights,
                  "directions that light comes from, 2 to 96: softer shadows, slower");
 }
@@ -83,8 +83,9 @@ struct ViewParser {
   }
 };
 
-// What `tremolo run` and the viewer call alike but mean otherwise is not told to scenes.
-bool is_told(const CLI::App& app, const std::string& flag) {
+// True if a flag applies to scenes and was given. Some flags of `tremolo run` have another meaning
+// here.
+bool is_given(const CLI::App& app, const std::string& flag) {
   static const std::set<std::string> kOwn = {"--out", "--surfaces", "--every", "--plot"};
   const CLI::Option* option = app.get_option_no_throw(flag);
   return !kOwn.contains(flag) && option != nullptr && option->count() > 0;
@@ -100,7 +101,7 @@ int view(int count, char** words) {
   ViewParser parser(options);
   if (const std::optional<int> code = read_words(parser.app, count, words)) return *code;
   const ViewFlags flags{options.body,
-                        [&parser](const char* flag) { return is_told(parser.app, flag); },
+                        [&parser](const char* flag) { return is_given(parser.app, flag); },
                         [count, words](RunOptions& body) {
                           ViewerOptions again;
                           again.body = body;
@@ -109,10 +110,11 @@ int view(int count, char** words) {
                           body = again.body;
                         }};
   if (is_cloth_file(options.file)) return view_cloth_command(options, flags);
-  if (!options.beside.empty()) return report_error(usage_error("--beside is of scenes of cloth"));
+  if (!options.beside.empty())
+    return report_error(usage_error("--beside applies only to scenes of cloth"));
   if (is_tets_file(options.file)) return view_tets_command(options, flags);
   if (options.colour == "degree")
-    return report_error(usage_error("--colour degree is of bodies of kind \"tets\""));
+    return report_error(usage_error("--colour degree applies only to bodies of kind \"tets\""));
   const Result<ViewedScene> viewed = read_viewed_scene(options.file, flags);
   if (!viewed) return report_error(viewed.error());
   const std::vector<NamedFile> inputs = inputs_of_view(options, viewed->inputs);

@@ -20,7 +20,7 @@ with open(cases / "published.csv", encoding="utf-8") as file:
 
 
 def displacement(found):
-    """The first displacement that a file of the reference tells."""
+    """The first displacement in a file of the reference."""
     if isinstance(found, dict):
         if isinstance(found.get("displacement"), list):
             return found["displacement"]

@@ -62,7 +62,7 @@ TEST(ClothFile, AVertexThatStandsTwiceAlongASeamIsOneParticle) {
   EXPECT_EQ(parts->particle_of_vertex(11), 9U);
   EXPECT_EQ(parts->vertex_of_particle(9), 11U);
   EXPECT_NEAR(parts->mass.sum(), 0.2 * 0.04, 1e-15);
-  // What is drawn keeps the file's vertices and texture coordinates.
+  // The drawn surface keeps the file's vertices and texture coordinates.
   ASSERT_NE(parts->drawn, nullptr);
   EXPECT_EQ(parts->drawn->vertices.size(), 12U);
   ASSERT_EQ(parts->drawn->uvs.size(), 12U);

@@ -1,4 +1,4 @@
-// Names that come from files cannot steer the terminal on which they are told.
+// Names from files cannot control the terminal on which they are printed.
 #include "common/printable.h"
 
 #include <cmath>

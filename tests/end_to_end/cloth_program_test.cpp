@@ -80,13 +80,13 @@ TEST_F(ClothProgram, TheEnergyThatIsToldAddsUp) {
         run(small_sheet(), std::string("--json --tolerance 1e-10 --integrator ") + method);
     ASSERT_EQ(result.code, 0) << result.err;
     const json report = json::parse(result.out);
-    double told = 0.0;
+    double external = 0.0;
     for (const auto& [cause, value] : report["energy_by_cause"].items())
-      told += value.get<double>();
+      external += value.get<double>();
     const double change =
         report["energy_final"].get<double>() - report["energy_initial"].get<double>();
     // Sums of 30 steps in doubles.
-    EXPECT_NEAR(change, told, 1e-11 * report["energy_max"].get<double>()) << method;
+    EXPECT_NEAR(change, external, 1e-11 * report["energy_max"].get<double>()) << method;
     // The energy added by the method itself is due to the error of its solve: 1e-10 of the load.
     if (std::string(method) == "energy") {
       EXPECT_LE(report["energy_balance_error"].get<double>(), 1e-8);
@@ -130,7 +130,7 @@ TEST_F(ClothProgram, WritesWhatOtherProgramsOpen) {
   EXPECT_TRUE(fs::exists(folder_ + "/e-0015.obj"));
 }
 
-// By modes of what was recorded.
+// Exports use modes computed from the recording.
 TEST_F(ClothProgram, WritesPagesAndGlbToAThousandthOfItsSize) {
   std::ofstream(folder_ + "/scene.toml") << small_sheet("name = \"sheet\"\n");
   const ProgramResult result = run_program(
@@ -181,8 +181,8 @@ TEST_F(ClothProgram, ASecondSceneIsWrittenBesideTheFirst) {
 }
 
 TEST_F(ClothProgram, OtherCommandsSayWhatGoesInstead) {
-  expect_refused(small_sheet(), "--load is of bodies", "--load square");
-  expect_refused(small_sheet(), "none of cloth's", "--integrator ep4");
+  expect_refused(small_sheet(), "--load applies only to bodies", "--load square");
+  expect_refused(small_sheet(), "cloth has no method", "--integrator ep4");
   expect_refused(small_sheet(), "half a step", "--step 0.01 --duration 0.004");
 }
 
@@ -215,7 +215,7 @@ TEST_F(ClothProgram, BadInputIsNamed) {
       {head + "file = \"a.obj\"\n", "leave it or `file` out"},
       {"[[cloths]]\nfile = \"none.obj\"\n", "none.obj"},
       {head + "[[balls]]\nmass = 0\n", "mass"},
-      {head + "[[balls]]\nfixed = true\nmass = 2\n", "is of a ball that is not fixed"},
+      {head + "[[balls]]\nfixed = true\nmass = 2\n", "applies only to a ball that is not fixed"},
       {head + "[[balls]]\nposition = [0.3, 0.3, 0]\nradius = 0.2\n", "ball-1"},
       {head + "[[balls]]\nposition = [0.5, 0.5, 0.02]\nradius = 0.1\n",
        "begins 0.08 m inside ball 'ball-1'"},
@@ -264,8 +264,8 @@ TEST_F(ClothProgram, InspectTellsWhatASceneHoldsAndWhichStepsItStands) {
       << "integrator = \"rk4\"\n" + small_sheet("structural = [400, 0]\n");  // beyond its limit
   const ProgramResult result = run_program(folder_, kTremolo + "inspect scene.toml --json");
   ASSERT_EQ(result.code, 0) << result.err;
-  const json told = json::parse(result.out);
-  const json& cloth = told["cloths"][0];
+  const json contents = json::parse(result.out);
+  const json& cloth = contents["cloths"][0];
   EXPECT_EQ(cloth["particles"], 36);
   EXPECT_EQ(cloth["held"], 2);
   EXPECT_EQ(cloth["triangles"], 50);
@@ -274,9 +274,9 @@ TEST_F(ClothProgram, InspectTellsWhatASceneHoldsAndWhichStepsItStands) {
   EXPECT_EQ(cloth["bend"], 48);
   // 0.2 kg/m^2 of a square metre.
   EXPECT_NEAR(cloth["mass_kg"].get<double>(), 0.2, 1e-12);
-  const json& limits = told["stability_limits_s"];
+  const json& limits = contents["stability_limits_s"];
   EXPECT_FALSE(limits.contains("implicit-euler"));
-  EXPECT_LT(limits["rk4"].get<double>(), told["step"].get<double>());
+  EXPECT_LT(limits["rk4"].get<double>(), contents["step"].get<double>());
   // The limit is that which a run is refused with.
   const ProgramResult refused = run_program(folder_, kTremolo + "run scene.toml");
   EXPECT_EQ(refused.code, 3) << refused.err;

@@ -64,19 +64,19 @@ TetMesh sample_mesh(const std::string& name) {
   return file ? std::move(file->mesh) : TetMesh{};
 }
 
-// Vertices of the boundary are on the surface, and what is deep in the mesh is inside by at most as
-// much as the nearest of them is away.
+// Vertices of the boundary are on the surface; inner vertices are inside, by at most their distance
+// from the nearest boundary vertex.
 TEST_F(ColliderProgram, SampleSurfacesKeepTheirShape) {
   for (const char* name : {"horse", "basket"}) {
     const TetMesh mesh = sample_mesh(name);
     save("a.ply", boundary_mesh(mesh));
-    const json told = made("a.ply -o a.collider");
-    ASSERT_FALSE(told.is_null());
-    EXPECT_LE(told["error_max_share"], 0.005);
-    EXPECT_EQ(told["holes_closed"], 0);
-    EXPECT_EQ(told["file_bytes"], std::filesystem::file_size(folder_ + "/a.collider"));
+    const json report = made("a.ply -o a.collider");
+    ASSERT_FALSE(report.is_null());
+    EXPECT_LE(report["error_max_share"], 0.005);
+    EXPECT_EQ(report["holes_closed"], 0);
+    EXPECT_EQ(report["file_bytes"], std::filesystem::file_size(folder_ + "/a.collider"));
     const Collider shape = loaded("a.collider");
-    const double error = 1.2 * static_cast<double>(told["error_max"]);
+    const double error = 1.2 * static_cast<double>(report["error_max"]);
     for (const VertexId v : boundary_surface(mesh).vertex_ids)
       EXPECT_NEAR(signed_distance(shape, mesh.vertices[v]).distance, 0.0, error) << name;
     for (const Tetrahedron& tet : mesh.tetrahedra) {
@@ -88,23 +88,25 @@ TEST_F(ColliderProgram, SampleSurfacesKeepTheirShape) {
       const std::optional<double> hit = first_hit(shape, beyond, middle);
       EXPECT_TRUE(hit || signed_distance(shape, middle).distance > 0.0);
     }
-    EXPECT_NEAR(largest_extent(shape), told["size"], 4.0 * static_cast<double>(told["spacing"]));
+    EXPECT_NEAR(largest_extent(shape), report["size"],
+                4.0 * static_cast<double>(report["spacing"]));
   }
 }
 
 TEST_F(ColliderProgram, ABoundaryOfAMeshIsASurface) {
-  const json told = made(std::string(TREMOLO_SOURCE_DIR) + "/assets/meshes/beam.msh -o b.collider");
-  EXPECT_EQ(told["cells"], 64);
-  EXPECT_NE(told["format"].get<std::string>().find("boundary"), std::string::npos);
+  const json report =
+      made(std::string(TREMOLO_SOURCE_DIR) + "/assets/meshes/beam.msh -o b.collider");
+  EXPECT_EQ(report["cells"], 64);
+  EXPECT_NE(report["format"].get<std::string>().find("boundary"), std::string::npos);
   EXPECT_EQ(bounds(loaded("b.collider")).high.allFinite(), true);
 }
 
 TEST_F(ColliderProgram, UnitAndUpAxisAreTaken) {
   save("box.obj", testing::box_surface({1600, 1800, 1400}, {-800, -900, -700}));
-  const json told = made("box.obj -o box.collider --unit mm --up y --cells 40 --margin 0.3");
-  EXPECT_EQ(told["cells"], 40);
-  EXPECT_NEAR(told["margin"], 0.3, 1e-12);
-  EXPECT_NEAR(told["size"], 1.8, 1e-12);
+  const json report = made("box.obj -o box.collider --unit mm --up y --cells 40 --margin 0.3");
+  EXPECT_EQ(report["cells"], 40);
+  EXPECT_NEAR(report["margin"], 0.3, 1e-12);
+  EXPECT_NEAR(report["size"], 1.8, 1e-12);
   const Collider shape = loaded("box.collider");
   // (x, y, z) -> (x, -z, y)
   const testing::DistanceFormula formula = testing::box_formula({0.8, 0.7, 0.9});
@@ -123,11 +125,11 @@ TEST_F(ColliderProgram, WithoutCellsTheErrorDecides) {
   SurfaceMesh plate_mesh = testing::box_surface({1.0, 0.7, 0.006});
   for (Vector3d& x : plate_mesh.vertices) x.z() += 0.1 * x.x() + 0.03 * x.y();
   save("plate.obj", plate_mesh);
-  const json told = made("plate.obj -o plate.collider");
-  EXPECT_GT(told["cells"], 64);
-  EXPECT_LE(told["error_max_share"], 0.005);
+  const json report = made("plate.obj -o plate.collider");
+  EXPECT_GT(report["cells"], 64);
+  EXPECT_LE(report["error_max_share"], 0.005);
   const Collider plate = loaded("plate.collider");
-  EXPECT_LE(told["missed_share"], 0.002);
+  EXPECT_LE(report["missed_share"], 0.002);
   for (int i = 1; i < 50; ++i)
     for (int j = 1; j < 35; ++j)
       EXPECT_TRUE(first_hit(plate, {0.02 * i, 0.02 * j, 0.7}, {0.02 * i, 0.02 * j, -0.7}));
@@ -135,8 +137,8 @@ TEST_F(ColliderProgram, WithoutCellsTheErrorDecides) {
 
 TEST_F(ColliderProgram, HolesAreClosedAndTold) {
   save("holed.ply", testing::sphere_surface(1.0, 40, 80, 0.1));
-  const json told = made("holed.ply -o ball.collider --cells 24");
-  EXPECT_EQ(told["holes_closed"], 1);
+  const json report = made("holed.ply -o ball.collider --cells 24");
+  EXPECT_EQ(report["holes_closed"], 1);
   EXPECT_NEAR(signed_distance(loaded("ball.collider"), {0, 0, 0.9}).distance, -0.1, 0.01);
   save("bowl.ply", testing::sphere_surface(1.0, 40, 80, 1.5));
   expect_collider_failure("bowl.ply -o bowl.collider", 3, "bowl.ply: the surface is open");

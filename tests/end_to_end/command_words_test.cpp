@@ -1,4 +1,4 @@
-// What every program makes of the words of a command line.
+// Every program's handling of the words of a command line.
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -39,7 +39,8 @@ std::set<std::string> valued_flags(const std::string& help) {
   return flags;
 }
 
-// What a script's unset variable leaves is a mistake, not the same as no flag.
+// An unset variable in a script gives an empty value, which is a mistake and not the same as no
+// flag.
 TEST_F(CommandWords, AnEmptyValueIsWrongUsageWhateverTheFlag) {
   std::size_t seen = 0;
   for (const std::string& command : kCommands) {
@@ -92,9 +93,9 @@ TEST_F(CommandWords, ThreadsAndModesThatNobodyHasAreRefusedByTheirNumber) {
 TEST_F(CommandWords, FlagsOfTheReferenceStandInNoOtherHelp) {
   EXPECT_EQ(run(kPrecompute + "--help").out.find("--fix-x"), std::string::npos);
   EXPECT_NE(run(kPrecompute + "reference --help").out.find("--fix-x"), std::string::npos);
-  const ProgramResult told = run(kPrecompute + "a.msh -o a.tremolo --fix-x 'x<1'");
-  EXPECT_EQ(told.code, 2);
-  EXPECT_NE(told.err.find("reference"), std::string::npos) << told.err;
+  const ProgramResult result = run(kPrecompute + "a.msh -o a.tremolo --fix-x 'x<1'");
+  EXPECT_EQ(result.code, 2);
+  EXPECT_NE(result.err.find("reference"), std::string::npos) << result.err;
 }
 
 // Names of files and in files reach the terminal as text alone.

@@ -238,7 +238,7 @@ TEST(BodiesInContact, AStackOfTenStandsForAMinuteAndSleeps) {
   EXPECT_FALSE(group.asleep(0));
 }
 
-// Three boxes fly into each other in a scene: what happens does not depend on how they stand in it.
+// Three boxes fly into each other in a scene: the result does not depend on their order in it.
 Scene three_boxes(const std::array<int, 3>& order) {
   Scene scene;
   scene.step = 1e-3;

@@ -135,7 +135,7 @@ TEST(ContactPhysics, AThrownBlockStopsAfterItsSquaredSpeedOverTwiceFriction) {
 }
 
 // A body that begins on the floor gets no energy from it: its contact begins at its position. It
-// sinks until contact carries it, and comes to rest.
+// sinks until contact supports it, and comes to rest.
 TEST(ContactPhysics, ABlockThatIsLaidOnTheFloorStaysThere) {
   for (const char* young : {"5e4", "5e7"})
     for (const int points : {8, 200})
@@ -163,8 +163,8 @@ TEST(ContactPhysics, ABlockThatIsLaidOnTheFloorStaysThere) {
       }
 }
 
-// Gravity brings it in within the step: what is at rest just above the margin, and what is pushed
-// from farther off.
+// Gravity brings bodies into contact within the step: one at rest just above the margin, and one
+// pushed from farther away.
 TEST(ContactPhysics, WhatAnAccelerationBringsInIsFound) {
   for (const double h : {1.0 / 60.0, 3e-3}) {
     const double margin = 0.005 * kSide;
@@ -182,7 +182,8 @@ TEST(ContactPhysics, WhatAnAccelerationBringsInIsFound) {
     run(pushed, floor_plane(), 0.3);
     EXPECT_NEAR(pushed.contact_sums().error, 0.0, kSolved) << h;
     EXPECT_NEAR(balance(pushed), 0.0, kSolved) << h;
-    // The load's and gravity's work is what stays in contact and was taken: nothing else is there.
+    // The work of load and gravity equals the energy in contact and the energy taken: there is no
+    // other.
     EXPECT_LT(pushed.energy().total() + pushed.contact_account().energy, 309.0 * 0.003);
   }
 }
@@ -271,10 +272,9 @@ TEST(ContactPhysics, ForcesOnTheFloorAreReportedAsVectors) {
   EXPECT_LT((sum / 1e-3 + force).norm(), 1e-12 * kGravity);
 }
 
-// Three blocks exactly one margin apart: what is small in a step is measured by gravity as well.
 // Spinning blocks are thrown at the floor with steps of 1/30 s, as many centimetres as they are
-// long: some steps are not solved as a whole and are taken in parts. What the floor pushed is what
-// gravity gave and what the blocks have.
+// long: some steps are not solved as a whole and are subdivided. The impulse of the floor is that
+// of gravity plus the blocks' momentum.
 TEST(ContactPhysics, AStepThatFailsIsTakenInPartsThatCloseTheAccount) {
   const double h = 1.0 / 30.0;
   std::vector<ContactBody> blocks;
@@ -331,9 +331,9 @@ TetMesh round_mesh(int n, double radius, bool ball) {
   return mesh;
 }
 
-// On a slope of 0.1 a ball rolls with 5/7 g sin, a cylinder with 2/3. What is lost, 3 %, goes into
-// the facets' edges (a tenth of a millimetre high, and lower with more of them) and into the
-// fiftieth of restitution that is by points.
+// On a slope of 0.1 a ball rolls with 5/7 g sin, a cylinder with 2/3. The loss, 3 %, is due to the
+// facets' edges (a tenth of a millimetre high, and lower with more of them) and to the fiftieth of
+// restitution that depends on points.
 TEST(ContactPhysics, ABallAndACylinderRoll) {
   constexpr double kRadius = 0.03, kSlope = 0.1;
   for (const bool ball : {true, false})

@@ -1,5 +1,5 @@
-// Bodies among colliders, and hands on them, against what mechanics says: rebounds, stopping
-// distances, slopes, momenta, and an energy balance that closes with everything at once.
+// Bodies among colliders, and hands on them, against mechanics: rebounds, stopping distances,
+// slopes, momenta, and an energy balance that closes with all causes at once.
 #include <cmath>
 #include <filesystem>
 
@@ -76,7 +76,7 @@ TEST(Contact, RestitutionOneKeepsTheEnergyOverManyBounces) {
   EXPECT_LT(std::abs(body.contact_sums().error), 1e-6 * fallen);
   EXPECT_EQ(body.contact_sums().lost, 0.0);
   EXPECT_EQ(body.contact_sums().rubbed, 0.0);
-  // Kinetic, elastic, contact and potential energy together are what the fall had to give.
+  // Kinetic, elastic, contact and potential energy together equal the energy of the fall.
   const double total = body.energy().total() + body.contact_account().energy - body.gravity_work();
   EXPECT_NEAR(total, 0.0, 1e-6 * fallen);
 }
@@ -114,7 +114,7 @@ TEST(Contact, ASlidingBodyStopsWhereCoulombSays) {
   const double way = (body.rigid_state().centre - start).x();
   EXPECT_NEAR(way, speed * speed / (2.0 * mu * kGravity), 0.02 * way);
   EXPECT_LT(body.rigid_state().velocity.norm(), 5e-3);
-  // Friction took what the motion had.
+  // Friction has taken the energy of the motion.
   EXPECT_NEAR(body.contact_sums().rubbed, 0.5 * speed * speed, 0.02);
 }
 

@@ -131,7 +131,7 @@ TEST_F(ExportProgram, AGlbHasMaterialsAndTextureCoordinatesAndBoundedWeights) {
   EXPECT_EQ(body["targets"], 6);
   EXPECT_EQ(body["weights"], json({0.0, 1.0}));
   EXPECT_EQ(body["triangles"], 12);
-  // Without what can be left out.
+  // Without optional parts.
   exported("bar.tremolo" + kTimes + "--glb small.glb --plain-weights --no-normals --modes 2");
   const json small = checked("small.glb")["bodies"][0];
   EXPECT_EQ(small["attributes"], json({"POSITION", "TEXCOORD_0"}));
@@ -175,9 +175,9 @@ TEST_F(ExportProgram, WhatFewerCoordinatesLeaveOutIsTold) {
   const json some = exported("bar.tremolo" + kTimes + "--glb a.glb --modes 1");
   EXPECT_GT(some["left_out_error"].get<double>(), 0.0);
   EXPECT_LT(some["left_out_error"].get<double>(), 0.1);
-  const ProgramResult told =
+  const ProgramResult result =
       run(kTremolo + "export bar.tremolo" + kTimes + "--glb a.glb --modes 1");
-  EXPECT_NE(told.err.find("the first 1 coordinates"), std::string::npos) << told.err;
+  EXPECT_NE(result.err.find("the first 1 coordinates"), std::string::npos) << result.err;
 }
 
 TEST_F(ExportProgram, WrongUseIsSaidAndNothingIsWritten) {
@@ -187,14 +187,14 @@ TEST_F(ExportProgram, WrongUseIsSaidAndNothingIsWritten) {
       {bar + "--glb no.gltf", 2, ".glb"},
       {bar + "--series no.stl", 2, ".ply or .obj"},
       {bar + "--page no.htm", 2, ".html"},
-      {bar + "--glb no.glb --note text", 2, "of --page"},
+      {bar + "--glb no.glb --note text", 2, "apply only to --page"},
       {bar + "--page no.html --runs nowhere", 1, "nowhere"},
       {bar + "--glb no.glb --rate 500", 3, "--step 0.002"},
       {bar + "--glb no.glb --from 2", 3, "range"},
       {bar + "--glb no.glb --to 2", 3, "--duration"},
       {bar + "--glb no.glb --texture skin.obj", 3, "skin.obj"},
       {bar + "--glb no.glb --texture gold=skin.obj", 2, "'rubber', 'steel'"},
-      {"world.toml --cub no.cub --glb no.glb", 2, "not of a scene"},
+      {"world.toml --cub no.cub --glb no.glb", 2, "not to a scene"},
       {"world.toml --glb no.glb --load sine", 2, "--load"},
       {"nothing.tremolo --glb no.glb", 1, "nothing.tremolo"},
       {bar + "--glb folder/no.glb", 1, "folder/no.glb"},

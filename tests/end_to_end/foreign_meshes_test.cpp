@@ -50,7 +50,7 @@ TEST_F(ForeignMesh, OfEveryWriterHasTheSameLowestFrequency) {
   }
 }
 
-// The bar in two regions whose interface stands twice.
+// The bar in two regions with separate vertices at their interface.
 std::string doubled_bar() {
   const testing::FormBar bar;
   std::string nodes, elements;
@@ -76,7 +76,7 @@ TEST_F(ForeignMesh, WithDoubledNodesIsOneBodyOnceItIsMerged) {
   write("doubled.msh", doubled_bar());
   const double expected = lowest("bar.veg");
   EXPECT_NEAR(lowest("doubled.msh --merge"), expected, 1e-9 * expected);
-  // Nine of the interface's vertices; the half that is not held is named, and what to do.
+  // Nine vertices of the interface; the message names the free half, and says what to do.
   const ProgramResult apart =
       run_program(folder_, kMayBeRoot + kPrecompute + "doubled.msh" + kSolid);
   EXPECT_EQ(apart.code, 3) << apart.err;

@@ -1,4 +1,4 @@
-// `tremolo inspect SCENE`: where things are, what is in contact, which steps resolve; keyframes.
+// `tremolo inspect SCENE`: positions, contacts, steps that resolve the vibration; keyframes.
 #include <fstream>
 
 #include <gtest/gtest.h>

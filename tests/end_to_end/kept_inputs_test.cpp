@@ -1,5 +1,5 @@
-// No output of any program takes an input away, whatever its name; what cannot be written is known
-// before the first step; what earlier runs left does not mix with what a run writes.
+// No output of any program replaces an input, whatever its name; unwritable outputs are reported
+// before the first step; files of earlier runs do not mix with those of a run.
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// A run that would take hours: what is refused is refused before.
+// A run that would take hours: errors are reported before it.
 const std::string kHours = " --duration 1e6 ";
 
 class KeptInputs : public ::testing::Test {

@@ -66,7 +66,7 @@ TEST_F(NamedFiles, AStandardErrorThatCannotBeWrittenChangesNoResult) {
     EXPECT_EQ(run_program(folder_, run_it + silence + ")").code, 0) << silence;
     EXPECT_TRUE(fs::exists(folder_ + "/o/report.json")) << silence;
     EXPECT_TRUE(slurp(folder_ + "/o/run.csv").starts_with("t,kinetic,")) << silence;
-    // Nothing of what is said may end in a file that took the place of the closed stream.
+    // No message may end in a file that replaced the closed stream.
     const std::string made = "(" + kPrecompute + "bar.veg -o a.tremolo --fix 'x<0.001'" + kModes;
     EXPECT_EQ(run_program(folder_, made + silence + ")").code, 0) << silence;
     EXPECT_EQ(run("" + kTremolo + "inspect a.tremolo").code, 0) << silence;

@@ -1,5 +1,5 @@
-// tremolo-precompute and positions: vertices by their positions, axes, units, pictures of what
-// is held.
+// tremolo-precompute and positions: vertices by their positions, axes, units, pictures of fixed
+// vertices.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -142,7 +142,8 @@ TEST_F(PrecomputePlaces, PreviewPaintsWhatIsHeldAndLoadedAndComputesNothing) {
   EXPECT_EQ(count[std::string("\x28\x5a\xdc")], 9) << "blue";
   EXPECT_EQ(count[std::string("\xdc\x28\x1e")], 9 + 50) << "red, with the arrow";
   EXPECT_EQ(count[std::string("\xc8\xc8\xc8")], 24) << "grey";
-  // The arrow's tail and tip come last: it points down, at or from the middle of what is loaded.
+  // The arrow's tail and tip are last: it points down, at or from the middle of the loaded
+  // vertices.
   float tail[3], tip[3];
   std::memcpy(tail, ply.data() + data + 15 * 90, sizeof(tail));
   std::memcpy(tip, ply.data() + data + 15 * 91, sizeof(tip));

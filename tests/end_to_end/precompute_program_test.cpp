@@ -1,4 +1,4 @@
-// tremolo-precompute as a user meets it: what it makes and what it says of it.
+// tremolo-precompute from the user's side: its outputs and its messages.
 #include <cstring>
 
 #include <gtest/gtest.h>
@@ -56,7 +56,7 @@ TEST_F(PrecomputeProgram, ALinearModelKeepsEveryLinearModeAskedForAndTellsACut) 
 
 TEST_F(PrecomputeProgram, ALinearModelIsItsLinearModesAlone) {
   const std::string linear = "block.veg -o out.tremolo --fix 'x<0.001' --linear-modes 4 --linear";
-  const nlohmann::json report = told(linear);
+  const nlohmann::json report = report_of(linear);
   EXPECT_EQ(report["r"], 4);
   for (const auto& stage : report["stages"]) {
     EXPECT_NE(stage["name"], "derivatives");

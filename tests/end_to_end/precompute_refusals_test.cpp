@@ -1,4 +1,4 @@
-// tremolo-precompute and what it does not take: exit codes, messages, and outputs that appear whole
+// Inputs that tremolo-precompute refuses: exit codes, messages, and outputs that are written whole
 // or not at all.
 #include <algorithm>
 #include <cstring>
@@ -99,7 +99,7 @@ TEST_F(PrecomputeRefusals, ALongChainOfHingesIsRefusedToo) {
   }
 }
 
-// PETSc does not tell by itself.
+// PETSc does not report it by itself.
 TEST_F(PrecomputeRefusals, AFactorThatDoesNotFitIsSaidToBeThat) {
   const TetMesh block = box_mesh({14, 10, 10}, {0.3, 0.2, 0.2});
   expect_failure(run_on(block,
@@ -186,11 +186,11 @@ TEST_F(PrecomputeRefusals, UnderALimitOfAddressSpaceItEndsInWords) {
     EXPECT_FALSE(std::filesystem::exists(folder_ + "/limited.tremolo")) << limit;
   }
   EXPECT_GE(refused, 4) << "the limits are no limits here";
-  const ProgramResult told = run_program(
+  const ProgramResult result = run_program(
       folder_, "ulimit -v 400000; OPENBLAS_NUM_THREADS=2 " + kPrecompute + "block.veg " + kGood);
-  expect_failure(told, 1,
+  expect_failure(result, 1,
                  "MB of address space would do for the start, the limit (ulimit -v) is 410 MB");
-  expect_failure(told, 1, "with OPENBLAS_NUM_THREADS=1 and --threads 1 it is ");
+  expect_failure(result, 1, "with OPENBLAS_NUM_THREADS=1 and --threads 1 it is ");
 }
 
 TEST_F(PrecomputeRefusals, MoreFreePartsThanCanBeTakenAreRefusedAtOnce) {

@@ -34,7 +34,7 @@ class Quadratic : public ::testing::Test {
     EXPECT_TRUE(data);
     return data ? *data : BasisData{};
   }
-  nlohmann::json told(const std::string& arguments) {
+  nlohmann::json report_of(const std::string& arguments) {
     const ProgramResult result = run(arguments + " -o made.tremolo --json");
     EXPECT_EQ(result.code, 0) << result.err;
     return nlohmann::json::parse(result.out, nullptr, false);
@@ -50,7 +50,7 @@ class Quadratic : public ::testing::Test {
 };
 
 TEST_F(Quadratic, OrderElementsAndDofsAreTold) {
-  const nlohmann::json report = told(good());
+  const nlohmann::json report = report_of(good());
   const std::size_t edges = mesh_edges(block_).size();
   EXPECT_EQ(report["order"], 2);
   EXPECT_EQ(report["elements"], block_.tetrahedra.size());
@@ -61,13 +61,13 @@ TEST_F(Quadratic, OrderElementsAndDofsAreTold) {
       run_program(folder_, TREMOLO_BIN_DIR "/tremolo inspect made.tremolo --json");
   ASSERT_EQ(inspected.code, 0) << inspected.err;
   EXPECT_EQ(nlohmann::json::parse(inspected.out)["order"], 2);
-  EXPECT_EQ(told(good("1"))["order"], 1);
+  EXPECT_EQ(report_of(good("1"))["order"], 1);
 }
 
 TEST_F(Quadratic, AutoIsARuleOfTheMesh) {
   const std::string automatic = good("auto");
-  EXPECT_EQ(told(automatic)["order"], 2);
-  EXPECT_EQ(told(automatic + "--mass lumped")["order"], 1);
+  EXPECT_EQ(report_of(automatic)["order"], 2);
+  EXPECT_EQ(report_of(automatic + "--mass lumped")["order"], 1);
 }
 
 // A slender bar of one cell across (nu = 0) against Euler and Bernoulli with Timoshenko's and the
@@ -121,7 +121,7 @@ TEST_F(Quadratic, AFreeBodyOfSeveralMaterialsAndPointMassesIsOneOnRanksToo) {
   const std::string options =
       "block.veg --order 2 --young 1e6 --poisson 0.3 --density 1000 --fix none "
       "--point-mass 'x>0.99=5' --linear-modes 4 --modes 8 ";
-  const nlohmann::json report = told(options);
+  const nlohmann::json report = report_of(options);
   EXPECT_EQ(report["rigid_modes"], 6);
   EXPECT_NEAR(report["total_mass_kg"].get<double>(), 1000 * 0.31 * 0.23 + 5, 1e-9);
   expect_same_model(made(options), made(options, kMayBeRoot + "mpiexec --oversubscribe -n 2 "),
@@ -194,7 +194,7 @@ TEST_F(Quadratic, TheErrorBudgetIsThatOfTheTipOnARefinedMesh) {
     return std::hypot(u[0].get<double>(), u[1].get<double>(), u[2].get<double>());
   };
   for (const char* order : {"1", "2"}) {
-    const nlohmann::json budget = told(good(order) + load + "--error-budget")["error_budget"];
+    const nlohmann::json budget = report_of(good(order) + load + "--error-budget")["error_budget"];
     const double off = 1.0 - tip("block.veg", order) / tip("fine.veg", order);
     EXPECT_NEAR(budget["discretisation"].get<double>() / off, 1.0, 0.25) << order;
     EXPECT_NEAR(budget["discretisation_limit"].get<double>(),
@@ -208,7 +208,7 @@ TEST_F(Quadratic, TheErrorBudgetIsThatOfTheTipOnARefinedMesh) {
       EXPECT_EQ(budget["spend_on"], "discretisation");
     }
   }
-  EXPECT_TRUE(told(good())["error_budget"].is_null());
+  EXPECT_TRUE(report_of(good())["error_budget"].is_null());
 }
 
 TEST_F(Quadratic, AnErrorBudgetNeedsALoadAndOneProcess) {
@@ -278,8 +278,8 @@ TEST_F(Quadratic, RefiningIsAFileOfTheRefinedMesh) {
   ASSERT_TRUE(add_edge_points(fine));
   write_veg(folder_ + "/fine.veg", refined_mesh(fine));
   for (const char* order : {"1", "2"}) {
-    const nlohmann::json refined = told(good(order) + "--refine 1");
-    const nlohmann::json file = told(good(order, "fine.veg"));
+    const nlohmann::json refined = report_of(good(order) + "--refine 1");
+    const nlohmann::json file = report_of(good(order, "fine.veg"));
     EXPECT_EQ(refined["elements"], 8 * block_.tetrahedra.size());
     EXPECT_EQ(refined["dofs"], file["dofs"]);
     EXPECT_NEAR(refined["total_mass_kg"].get<double>(), 1000 * 0.31 * 0.23, 1e-9);
@@ -288,7 +288,7 @@ TEST_F(Quadratic, RefiningIsAFileOfTheRefinedMesh) {
           refined["frequencies_hz"][i].get<double>() / file["frequencies_hz"][i].get<double>(), 1.0,
           1e-9);
   }
-  EXPECT_EQ(told(good("1") + "--refine 2")["elements"], 64 * block_.tetrahedra.size());
+  EXPECT_EQ(report_of(good("1") + "--refine 2")["elements"], 64 * block_.tetrahedra.size());
 }
 
 TEST_F(Quadratic, WhatSelectorsChoseHoldsOnARefinedMesh) {
@@ -296,8 +296,8 @@ TEST_F(Quadratic, WhatSelectorsChoseHoldsOnARefinedMesh) {
   // not.
   const std::string options =
       "block.veg --order 1 --young 1e6 --linear --linear-modes 3 --refine 1 ";
-  const nlohmann::json narrow = told(options + "--fix 'x<0.001'");
-  const nlohmann::json wide = told(options + "--fix 'x<0.1'");
+  const nlohmann::json narrow = report_of(options + "--fix 'x<0.001'");
+  const nlohmann::json wide = report_of(options + "--fix 'x<0.1'");
   EXPECT_EQ(narrow["dofs"], wide["dofs"]);
   EXPECT_EQ(narrow["frequencies_hz"], wide["frequencies_hz"]);
   // A stiff half, whose border is that of the mesh as it is given; on two ranks too.
@@ -341,7 +341,8 @@ TEST_F(Quadratic, NumbersOfRefinementsThatMakeNoSenseAreRefused) {
 // A config file made for a nonlinear model may say how modes are derived.
 TEST_F(Quadratic, LinearOverrulesTheDerivativesOfAConfigFile) {
   std::ofstream(folder_ + "/model.toml") << "derivatives = 2\n";
-  EXPECT_EQ(told("block.veg --config model.toml --linear --linear-modes 5 --fix 'x<0.1'")["r"], 5);
+  EXPECT_EQ(report_of("block.veg --config model.toml --linear --linear-modes 5 --fix 'x<0.1'")["r"],
+            5);
   const ProgramResult both = run(good("1") + "--linear --derivatives 2 -o out.tremolo");
   EXPECT_EQ(both.code, 2);
   EXPECT_NE(both.err.find("--linear excludes --derivatives"), std::string::npos) << both.err;

@@ -1,5 +1,5 @@
 // tremolo-precompute on several ranks: input that is wrong, or not the same on all of them, ends
-// all with one message; what is right gives the model of one rank.
+// all with one message; correct input gives the model of one rank.
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 

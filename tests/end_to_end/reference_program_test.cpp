@@ -1,5 +1,5 @@
-// `tremolo-precompute reference` as a user meets it: what it writes, exit codes and messages, and
-// that it agrees with `tremolo run` on the same reduced model.
+// `tremolo-precompute reference` from the user's side: its outputs, exit codes and messages, and
+// its agreement with `tremolo run` on the same reduced model.
 #include <cmath>
 #include <filesystem>
 #include <map>

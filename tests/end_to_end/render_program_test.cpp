@@ -97,7 +97,7 @@ TEST_F(RenderProgram, ItMovesWithTheSolid) {
   double lowest = 0;
   for (const Eigen::Vector3d& x : points(slurp(folder_ + "/moved/surface-0000-t0.300000s.obj"))) {
     lowest = std::min(lowest, x.z() + 0.001);
-    // The foot, half a millimetre outside what is fixed.
+    // The foot, half a millimetre outside the fixed vertices.
     if (x.x() < 0) {
       EXPECT_LE(std::abs(x.z() - (x.z() > 0.03 ? 0.061 : -0.001)), 2e-3);
     }

@@ -82,7 +82,7 @@ ContactBody held(const Model::Pointer& model, VertexId at, const Vector3d& force
 
 TEST_F(Response, UnderAHeldForceTheShownShapeIsThatOfTheWholeMeshHoweverSmallTheBasis) {
   const VertexId tip = near({1.0, 0.155, 0.23}), side = near({0.5, 0.31, 0.115});
-  // A displacement of 1e-8: what is not linear in it is below 1e-6 of it.
+  // A displacement of 1e-8: its nonlinear part is below 1e-6 of it.
   const Vector3d force(2e-6, -3e-6, 5e-6);
   for (const std::string order : {"1", "2"}) {
     const std::vector<Vector3d> truth = whole(order, tip, "2e-6,-3e-6,5e-6", {tip, side});

@@ -256,7 +256,7 @@ TEST_F(Resume, AnotherMeshOrOtherOptionsAreRefusedWithWhatDiffers) {
     const ProgramResult result = run(arguments + " --resume");
     EXPECT_EQ(result.code, 3) << arguments << result.err;
     EXPECT_NE(result.err.find(difference), std::string::npos) << difference << "\n" << result.err;
-    EXPECT_NE(result.err.find("start anew with --checkpoint"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("start again with --checkpoint"), std::string::npos) << result.err;
     EXPECT_EQ(slurp(stage("modes")), kept);
   }
   const ProgramResult petsc = run(kFew + kHeld + "--resume -- -eps_type krylovschur");
@@ -265,7 +265,7 @@ TEST_F(Resume, AnotherMeshOrOtherOptionsAreRefusedWithWhatDiffers) {
       << petsc.err;
   // Anew, and nothing of the old run is found.
   const std::string bytes = undisturbed("other.veg " + few + kHeld);
-  expect_same(run("other.veg " + few + kHeld + "--checkpoint"), bytes, "anew");
+  expect_same(run("other.veg " + few + kHeld + "--checkpoint"), bytes, "from the start");
 }
 
 TEST_F(Resume, ADamagedStageIsToldAndComputedAgain) {
@@ -317,7 +317,7 @@ TEST_F(Resume, ACheckpointThatCannotBeWrittenIsAWarningAndNoMore) {
     for (const int number : {1, 2, 3}) {
       const ProgramResult result = run_with(fault, number, kFew + kHeld + "--checkpoint");
       EXPECT_TRUE(came()) << fault;
-      EXPECT_NE(result.err.find("the run goes on without checkpoints"), std::string::npos)
+      EXPECT_NE(result.err.find("the run continues without checkpoints"), std::string::npos)
           << result.err;
       expect_same(result, bytes, fault);
     }
@@ -366,7 +366,7 @@ TEST_F(Resume, AFailureLeavesNoHalfStageBehindAndTheFinishedOnesOfUse) {
       output());
   // From there on every rename fails, the output's too.
   EXPECT_EQ(ended.code, 1) << ended.err;
-  EXPECT_NE(ended.err.find("the stages are kept: --resume goes on from there"), std::string::npos)
+  EXPECT_NE(ended.err.find("the stages are kept: --resume continues from them"), std::string::npos)
       << ended.err;
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(checkpoint()))

@@ -306,7 +306,7 @@ TEST_F(RunProgram, AWrongSceneNamesItsLine) {
   expect("[a]\nmodel = \"" + model() + "\"\nstep = \"fast\"\n", "line 3");
   expect("[a\n", "line 1");
   expect("step = 1\n", "outside a table");
-  expect("[a]\nstep = 1\n", "names no model");
+  expect("[a]\nstep = 1\n", "has no key 'model'");
   expect("", "empty");
   expect("# nothing\n", "no body");
   expect("[\"a/../../b\"]\nmodel = \"x\"\n", "letters");  // it would become a folder's name
@@ -549,14 +549,14 @@ TEST_F(RunProgram, ALongRunTellsATerminalHowFarItIs) {
   ASSERT_EQ(::grantpt(terminal), 0);
   ASSERT_EQ(::unlockpt(terminal), 0);
   const std::string end = ::ptsname(terminal);
-  const int held = ::open(end.c_str(), O_RDWR | O_NOCTTY);  // else what was said is lost
+  const int held = ::open(end.c_str(), O_RDWR | O_NOCTTY);  // else the output is lost
   ASSERT_GE(held, 0);
   const ProgramResult started =
       run_program(folder_, "(timeout -s KILL 300 " + kTremolo + "run " + model() +
                                " --duration 1e6 2>" + end + " >/dev/null & echo $!)");
   const int program = std::atoi(started.out.c_str());
   ASSERT_GT(program, 0) << started.err;
-  // However slow the machine is: what is waited for is the words, not a time.
+  // It waits for the words and not for a time, for slow machines.
   std::string said;
   for (int wait = 0; wait < 2400 && said.find(" left") == std::string::npos; ++wait) {
     char buffer[4000];

@@ -1,4 +1,4 @@
-// --target-error: what it promises is what `tremolo-precompute reference` then finds.
+// --target-error: `tremolo-precompute reference` confirms the promised error.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -27,8 +27,8 @@ class TargetError : public ::testing::Test {
     return run_program(folder_,
                        kTargetCommand + " " + body + " --threads 1 -o made.tremolo --json " + more);
   }
-  // Makes the file, has the reference measure it under the same load, and compares the two.
-  // Returns what the precompute said.
+  // Makes the file, has the reference measure it under the same load, and compares the two. Returns
+  // the precomputation's JSON.
   json keep_promise(const std::string& body, double target, const std::string& more = "") {
     const ProgramResult made = precompute(body, more + " --target-error " + std::to_string(target));
     EXPECT_EQ(made.code, 0) << made.err;

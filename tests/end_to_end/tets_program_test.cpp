@@ -132,7 +132,7 @@ std::vector<float> ply_places(const std::string& path, std::size_t vertices) {
   const std::string text = slurp(path);
   const std::size_t head = text.find("end_header\n");
   EXPECT_NE(head, std::string::npos) << path;
-  // Beside the place a vertex may have other numbers: so many bytes it takes.
+  // Each vertex may have other properties besides its position: the number of its bytes.
   const bool normals = text.find("property float nx") < head;
   std::vector<float> places(3 * vertices);
   for (std::size_t i = 0; i < vertices; ++i)
@@ -149,7 +149,7 @@ TEST_F(TetsProgram, OtherProgramsOpenTheMotionOfARun) {
                    "export scene.toml --rate 100 --from 0.5 --to 0.5 --pc2 a.pc2 --pvd c.pvd "
                    "--usda d.usda --glb e.glb --page f.html --json");
   ASSERT_EQ(result.code, 0) << result.err;
-  // One frame, the last state: what is drawn is what the run has written.
+  // One frame, the last state: the exported vertices are those of the run's surface.
   const std::string cache = slurp(folder_ + "/a-high.pc2");
   ASSERT_GT(cache.size(), 32U);
   const std::size_t vertices = (cache.size() - 32) / 12;

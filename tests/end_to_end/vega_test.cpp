@@ -1,5 +1,5 @@
-// VegaFEM's files through both programs: what is imported has the forces of the .cub and comes out
-// again byte for byte.
+// VegaFEM's files through both programs: an imported model has the forces of the .cub and is
+// exported byte for byte.
 #include <cmath>
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // Bodies whose support moves, and bodies that fly, against the whole mesh moved through the world
-// by `tremolo-precompute reference`, which knows neither a moving frame nor an integral over a
-// mode. A basis of as many columns as the mesh has unknowns leaves nothing out: what is left is
-// the error of the steps, and has to fall by four where they are halved.
+// by `tremolo-precompute reference`, which has neither a moving frame nor an integral over a mode.
+// A basis with as many columns as the mesh has unknowns is exact: the remaining error is that of
+// the steps, and must fall by four when they are halved.
 #include <map>
 #include <sstream>
 
@@ -167,7 +167,7 @@ class DrivenTruth : public WorldTruth {
     EXPECT_GT(coarse.peak, 0.04);  // a large deflection of a bar of 0.3 m
     EXPECT_LE(fine.displacement, 5e-4 * fine.peak);
     EXPECT_GE(coarse.displacement / fine.displacement, 3.3);
-    EXPECT_LE(fine.place, 1e-9);  // what the spline of the given poses misses
+    EXPECT_LE(fine.place, 1e-9);  // error of the spline of the given poses
     EXPECT_LE(fine.turn, 1e-9);
   }
 };
@@ -219,7 +219,7 @@ TEST_F(WorldTruth, AFreeDampedBodyConvergesToTheWholeMesh) {
   EXPECT_LE(fine.displacement, 0.02 * fine.peak);
   EXPECT_GE(coarse.displacement / fine.displacement, 3.3);
   EXPECT_LE(fine.turn, 1e-4);     // of five radians
-  EXPECT_LE(fine.angular, 1e-7);  // N m s, of 0.48: what the solves of the whole mesh leave
+  EXPECT_LE(fine.angular, 1e-7);  // N m s, of 0.48: error of the solves of the whole mesh
 }
 
 // With a basis that leaves much out, a shake below the first frequency and a spin-up: not farther
@@ -278,7 +278,7 @@ TEST_F(WorldTruth, WhatDoesNotGoTogetherIsRefused) {
   EXPECT_EQ(code(held + "--duration 0.1 --spin 1,0,0", "--spin"), 2);
   EXPECT_EQ(code(held + "--duration 0.1 --spin 1,0", "three numbers"), 2);
   EXPECT_EQ(code(held + "--duration 0.1 --fix-x 'x>0.29'", "--fix-x"), 3);
-  EXPECT_EQ(code("--fix none --duration 0.1 --support-motion motion.csv", "held nowhere"), 3);
+  EXPECT_EQ(code("--fix none --duration 0.1 --support-motion motion.csv", "not fixed anywhere"), 3);
   EXPECT_EQ(code("--fix 'x<0.001' --duration 0.1 --velocity 1,0,0", "--fix none"), 3);
   EXPECT_EQ(code("--fix none --velocity 1,0,0 --alpha 0.1", "--alpha"), 2);
   EXPECT_EQ(code("--fix 'x<0.001' --duration 0.1 --support-motion gone.csv", "gone.csv"), 1);

@@ -1,4 +1,4 @@
-// Modes as morph targets: what viewers add up is X + U q.
+// Modes as morph targets: the sum in viewers is X + U q.
 #include "runtime/exchange/morph_targets.h"
 
 #include <gtest/gtest.h>
@@ -67,7 +67,8 @@ TEST(MorphTargets, ACoordinateThatNeverChangesIsInTheBaseAndNoTarget) {
   const MorphTargets targets = morph_targets(animation.shapes[0], ranges, false);
   const auto weights = target_weights(coordinates_at(animation, body, 7), ranges);
   EXPECT_LE(farthest(animation, body, 7, shown(targets, weights)), 1e-6);
-  // The plain form has the rest shape as its base: only what is always zero can be left out.
+  // The plain form has the rest shape as its base: only coordinates that are always zero can be
+  // left out.
   EXPECT_EQ(target_ranges(animation, 0, true).targets.size(), 3U);
   for (std::size_t f = 0; f < 20; ++f) body.q[3 * f + 1] = 0.0;
   EXPECT_EQ(target_ranges(animation, 0, true).targets.size(), 2U);

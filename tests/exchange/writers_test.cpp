@@ -1,5 +1,5 @@
-// The files byte by byte, as far as that is short, and what is refused. Whether others read them is
-// tests/exchange/readers.sh.
+// The bytes of short files, and refused animations. tests/exchange/readers.sh checks them with
+// other programs.
 #include <bit>
 #include <cstring>
 #include <filesystem>

@@ -126,7 +126,7 @@ TEST_F(AtomicFileTest, ASignalRemovesAsManyPartialFilesAsThereAre) {
 TEST_F(AtomicFileTest, EvenSigkillLeavesTheTargetAsItWasAndTheNextWriterTidiesUp) {
   EXPECT_EQ(interrupted_by(SIGKILL), SIGKILL);
   EXPECT_EQ(contents(), "old");
-  EXPECT_EQ(files(), 2);  // the target and what the dead one left
+  EXPECT_EQ(files(), 2);  // the target and the file of the dead process
   ASSERT_TRUE(write_file(target(), "new"));
   EXPECT_EQ(contents(), "new");
   EXPECT_EQ(files(), 1);

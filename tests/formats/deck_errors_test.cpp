@@ -1,4 +1,4 @@
-// What is refused of Abaqus and Nastran files is refused by its name and line.
+// Errors about Abaqus and Nastran files give the name and the line.
 #include <string>
 #include <vector>
 

@@ -1,4 +1,4 @@
-// glTF beyond what assimp knows: extensions, integers, skins.
+// glTF beyond assimp's support: extensions, integers, skins.
 #include <array>
 #include <cstdint>
 #include <string>

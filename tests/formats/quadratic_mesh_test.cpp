@@ -1,5 +1,4 @@
-// Quadratic meshes: what MSH and VTK files say of edges, what is refused, and what a basis file
-// keeps of them.
+// Quadratic meshes: edges in MSH and VTK files, refused ones, and edges in a basis file.
 #include <gtest/gtest.h>
 
 #include "common/mesh/edge_points.h"

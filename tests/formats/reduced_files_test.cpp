@@ -1,4 +1,4 @@
-// VegaFEM's .cub and .U: what the numbers mean, and that no file can do harm.
+// VegaFEM's .cub and .U: the meaning of the numbers, and files that must do no harm.
 #include "formats/vega/reduced_files.h"
 
 #include <cstring>

@@ -123,9 +123,9 @@ TEST(SurfaceAnswer, EachBrokenPromiseIsSeen) {
 }
 
 TEST(SurfaceAnswer, ARefusalSaysWhy) {
-  const Result<SurfaceFile> told = decode_surface(encode_refusal("a hole"));
-  ASSERT_FALSE(told);
-  EXPECT_EQ(told.error().message, "a hole");
+  const Result<SurfaceFile> decoded = decode_surface(encode_refusal("a hole"));
+  ASSERT_FALSE(decoded);
+  EXPECT_EQ(decoded.error().message, "a hole");
   for (const char* text : {"", "  "}) {
     const Result<SurfaceFile> silent = decode_surface(encode_refusal(text));
     ASSERT_FALSE(silent);

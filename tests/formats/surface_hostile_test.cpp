@@ -1,4 +1,4 @@
-// Files that are not what they say, and what they may not do to the process that reads them.
+// Files with false contents, and their effects on the process that reads them, which must be none.
 #include <csignal>
 #include <filesystem>
 #include <random>
@@ -62,7 +62,7 @@ TEST_F(HostileSurface, EmptyFilesAndGarbageAreRefusedInEveryFormat) {
   }
 }
 
-// Cut anywhere, a file is refused or gives what is whole in it; it never ends the process.
+// A file cut anywhere is refused or gives its complete part; it never ends the process.
 TEST_F(HostileSurface, CutFilesAreRefusedOrGiveLess) {
   const std::vector<std::pair<const char*, std::string>> files = {
       {"box.stl", box_stl_binary()}, {"box.glb", box_glb()}, {"box.ply", box_ply(true)},
@@ -95,7 +95,7 @@ TEST_F(HostileSurface, CountsThatTheFileCannotHoldAreRefused) {
       std::string ply = box_ply(binary);
       const std::string huge = std::string(element, std::strlen(element) - 1) + "4000000000";
       ply.replace(ply.find(element), std::strlen(element), huge);
-      // What assimp makes of it is its own affair; that it comes back is ours.
+      // Any result of assimp is acceptable, but read_surface() must return.
       const Result<SurfaceFile> file = read_surface(folder.write("many.ply", ply));
       if (file) {
         EXPECT_LE(file->surface.triangles.size(), 12U);

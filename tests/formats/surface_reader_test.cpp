@@ -1,4 +1,4 @@
-// The same box out of every format, and what a scene adds to it.
+// The same box from every format, and the additions of a scene.
 #include "formats/surface/surface_reader.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The files of an imported model lie in the basis file for the export and for nobody else.
+// The files of an imported model are in the basis file only for the export.
 #include <algorithm>
 
 #include <gtest/gtest.h>

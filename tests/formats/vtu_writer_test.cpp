@@ -1,4 +1,4 @@
-// Modes for ParaView: what is written is what our own reader reads.
+// Modes for ParaView: this project's own reader reads the written file.
 #include "formats/vtk/vtu_writer.h"
 
 #include <cstring>

@@ -136,8 +136,9 @@ TEST(ContactParts, TheSlopesAreDerivatives) {
   EXPECT_LE(beyond, 10);
 }
 
-// A ball that rolls: as much enters contact in front as leaves it behind. The entering part pushes
-// no more than the leaving part, except for the fiftieth that depends on the point's own rate.
+// A ball that rolls: as much of it enters contact in front as leaves it behind. The entering part
+// pushes no more than the leaving part, except for the fiftieth that depends on the point's own
+// rate.
 TEST(ContactParts, RestitutionIsOfThePair) {
   ContactLaw law = pair_law();
   law.friction = 0.0;

@@ -171,7 +171,7 @@ TEST(DrivenBody, PosesAloneGiveAccelerationsOfSecondOrder) {
   const Model::Pointer model = frame_model(4, false, 14.0, 60.0);
   const auto orbit = [&](double h, bool known) {
     ContactBody body = make_framed(model, FrameKind::kDriven, {.step = h, .tolerance = 1e-11});
-    Motion motion;  // from rest: what was before the first step is known then
+    Motion motion;  // from rest: the state before the first step is then known
     motion.parts.push_back(GlideMotion{{0.5, 0.2, -0.3}, {.start = 0.01, .ramp = 0.3}});
     motion.parts.push_back(
         SpinMotion{{0.3, 0.5, 1.0}, {0.1, 0.2, -0.1}, 3.0, {.start = 0.02, .ramp = 0.3}});

@@ -1,4 +1,4 @@
-// Bodies that nothing holds: what a free body keeps, and motions that are known.
+// Free bodies: conserved quantities, and motions with known solutions.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -42,8 +42,7 @@ Eigen::SelfAdjointEigenSolver<Matrix3d> principal_axes(const Model& model) {
   return Eigen::SelfAdjointEigenSolver<Matrix3d>(P.trace() * Matrix3d::Identity() - P);
 }
 
-// Jacobi's solution: the time in which the middle spin goes through its whole course. It asks for
-// L^2 > 2 T I2.
+// Jacobi's solution: the period of the middle spin. It requires L^2 > 2 T I2.
 double flip_period(const Vector3d& moments, const Vector3d& spin) {
   const double I1 = moments[0], I2 = moments[1], I3 = moments[2];
   const double L2 = moments.cwiseProduct(spin).squaredNorm();

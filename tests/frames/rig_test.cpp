@@ -1,4 +1,4 @@
-// The bones of a scene's body from the rig of its model: they go where the recorded motion says.
+// The bones of a scene's body from the rig of its model: they follow the recorded motion.
 #include <memory>
 
 #include <Eigen/Geometry>

@@ -235,7 +235,7 @@ TEST(SavedWorld, AnotherSceneIsToldByWhatDiffers) {
   other.bodies.push_back(body_of("new", FrameKind::kFixed, "ep4"));
   refused(other, "without body 'new'");
   other = scene;
-  other.duration = 5.0;  // how long it runs is not what it is
+  other.duration = 5.0;  // the duration is not part of the identity
   SceneWorld longer = saved_world_of(other);
   EXPECT_TRUE(longer.restore(bytes));
 }
@@ -253,7 +253,7 @@ TEST(SavedWorld, DamagedAndTruncatedFilesAreRefused) {
     const std::size_t at = generator() % bytes.size();
     const std::byte kept = bytes[at];
     bytes[at] ^= std::byte(1U << (generator() % 8U));
-    // Padding between sections is nobody's; else the damage is seen.
+    // Padding between sections is ignored; other damage is detected.
     if (world.restore(bytes)) {
       ASSERT_EQ(kept, std::byte{0});
       bytes[at] = kept;
@@ -268,7 +268,7 @@ TEST(SavedWorld, DamagedAndTruncatedFilesAreRefused) {
   EXPECT_EQ(state_bytes(world), before);
 }
 
-// States that somebody wrote by hand, with the right checksums: refused, or a world that steps.
+// Forged states with correct checksums: refused, or a world that steps.
 TEST(SavedWorld, ForgedStatesDoNotCrash) {
   SceneWorld world = saved_world_of(crowded());
   run(world, 350);

@@ -1,5 +1,5 @@
-// Nothing is allocated in a step of a scene, whatever moves: this executable counts its mallocs, in
-// which operator new and Eigen end, where the C library lets it.
+// Nothing is allocated in a step of a scene, whatever moves: this executable counts its calls of
+// malloc, which operator new and Eigen use, where the C library permits it.
 #include <atomic>
 #include <cstddef>
 

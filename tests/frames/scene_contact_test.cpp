@@ -460,7 +460,7 @@ TEST(SceneContact, RefusesHandsThatHoldNothing) {
   };
   using H = SceneHand;
   expect_refusal(with([](H& h) { h.body = "nobody"; }), "hand 1: body: there is no body 'nobody'");
-  expect_refusal(with([](H& h) { h.at.clear(); }), "hand 1: at: it names no vertex");
+  expect_refusal(with([](H& h) { h.at.clear(); }), "hand 1: at: it is empty");
   expect_refusal(with([](H& h) { h.at = "x>-9"; }), "is 12 vertices, a hand holds one");
   expect_refusal(with([](H& h) { h.at = "999"; }), "hand 1: at: ");
   expect_refusal(with([](H& h) { h.at = "0"; }), "the vertex does not move, it is fixed");

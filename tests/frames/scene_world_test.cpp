@@ -200,9 +200,9 @@ TEST(SceneWorld, MomentaOfADrivenBodyAreThoseOfItsPoints) {
     angular += place(0.0).cross(momentum);
   }
   // The frame's velocities are given as differences over two steps.
-  const Momenta told = world.momenta(shaken);
-  EXPECT_LE((told.linear - linear).norm(), 1e-3 * linear.norm());
-  EXPECT_LE((told.angular - angular).norm(), 1e-3 * angular.norm());
+  const Momenta reported = world.momenta(shaken);
+  EXPECT_LE((reported.linear - linear).norm(), 1e-3 * linear.norm());
+  EXPECT_LE((reported.angular - angular).norm(), 1e-3 * angular.norm());
 }
 
 TEST(SceneWorld, BodyThatFailsStandsStillAndTheOthersGoOn) {

@@ -1,5 +1,5 @@
-// Bodies on bones: what they have in common with a driven frame, the forces of their bones against
-// differences of the positions of their points, balances.
+// Bodies on bones: agreement with a driven frame, the forces of their bones against differences of
+// the positions of their points, balances.
 #include <array>
 #include <cmath>
 #include <string>

@@ -7,7 +7,7 @@ void tremolo::fuzz::read_input(std::string_view bytes) {
       BasisReader::from_memory(std::as_bytes(std::span(bytes.data(), bytes.size())));
   check_error(reader);
   if (!reader) return;
-  if (!reader->verify_all()) finding("a checksum was looked at");
+  if (!reader->verify_all()) finding("a checksum was compared");
   const Result<BasisData> data = read_basis(*reader);
   check_error(data);
   if (!data) return;

@@ -11,5 +11,5 @@ void tremolo::fuzz::read_input(std::string_view bytes) {
     if (body.name.empty() || body.model.empty() || body.name.find('/') != std::string::npos)
       finding("a body without a name or a model");
     else if (body.model.find('\0') != std::string::npos)
-      finding("a path that goes on behind its end");
+      finding("a path that continues beyond its end");
 }

@@ -20,19 +20,19 @@ void tremolo::fuzz::read_input(std::string_view bytes) {
     if (body.name.empty() || body.model.empty() || body.name.find('/') != std::string::npos)
       finding("a body without a name or a model");
     const Result<MotionPath> path = MotionPath::create(body.motion, body.pose);
-    if (!path) finding("a motion that is none");
+    if (!path) finding("an invalid motion");
     for (const double t : {-1.0, 0.0, 0.5, 1e3})
-      if (!pose_problem(path->pose(t)).empty()) finding("a pose that is none");
+      if (!pose_problem(path->pose(t)).empty()) finding("an invalid pose");
     for (const SceneBone& bone : body.bones)
-      if (bone.name.empty() || !MotionPath::create(bone.motion)) finding("a bone that is none");
+      if (bone.name.empty() || !MotionPath::create(bone.motion)) finding("an invalid bone");
     if (!(body.contact.margin > 0.0) || body.contact.points < 1)
       finding("contact without a margin or a point");
   }
   for (const SceneCollider& collider : file->scene.colliders) {
-    if (collider.file.empty() && !check(collider.shape)) finding("a shape that is none");
+    if (collider.file.empty() && !check(collider.shape)) finding("an invalid shape");
     if (!(collider.friction >= 0.0) || !(collider.restitution <= 1.0))
       finding("friction or restitution out of range");
-    if (!MotionPath::create(collider.motion, collider.pose)) finding("a motion that is none");
+    if (!MotionPath::create(collider.motion, collider.pose)) finding("an invalid motion");
   }
   for (const SceneHand& hand : file->scene.hands)
     if (!(hand.pin || hand.stiffness > 0.0) || !(hand.until > hand.from))

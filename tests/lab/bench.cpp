@@ -61,8 +61,8 @@ std::vector<Criterion> criteria_of(const Measured& measured) {
   return criteria;
 }
 
-// The criteria come first on the page, so all is measured before anything is written. Returns the
-// path of the page.
+// The criteria are first on the page, so everything is measured before anything is written. Returns
+// the path of the page.
 std::string write_report(const Options& options, const Measured& measured,
                          const std::vector<Criterion>& criteria) {
   Report report(options.out,

@@ -1,5 +1,5 @@
-// tremolo-lab: what the methods cost and how far they are from the truth. `tremolo bench` and
-// `tremolo reproduce` start it.
+// tremolo-lab: the cost and the accuracy of the methods. `tremolo bench` and `tremolo reproduce`
+// start it.
 #include <optional>
 #include <string>
 

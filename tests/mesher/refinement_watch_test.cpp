@@ -64,9 +64,9 @@ TEST(RefinementWatch, TellsLessAndLessOften) {
   ::testing::internal::CaptureStderr();
   RefinementWatch watch({.expected = 4'000, .seconds = 1e-9});
   queries_until_end(watch, 1'000'000, 500);
-  const std::string told = ::testing::internal::GetCapturedStderr();
+  const std::string printed = ::testing::internal::GetCapturedStderr();
   // 976 looks; the time between two lines doubles.
-  EXPECT_LT(std::count(told.begin(), told.end(), '\n'), 60);
+  EXPECT_LT(std::count(printed.begin(), printed.end(), '\n'), 60);
 }
 
 void expect_given_up(const Result<TetMesh>& mesh) {

@@ -54,7 +54,7 @@ TEST(SurfaceMesher, KeepsSharpEdges) {
 
 // A bar's sharp edges ask for more than that, unless the distance to the surface is given up.
 TEST(SurfaceMesher, ANumberOfTetrahedraThatIsMissedIsTold) {
-  const auto told = [](const SurfaceMeshOptions& options, std::size_t& count) {
+  const auto is_reported_missed = [](const SurfaceMeshOptions& options, std::size_t& count) {
     const Result<MeshedSurface> meshed =
         mesh_surface(as_render_surface(box_surface({1.0, 0.1, 0.1})), options);
     EXPECT_TRUE(meshed);
@@ -66,7 +66,7 @@ TEST(SurfaceMesher, ANumberOfTetrahedraThatIsMissedIsTold) {
   };
   for (const int wanted : {100, 300, 1000, 4000}) {
     std::size_t count = 0;
-    const bool miss = told({.tets = wanted}, count);
+    const bool miss = is_reported_missed({.tets = wanted}, count);
     const double share = static_cast<double>(count) / wanted;
     EXPECT_EQ(miss, std::abs(share - 1.0) > 0.1) << wanted << ": " << count;
     // The nearest of six tries: the last one of them gave nine times as many.

@@ -169,7 +169,7 @@ TEST(Mechanisms, OfALongChainAreCounted) {
   EXPECT_EQ(found_motions(mesh, vertices_on_plane(mesh, 0, 0.0)), kMostPieces - 1);
   places.push_back({kMostPieces, kMostPieces, 0});
   mesh = cubes(places);
-  EXPECT_EQ(found_motions(mesh, vertices_on_plane(mesh, 0, 0.0)), 0) << "not looked at";
+  EXPECT_EQ(found_motions(mesh, vertices_on_plane(mesh, 0, 0.0)), 0) << "not checked";
 }
 
 std::string refusal(TetMesh mesh, const std::vector<VertexId>& fixed) {

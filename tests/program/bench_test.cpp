@@ -1,4 +1,4 @@
-// tremolo bench on a small model in memory: what its figures rest on.
+// tremolo bench on a small model in memory: the basis of its figures.
 #include <cmath>
 #include <filesystem>
 #include <limits>

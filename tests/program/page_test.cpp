@@ -1,4 +1,4 @@
-// Pages with a motion: the numbers in them, read back, and what they must not hold.
+// Pages with a motion: their numbers, read back, and text that they must not contain.
 #include <cmath>
 #include <cstring>
 #include <fstream>

@@ -1,4 +1,4 @@
-// Tables, pages, stored results and charts: what every report is made of.
+// Tables, pages, stored results and charts: the parts of every report.
 #include "tests/lab/report/report.h"
 
 #include <cmath>

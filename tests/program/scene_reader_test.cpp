@@ -273,7 +273,7 @@ TEST(SceneReader, TellsFileLineAndKeyOfWhatIsWrong) {
       {kBody + "integrator = \"euler\"\n", "unknown integrator 'euler'"},
       {kBody + "split = \"some\"\n", "line 4: body 'a'"},
       {"[[bodies]]\nmodel = \"m\"\n", "body 1: it has no `name`"},
-      {"[[bodies]]\nname = \"a\"\n", "body 'a': it names no `model`"},
+      {"[[bodies]]\nname = \"a\"\n", "body 'a': it has no key `model`"},
       {"[[bodies]]\nname = \"a/b\"\nmodel = \"m\"\n", "letters, digits"},
       {kBody + kBody, "two bodies are named 'a'"},
       {"bodies = []\n", "the scene has no body"},

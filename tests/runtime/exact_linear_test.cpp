@@ -159,9 +159,9 @@ TEST(ExactLinear, WorkAndDissipationAreTheirIntegralsOverTheTrueMotion) {
       });
       const double taken = integral(o, before.q[0], before.p[0],
                                     [&](double, double p, double) { return rate * p * p; });
-      const double told = load.average.dot(state.q - before.q) + report.extra_work;
+      const double reported = load.average.dot(state.q - before.q) + report.extra_work;
       const double size = 2.0 + 0.5 * o.lambda * 1e-4;  // J, of the motion
-      EXPECT_NEAR(told, work, 1e-13 * size) << omega << ' ' << rate;
+      EXPECT_NEAR(reported, work, 1e-13 * size) << omega << ' ' << rate;
       EXPECT_NEAR(report.dissipated, taken, 1e-13 * size) << omega << ' ' << rate;
       if (rate == 0.0) {
         EXPECT_EQ(report.dissipated, 0.0);
@@ -264,7 +264,7 @@ TEST(ExactLinear, NumbersThatAreNotFiniteAreNoConvergenceAndChangeNothing) {
     load.active = true;
     const StepReport report = integrator->step(state, load);
     EXPECT_FALSE(report.converged);
-    EXPECT_FALSE(std::isfinite(report.residual)) << "this is how a program tells overflow";
+    EXPECT_FALSE(std::isfinite(report.residual)) << "a program detects overflow in this way";
     state.q[3] = INFINITY;
     EXPECT_FALSE(integrator->step(state, make_step_load(200)).converged);
     state.q[3] = before.q[3];

@@ -17,7 +17,7 @@ TEST(RescaledBasis, HasTheEnergyOfAStifferMaterialForTheSameDisplacement) {
   const Result<BasisData> made = rescaled(data, stiffness, density);
   ASSERT_TRUE(made) << made.error().message;
   const Eigen::Vector2d q(0.3, -0.02);
-  const Eigen::Vector2d other = std::sqrt(density) * q;  // moves the vertices alike
+  const Eigen::Vector2d other = std::sqrt(density) * q;  // moves the vertices equally
   EXPECT_TRUE((made->surface.rows * other).isApprox(data.surface.rows * q, 1e-14));
   EXPECT_TRUE((made->interior.rows * other).isApprox(data.interior.rows * q, 1e-14));
   const double before = reduced_energy(data.lambda, data.cubic, data.quartic, q).energy;

@@ -222,7 +222,7 @@ TEST_P(Scenes, RunForTenSecondsInsideTheirBound) {
   EXPECT_LE(report["energy_drift_max"].get<double>(), 0.05);
 }
 
-// The fast methods are chosen, and what they cannot do is found out.
+// The fast methods are used, and their failures are detected.
 TEST(LanesUnderTheSamplesLoads, AreWatchedAndPutBackToASoundStateWhereTheyExplode) {
   std::size_t exploded = 0;
   for (const char* name : kSampleNames) {

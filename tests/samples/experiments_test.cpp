@@ -41,7 +41,7 @@ TEST_F(Experiments, BenchWritesItsPageAndRemembersWhatItHasDone) {
   EXPECT_NE(rows.find("beam,square,0.05"), std::string::npos) << rows;
   const auto second = tremolo(kSmallBench);
   EXPECT_EQ(second.code, first.code);
-  EXPECT_EQ(testing::slurp(at("small/bench.csv")), rows) << "a second start measured anew";
+  EXPECT_EQ(testing::slurp(at("small/bench.csv")), rows) << "a second start measured again";
 }
 
 TEST_F(Experiments, BenchOnAFullDiskSaysSoAndItsOldPageStays) {

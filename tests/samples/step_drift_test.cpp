@@ -8,7 +8,7 @@
 namespace tremolo {
 namespace {
 
-constexpr double kRounding = 1e-13;  // ten times what the exact methods leave in these runs
+constexpr double kRounding = 1e-13;  // ten times the error of the exact methods in these runs
 
 double drift_of(const Model::Pointer& model, const char* method, double step) {
   bench::RunSpec spec;

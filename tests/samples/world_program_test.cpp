@@ -152,7 +152,7 @@ TEST_F(WorldProgram, RefusesBeforeAnythingIsWritten) {
   refused("[[bodies]]\nname = \"a\"\nmodel = \"none.tremolo\"\nmade-by = \"./demo\"\n", 1,
           "there is no such basis file; make it with `./demo`");
   refused(body("a", "fixed", "mass = 3\n"), 3, "line 5: body 'a': unknown key 'mass'");
-  refused(body("a", "fixed"), 2, "--load is of one body", "--load none");
+  refused(body("a", "fixed"), 2, "--load applies only to one body", "--load none");
   refused(body("a", "fixed"), 2, "unknown integrator", "--integrator euler");
   refused(body("a", "fixed"), 3, "duration must be positive", "--duration -1");
   refused("[[bodies]]\nname = \"a\"\nkind = \"free\"\nmodel = \"" + models_ + "/held.tremolo\"\n",
@@ -285,11 +285,11 @@ TEST_F(WorldProgram, PoursTwoHundredBalls) {
     EXPECT_LE(body["penetration_max"].get<double>(), 0.07) << body["body"];
   }
   EXPECT_GE(contacts, 50);
-  EXPECT_NE(result.err.find("and 188 bodies more"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("and 188 more bodies"), std::string::npos) << result.err;
 }
 
-// A run that is cut in two by --save and --restore writes the same rows, and the same file at the
-// end; what belongs to another scene is refused, and nothing is written.
+// A run divided into two by --save and --restore writes the same rows, and the same file at the
+// end; a state of another scene is refused, and nothing is written.
 TEST_F(WorldProgram, ARunThatWasSavedGoesOnWithTheSameBits) {
   const std::string scene =
       "gravity = [0, 0, -9.81]\n" + body("shaken", "driven", kShaken) +

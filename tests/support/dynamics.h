@@ -49,8 +49,8 @@ inline Model::Pointer crowd_model(double nonlinearity = 0.02) {
 }
 inline constexpr double kNever = std::numeric_limits<double>::infinity();  // s
 
-// For the maps of single steps on linear oscillators: the step (s), and what is left by rounding of
-// a few dozen operations, relative to the largest number among them.
+// For the maps of single steps on linear oscillators: the step (s), and the rounding error of a few
+// dozen operations, relative to the largest number among them.
 inline constexpr double kOscillatorStep = 0.01;
 inline constexpr double kOscillatorRounding = 1e-13;
 inline IntegratorOptions oscillator_options(double alpha = 0.0, double beta = 0.0) {

@@ -1,5 +1,5 @@
-// A fixed cloud in motion and with damping, for the tests of driven frames and of bones, and
-// the order in which a method approaches what Newton's laws make of it.
+// A fixed cloud in motion and with damping, for the tests of driven frames and of bones, and the
+// observed order of a method against Newton's laws.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// The consistency checks that every potential has to pass, in one place.
+// The consistency checks of every potential.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +9,7 @@
 namespace tremolo::testing {
 
 // Central differences of step s and 2s, combined: (4 D(s) - D(2s))/3 has no truncation error for
-// polynomials up to degree four, so any step will do and what is left is rounding.
+// polynomials up to degree four, so any step will do and only rounding remains.
 template <class Function>
 auto exact_derivative(Function&& f, double s) {
   using Value = decltype(f(s));

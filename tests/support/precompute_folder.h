@@ -28,7 +28,7 @@ class PrecomputeFolder : public ::testing::Test {
   }
 
   // The JSON that a run prints that succeeds.
-  nlohmann::json told(const std::string& arguments) {
+  nlohmann::json report_of(const std::string& arguments) {
     const ProgramResult result = run(arguments + " --json");
     EXPECT_EQ(result.code, 0) << result.err;
     return nlohmann::json::parse(result.out, nullptr, false);

@@ -1,4 +1,4 @@
-// The programs and what tests that start them need.
+// Starts the programs, for tests.
 #pragma once
 
 #include <string>

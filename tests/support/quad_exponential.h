@@ -1,6 +1,6 @@
-// The exponential of a small matrix in numbers of 113 bits, for tests: the truth about linear
-// motion, by a power series of the matrix over 2^n and n squarings. It has nothing in common with
-// what is tested.
+// The exponential of a small matrix in numbers of 113 bits: the exact result of linear motion, by a
+// power series of the matrix over 2^n and n squarings. It has nothing in common with the tested
+// code.
 #pragma once
 
 #include <array>

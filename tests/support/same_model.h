@@ -1,4 +1,4 @@
-// Two basis files of one mesh as what they are: subspaces with frequencies, energies and forces.
+// Compares two basis files of one mesh as subspaces with frequencies, energies and forces.
 #pragma once
 
 #include <algorithm>

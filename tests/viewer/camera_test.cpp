@@ -1,4 +1,4 @@
-// The camera: what it maps where, and how it frames.
+// The camera: its mapping, and its framing.
 #include "runtime/viewer/camera/camera.h"
 
 #include <algorithm>

@@ -34,7 +34,7 @@ CameraRay ray_at(const SceneWorld& world, std::size_t i, const Vector3d& way) {
   return {aim + 2.0 * way, -way};
 }
 
-// Pulls the body twice, as a mouse would, and lets go in between; steps: so many in all.
+// Pulls the body twice, as a mouse would, and releases it in between; steps: their total number.
 void play(LiveWorld& live, HandRecord& record, std::size_t body, const Vector3d& way, int steps) {
   for (int k = 0; k < steps; ++k) {
     if (k == 20 || k == 120) {
@@ -85,7 +85,7 @@ TEST(HandRecord, OfABasisFileIsReplayedToTheBit) {
   expect_replayed(*viewed, fresh_folder() + "/hand.toml", 0, Vector3d(0, -1, 0));
 }
 
-// In another folder, with a floor, behind the scene's own hand.
+// The scene is in another folder, with a floor, and has its own hand.
 TEST(HandRecord, OfASceneKeepsTheSceneAndFindsItsFiles) {
   const std::string folder = fresh_folder();
   fs::create_directories(folder + "/scene");

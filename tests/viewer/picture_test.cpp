@@ -1,4 +1,4 @@
-// Off-screen pictures show what the states say: silhouettes against a rasteriser of the test's own.
+// Off-screen pictures show the states: silhouettes against the test's own rasteriser.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -36,7 +36,7 @@ Vector3d vector_of(const nlohmann::json& json) {
   return {json[0].get<double>(), json[1].get<double>(), json[2].get<double>()};
 }
 
-// A pinhole camera, from what the program says of it.
+// A pinhole camera, from the program's description of it.
 class Pinhole {
  public:
   Pinhole(const nlohmann::json& camera, int width, int height)

@@ -155,9 +155,9 @@ std::vector<double> sections_of(const DrawnSurface& drawn, const Eigen::VectorXd
   return sums;
 }
 
-// The beam's two softest modes, by equilibrium alone: what lies beyond a section is moved by its
-// own inertia, rho lambda u a unit of volume, whose moment M the section bears; at its edge, c from
-// the middle, the stress is M c / I.
+// The beam's two softest modes, by equilibrium alone: the part beyond a section is moved by its own
+// inertia, rho lambda u per unit of volume, whose moment M acts on the section; at its edge, at the
+// distance c from the middle, the stress is M c / I.
 TEST(SurfaceStress, OfABeamThatBendsIsItsMomentOverItsSection) {
   const std::string path = testing::sample_model("beam");  // 0.4 x 0.1 x 0.09 m, rounded by 14 mm
   const auto model = Model::load(path);

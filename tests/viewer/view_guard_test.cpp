@@ -1,5 +1,5 @@
-// What the viewer writes takes no input away, leaves nothing of a longer series, and a signal ends
-// it on its way, too.
+// Outputs of the viewer replace no input and leave no pictures of a longer series, and a signal
+// ends it while it writes, too.
 #include <filesystem>
 #include <fstream>
 #include <set>

@@ -82,9 +82,9 @@ assert.ok(Math.abs(pulled - start) > 1e-3 * start, 'the pull changed the energy'
 
 // Implicit Euler lets it die.
 await page.selectOption('#integrator', 'implicit-euler');
-const told = () => page.textContent('#told');
+const readout = () => page.textContent('#readout');
 await page.waitForFunction((before) => window.tremoloPage.body.energy().total < 0.5 * before, pulled, { timeout: 60000 })
-  .catch(async () => assert.fail(`of ${pulled} J: ${await told()}`));
+  .catch(async () => assert.fail(`of ${pulled} J: ${await readout()}`));
 
 // Every model, in colours that the floor has not.
 await page.selectOption('#colour', 'displacement');

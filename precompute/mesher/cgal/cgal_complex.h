@@ -1,5 +1,5 @@
-// What the two meshers share: quality bounds, sizes, the watch over refinement, and how a result is
-// read out of CGAL.
+// Common part of the two meshers: quality bounds, sizes, the watch over refinement, and reading a
+// result from CGAL.
 #pragma once
 
 #include <functional>
@@ -18,14 +18,14 @@ namespace tremolo {
 inline constexpr double kFacetAngle = 27.0;
 // Circumradius over shortest edge of a tetrahedron. Refinement is proved to end above 2.
 inline constexpr double kRadiusEdge = 2.2;
-// Tetrahedra whose smallest dihedral angle is below this many degrees are worked on; thin members
-// keep some below it. Higher costs time and helps little.
+// Tetrahedra whose smallest dihedral angle is below this many degrees are improved; thin members
+// keep some below it. A higher bound costs time and helps little.
 inline constexpr double kSliverBound = 15.0;
 
 // CGAL's random numbers begin with it, so that the same input gives the same mesh.
 inline constexpr unsigned kSeed = 1;
 
-// A size as Mesh_3 asks for it: wanted edge length at a point.
+// A size for Mesh_3: the requested edge length at a point.
 template <class Domain>
 struct Sizing {
   using FT = double;
@@ -65,7 +65,7 @@ void exude(Complex& complex) {
 }
 
 // The tetrahedra, positively oriented, in an order that depends on no address. on_edge, if given:
-// for each vertex whether it stands on an edge or corner that the mesh must keep.
+// for each vertex whether it is on an edge or corner that the mesh must keep.
 template <class Complex>
 TetMesh extract(const Complex& complex, std::vector<bool>* on_edge = nullptr) {
   TetMesh mesh;

@@ -24,14 +24,15 @@ using Triangulation = CGAL::Mesh_triangulation_3<Domain>::type;
 using Complex = WatchedComplex<CGAL::Mesh_complex_3_in_triangulation_3<Triangulation>>;
 using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 
-// Distance of the first points over the wanted size: a little wide, so that refinement decides.
+// Distance of the first points over the requested size: a little large, so that refinement decides.
 constexpr double kFirstSpacing = 1.2;
 // Grid cells along the diagonal in which the first points are searched for.
 constexpr int kFirstCells = 220;
-// Where a segment meets the surface, over the radius of the bounding sphere.
+// Accuracy of the intersection of a segment with the surface, over the radius of the bounding
+// sphere.
 constexpr double kIntersectionError = 1e-5;
 
-// Newton's steps of a recipe's vertex to the surface, and how near it must come, over the error.
+// Newton's steps of a recipe's vertex to the surface, and the required accuracy, over the error.
 constexpr int kProjections = 6;
 constexpr double kOffSurface = 0.05;
 

@@ -11,7 +11,7 @@ namespace tremolo {
 
 // Delaunay refinement of the implicit solid, then perturbation and exudation of slivers. The same
 // recipe gives the same mesh. Errors: kContent if the solid is empty or not in one piece at the
-// wanted size; kSolver if the mesher fails.
+// requested size; kSolver if the mesher fails.
 Result<TetMesh> mesh_recipe(const Recipe& recipe);
 
 // The same for any implicit solid. inside: called very often. first_points: on the surface, at
@@ -27,8 +27,8 @@ struct ImplicitRequest {
   std::size_t most_queries = 0;  // of `inside`, beyond which the mesher gives up
   // CGAL's perturbation of slivers before ours: up to thirty times the time for the same angles.
   bool perturb = false;
-  // Whether the boundary must be a two-manifold. Where a solid touches itself in an edge or a point
-  // it cannot be.
+  // The boundary must be a two-manifold. This is impossible if the solid touches itself in an edge
+  // or a point.
   bool manifold = true;
 };
 

@@ -29,10 +29,10 @@ using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 
 // Seeds keep this share of their distance from vertices on sharp edges.
 constexpr double kNearSeed = 0.8;
-// Half the length of the segment that finds a seed's place on the surface, over that distance.
+// Half the length of the segment that finds a seed's position on the surface, over that distance.
 constexpr double kProbe = 0.05;
 
-// Whether a point is too near to a vertex that is there, or in the ball that keeps a sharp edge.
+// True if a point is too close to an existing vertex, or in the ball that protects a sharp edge.
 bool is_taken(const Triangulation& triangulation, const Kernel::Point_3& p, double apart) {
   if (triangulation.number_of_vertices() == 0) return false;
   const auto& near = triangulation.nearest_power_vertex(Triangulation::Bare_point(p))->point();

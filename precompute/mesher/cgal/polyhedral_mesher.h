@@ -16,18 +16,16 @@ struct Seed {
   double apart = 0;       // from the others
 };
 
-// size: wanted edge length at a point. surface_error: wanted distance to the surface.
-// sharp_angle: edges at which the surface bends by more degrees are kept as edges of the mesh; 0:
-// none are. seeds: first points, some on every shell. most_queries: of the size, beyond
-// which the mesher gives up.
+// A request to the mesher.
 struct PolyhedralRequest {
-  std::function<double(const Eigen::Vector3d&)> size;
-  double surface_error = 0;
+  std::function<double(const Eigen::Vector3d&)> size;  // requested edge length at a point
+  double surface_error = 0;                            // requested distance to the surface
+  // Degrees: edges at which the surface bends by more are kept as edges of the mesh; 0: none.
   double sharp_angle = 0;
-  std::vector<Seed> seeds;
-  std::size_t most_queries = 0;
+  std::vector<Seed> seeds;       // first points, some on every shell
+  std::size_t most_queries = 0;  // of `size`, beyond which the mesher gives up
   WatchLimits watch;
-  std::size_t most_on_edges = 0;  // vertices on sharp edges, likewise
+  std::size_t most_on_edges = 0;  // vertices on sharp edges, beyond which it gives up
 };
 
 // surface: a closed two-manifold, oriented outwards, without crossings; tree: over it. The same

@@ -20,7 +20,7 @@ RefinementWatch::RefinementWatch(const WatchLimits& limits)
 
 void RefinementWatch::check() {
   if (steps_ - still_since_ > kStillAtLeast + kStillPerVertex * vertices_)
-    throw std::runtime_error("refinement stands still");
+    throw std::runtime_error("refinement makes no progress");
   if ((limits_.most_steps > 0 && steps_ > limits_.most_steps) ||
       (limits_.most_vertices > 0 && vertices_ > limits_.most_vertices))
     throw std::runtime_error("refinement does not come to an end");

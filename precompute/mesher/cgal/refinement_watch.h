@@ -8,20 +8,18 @@
 
 namespace tremolo {
 
-// most_steps: queries about facets that refinement may make in all; most_vertices: those that it
-// may insert; 0: no bound. expected: vertices that the mesh is likely to get, 0 if unknown.
-// seconds: of wall-clock time until the first line on stderr; each further one comes after twice as
-// long. Time has no influence on the mesh.
+// Limits of refinement. Time has no influence on the mesh.
 struct WatchLimits {
-  std::size_t most_steps = 0;
-  std::size_t most_vertices = 0;
-  std::size_t expected = 0;
-  double seconds = 5;
+  std::size_t most_steps = 0;     // queries about facets in all; 0: no limit
+  std::size_t most_vertices = 0;  // inserted vertices; 0: no limit
+  std::size_t expected = 0;       // number of vertices that the mesh is likely to get; 0: unknown
+  double seconds =
+      5;  // elapsed time until the first line on stderr; it doubles for each further one
 };
 
-// Mesh_3 (CGAL 5.5) may query the same facets again and again without a new vertex, or insert
-// vertices ever nearer to a corner whose neighbours grow in number; the watch ends both after a
-// count of queries that is the same on every machine.
+// Mesh_3 (CGAL 5.5) may query the same facets repeatedly without a new vertex, or insert vertices
+// ever closer to a corner whose neighbours increase in number; the watch ends both after a count of
+// queries that is the same on every machine.
 class RefinementWatch {
  public:
   explicit RefinementWatch(const WatchLimits& limits);

@@ -13,16 +13,15 @@ using Point = Eigen::Vector3d;
 
 constexpr double kGrowth = 0.5;
 constexpr int kCells = 72;  // along the longest side
-// Rays behind a sample besides the one straight in; they lie on a cone, so that a nick does not
-// count.
+// Rays behind a sample besides the straight one; they are on a cone, so that a notch is ignored.
 constexpr int kConeRays = 4;
 // Cosine between the normals of two sides of a wall.
 constexpr double kParallel = 0.8;
 constexpr double kCone = 30.0 * std::numbers::pi / 180.0;
-// Volume of a tetrahedron over the cube of the wanted edge, as the mesher fills space; measured.
+// Volume of a tetrahedron over the cube of the requested edge, as measured for this mesher.
 constexpr double kVolumePerCube = 0.2;
-// Triangles within the solid that a ray passes, and how far behind one it goes on; surfaces are
-// scaled to a diagonal of 1.
+// The number of triangles within the solid that a ray may pass, and the distance behind each at
+// which it continues; surfaces are scaled to a diagonal of 1.
 constexpr int kMostHits = 8;
 constexpr double kPassing = 1e-6;
 constexpr std::size_t kNoTriangle = static_cast<std::size_t>(-1);
@@ -40,8 +39,8 @@ Hit way_out(const TriangleTree& tree, const Inside& inside, const Point& x, cons
   return way;
 }
 
-// The thickness of the solid behind a point; infinite where the solid does not end there or ends at
-// no wall: at the edge of a wedge the two sides are near each other but not parallel.
+// The thickness of the solid behind a point; infinite if the solid does not end there or ends at no
+// wall: at the edge of a wedge the two sides are close to each other but not parallel.
 double thickness_behind(const SurfaceMesh& surface, const TriangleTree& tree, const Inside& inside,
                         const SurfacePoint& at) {
   const Point inwards = -at.normal;

@@ -1,4 +1,4 @@
-// The wanted edge length over a solid: coarse inside, finer where walls are thin.
+// The requested edge length over a solid: coarse inside, finer where walls are thin.
 #pragma once
 
 #include <functional>
@@ -11,19 +11,20 @@
 
 namespace tremolo {
 
-// A point of the surface and how thick the solid is behind it. area: what the sample stands for.
+// A point of the surface and the thickness of the solid behind it. area: the part of the surface
+// that the sample represents.
 struct WallSample {
   Eigen::Vector3d point;
   double thickness = 0;
   double area = 0;
 };
 
-// Says whether a point lies in the solid.
+// True if a point is in the solid.
 using Inside = std::function<bool(const Eigen::Vector3d&)>;
 
-// About `count` samples spread by area; those behind which no wall is found are left out. `inside`
-// tells walls of the solid from triangles within it; none: the surface is closed and has no others.
-// The same surface gives the same samples.
+// About `count` samples distributed by area; samples without a wall behind them are left out.
+// `inside` distinguishes walls of the solid from triangles within it; none: the surface is closed
+// and has no others. The same surface gives the same samples.
 std::vector<WallSample> wall_samples(const SurfaceMesh& surface, const TriangleTree& tree,
                                      const Inside& inside, std::size_t count);
 

@@ -15,7 +15,7 @@ namespace {
 using Point = Eigen::Vector3d;
 
 constexpr int kPasses = 60;
-constexpr int kTrials = 40;            // places tried for a vertex in a pass
+constexpr int kTrials = 40;            // positions tried for a vertex in a pass
 constexpr double kLargestMove = 0.35;  // over the mean edge around the vertex
 constexpr double kSmallestMove = 0.01;
 

@@ -10,14 +10,14 @@
 
 namespace tremolo {
 
-// Moves a point onto the surface; false if there is none near enough to go to.
+// Moves a point onto the surface; false if none is close enough.
 using OntoSurface = std::function<bool(Eigen::Vector3d&)>;
 
 // Moves the vertices of tetrahedra with a dihedral angle below `wanted` degrees, one at a time and
-// only if the smallest angle of all tetrahedra around the vertex grows; vertices of the boundary
-// stay on the surface, and those that `held` names (one a vertex, or none) where they are. The mesh
-// must be positively oriented and stays so. The same mesh gives the same result. Returns how many
-// tetrahedra are still below.
+// only if the smallest angle of all tetrahedra around the vertex grows. Vertices of the boundary
+// stay on the surface, and vertices flagged in `held` (one per vertex, or empty) stay in place. The
+// mesh must be positively oriented and stays so. The same mesh gives the same result. Returns the
+// number of tetrahedra still below.
 std::size_t repair_slivers(TetMesh& mesh, const OntoSurface& onto_surface,
                            const std::vector<bool>& held, double wanted);
 

@@ -19,7 +19,7 @@ namespace PMP = CGAL::Polygon_mesh_processing;
 // More would take too long: each is united with all before it.
 constexpr std::size_t kMostShells = 200;
 
-// The union of the shells; throws what CGAL does.
+// The union of the shells; may throw CGAL's exceptions.
 std::optional<cgal::SurfaceMesh> unite(const std::vector<SurfaceMesh>& shells) {
   cgal::SurfaceMesh all;
   for (const SurfaceMesh& shell : shells) {
@@ -36,8 +36,8 @@ std::optional<cgal::SurfaceMesh> unite(const std::vector<SurfaceMesh>& shells) {
   return all;
 }
 
-// Orders vertices and triangles by their place, since corefinement's order depends on addresses,
-// and the mesh on that order.
+// Sorts vertices and triangles by position, since corefinement's order depends on addresses, and
+// the mesh on that order.
 void sort_by_place(SurfaceMesh& surface) {
   std::vector<std::size_t> order(surface.vertices.size());
   std::iota(order.begin(), order.end(), 0);
@@ -63,7 +63,7 @@ void sort_by_place(SurfaceMesh& surface) {
 
 std::size_t count_crossings(const SurfaceMesh& surface) {
   cgal::SurfaceMesh mesh;
-  // CGAL refuses triangles that meet in a corner alone, where the surface touches itself.
+  // CGAL refuses triangles that meet only in a corner, where the surface touches itself.
   if (!cgal::copy(surface, mesh)) return 1;
   std::vector<std::pair<cgal::SurfaceMesh::Face_index, cgal::SurfaceMesh::Face_index>> pairs;
   PMP::self_intersections(mesh, std::back_inserter(pairs));

@@ -27,15 +27,15 @@ double volume_below(const SurfaceMesh& surface, const Triangle& triangle);
 Eigen::Vector3d random_point(const SurfaceMesh& surface, const Triangle& triangle,
                              std::mt19937_64& random);
 
-// A point of a surface, and the unit normal of the triangle that it lies in.
+// A point of a surface, and the unit normal of its triangle.
 struct SurfacePoint {
   Eigen::Vector3d point;
   Eigen::Vector3d normal;
   std::size_t triangle = 0;
 };
 
-// Points spread by area, at random; the same surface gives the same points. CGAL's
-// sample_triangle_soup() does not say which triangle a point belongs to.
+// Random points, uniform by area; the same surface gives the same points. CGAL's
+// sample_triangle_soup() does not return the triangle of a point.
 std::vector<SurfacePoint> spread_points(const SurfaceMesh& surface, std::size_t count);
 
 // The largest distance from a point of `from` to the triangles in `to` (the one-sided Hausdorff

@@ -37,8 +37,8 @@ double mesh_to_surface(const SurfaceSolid& solid, const SurfaceMesh& boundary, d
   return largest;
 }
 
-// Whether a point of the surface lies between inside and outside. On either side of a fin the
-// winding number is one half.
+// True if a point of the surface is between inside and outside. On either side of a fin the winding
+// number is one half.
 bool is_border(const SurfaceSolid& solid, const SurfacePoint& at) {
   constexpr double kStep = 1e-4;
   constexpr double kBacked = 0.65;
@@ -46,8 +46,8 @@ bool is_border(const SurfaceSolid& solid, const SurfacePoint& at) {
          !solid.inside(at.point + kStep * at.normal);
 }
 
-// The largest distance from the surface, where it lies between inside and outside, to the mesh's
-// boundary. Shells that were left out as a whole do not count.
+// The largest distance to the mesh's boundary from the part of the surface between inside and
+// outside. Shells that were left out completely are ignored.
 double surface_to_mesh(const SurfaceSolid& solid, const TriangleTree& boundary) {
   struct Range {
     double least = HUGE_VAL, most = 0;

@@ -16,7 +16,7 @@ struct PartCounts {
 // Removes parts of less than 1 % of the largest one's volume, unless they are to be kept.
 PartCounts drop_crumbs(TetMesh& mesh, bool keep);
 
-// In units of the diagonal; see SurfaceMeshReport. error: the wanted distance.
+// In units of the diagonal; see SurfaceMeshReport. error: the requested distance.
 struct SurfaceDistances {
   double mesh_to_surface = 0;
   double surface_to_mesh = 0;

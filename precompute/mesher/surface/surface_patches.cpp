@@ -79,7 +79,7 @@ Votes vote(const SurfaceMesh& surface, const TriangleTree& tree, const SurfacePa
     for (int ray = 0; ray < kRays; ++ray) {
       Point direction = Point(normal(random), normal(random), normal(random)).normalized();
       if (direction.dot(up) < 0) direction = -direction;
-      // Rays start off the surface, since another triangle may lie in the same plane.
+      // Rays start at a distance from the surface, since another triangle may be in the same plane.
       votes.front += std::isinf(tree.first_hit(x + kOff * direction, direction, t).distance);
       votes.back += std::isinf(tree.first_hit(x - kOff * direction, -direction, t).distance);
     }
@@ -198,7 +198,7 @@ void orient_open_patches(SurfaceMesh& surface, const std::vector<SurfacePatch>& 
   for (const SurfacePatch& patch : patches) {
     if (!patch.open && !patch.branching) continue;
     const Votes votes = vote(surface, tree, patch, samples, random);
-    // A sheet that sees as much in front as behind stays as it is.
+    // A sheet that is equally open in front and behind keeps its orientation.
     if (votes.back > 2 * votes.front) turn_patch(surface, patch, findings);
   }
 }

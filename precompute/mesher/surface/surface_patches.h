@@ -1,8 +1,8 @@
-// Parts of a surface that are connected by edges, and which way they face. CGAL's
+// Parts of a surface that are connected by edges, and their orientation. CGAL's
 // orient_polygon_soup() orients by the first triangle of a part, not by the larger area, so that
-// one turned triangle makes a cavity a superfluous shell, and cuts the surface open where a sheet
-// is one-sided or three triangles meet; the numbers of both are findings. Its boundary cycles are
-// those of a two-manifold.
+// one reversed triangle makes a cavity a superfluous shell; it also cuts the surface open where a
+// sheet is one-sided or three triangles meet; the numbers of both are findings. Its boundary cycles
+// are those of a two-manifold.
 #pragma once
 
 #include <vector>
@@ -20,8 +20,9 @@ struct SurfacePatch {
   bool branching = false;
 };
 
-// Finds the patches and turns the triangles of each to agree, with the larger area as the file has
-// it. patch_of: one a triangle. Counts what it turns and the edges where none can agree.
+// Finds the patches and orients the triangles of each consistently, keeping the file's orientation
+// of the larger area. patch_of: one per triangle. Counts reversed triangles and the edges where no
+// orientation agrees.
 std::vector<SurfacePatch> orient_within_patches(SurfaceMesh& surface,
                                                 std::vector<std::size_t>& patch_of,
                                                 SurfaceFindings& findings);
@@ -31,8 +32,8 @@ std::vector<SurfacePatch> orient_within_patches(SurfaceMesh& surface,
 void find_holes(const SurfaceMesh& surface, const std::vector<std::size_t>& patch_of,
                 std::vector<SurfacePatch>& patches, SurfaceFindings& findings);
 
-// A patch with an edge where others end, or none, has no inside of its own: the side from which
-// rays reach infinity is outside. One that sees as much in front as behind stays as it is.
+// A patch with a boundary, or with an edge where others end, has no inside: the side from which
+// rays reach infinity is outside. One that is equally open in front and behind is unchanged.
 void orient_open_patches(SurfaceMesh& surface, const std::vector<SurfacePatch>& patches,
                          SurfaceFindings& findings);
 

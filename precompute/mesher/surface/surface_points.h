@@ -10,8 +10,8 @@
 namespace tremolo {
 
 // Points on the surface (to 1e-9 of the bounds' diagonal), no two closer than `spacing` times the
-// wanted size there. They come from the sign changes along the edges of a grid of `cells` cells
-// along the diagonal, so a member thinner than a cell may be missed. The same recipe gives the same
+// requested size there. They are the sign changes along the edges of a grid of `cells` cells along
+// the diagonal, so a member thinner than a cell may be missed. The same recipe gives the same
 // points.
 std::vector<Eigen::Vector3d> surface_points(const Recipe& recipe, double spacing, int cells);
 

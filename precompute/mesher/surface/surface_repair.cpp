@@ -43,8 +43,8 @@ SurfaceMesh part_of(const SurfaceMesh& surface, const SurfacePatch& patch) {
   return part;
 }
 
-// The closed patches, the largest one first, and which of them lies in which. CGAL's
-// volume_connected_components() takes neither open patches beside them nor shells that touch.
+// The closed patches, the largest one first, and their nesting. CGAL's
+// volume_connected_components() accepts neither open patches in addition nor shells that touch.
 std::vector<Shell> nested_shells(const SurfaceMesh& surface,
                                  const std::vector<SurfacePatch>& patches) {
   std::vector<Shell> shells;
@@ -70,8 +70,8 @@ std::vector<Shell> nested_shells(const SurfaceMesh& surface,
   return shells;
 }
 
-// Outermost shells face outwards. One inside another is a cavity if it faces the other way than the
-// one around it did in the file, and superfluous if it faces the same way.
+// Orients outermost shells outwards. A shell inside another is a cavity if its orientation in the
+// file is opposite to that of the outer one, and superfluous if it is the same.
 void settle_closed_shells(SurfaceMesh& surface, const std::vector<SurfacePatch>& patches,
                           SurfaceFindings& findings, std::vector<bool>& dropped) {
   std::vector<Shell> shells = nested_shells(surface, patches);

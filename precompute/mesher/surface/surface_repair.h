@@ -1,6 +1,6 @@
-// What is wrong with a surface, and what can be mended without guessing. CGAL's
-// orient_to_bound_a_volume() makes every inner shell a cavity; here one that faces the same way as
-// the shell around it is superfluous and left out.
+// Finds defects of a surface and repairs those with a unique repair. CGAL's
+// orient_to_bound_a_volume() makes every inner shell a cavity; here an inner shell with the same
+// orientation as the shell around it is superfluous and left out.
 #pragma once
 
 #include <cstddef>
@@ -12,10 +12,10 @@
 
 namespace tremolo {
 
-// Counts of triangles unless said otherwise. The first group was mended, the second is still there.
+// Counts of triangles unless said otherwise. The first group has been repaired, the second remains.
 struct SurfaceFindings {
   std::size_t triangles = 0;  // as given
-  std::size_t welded = 0;     // vertices that lay where another did
+  std::size_t welded = 0;     // vertices at the position of another
   std::size_t degenerate = 0;
   std::size_t repeated = 0;
   std::size_t cancelled = 0;  // back to back with another: both were taken out
@@ -32,14 +32,14 @@ struct SurfaceFindings {
   std::size_t cavities = 0;
   double open_share = 0;  // area of shells that have a hole over the whole area
 
-  // Whether the surface is closed and free of crossings, so that no solid angle is needed.
+  // True if the surface is closed and free of crossings, so that no solid angle is needed.
   bool clean() const {
     return holes == 0 && branching_edges == 0 && one_sided_edges == 0 && crossings == 0;
   }
 };
 
-// mesh: no vertex twice, no degenerate triangle, oriented outwards as well as it goes.
-// shell_of: one a triangle.
+// A repaired surface without repeated vertices and degenerate triangles, oriented outwards where
+// possible. shell_of: one per triangle.
 struct RepairedSurface {
   SurfaceMesh mesh;
   std::vector<std::size_t> shell_of;
@@ -50,7 +50,7 @@ struct RepairedSurface {
 // closed as gaps. Inner shells are taken out, cavities stay.
 RepairedSurface repair_surface(const SurfaceMesh& surface);
 
-// One sentence for each finding, "welded 120 vertices"; none for a sound surface.
+// One sentence for each finding, "welded 120 vertices"; none for a valid surface.
 std::vector<std::string> describe(const SurfaceFindings& findings);
 
 }  // namespace tremolo

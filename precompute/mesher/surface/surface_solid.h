@@ -1,4 +1,4 @@
-// The solid that a surface stands for. Lengths are in units of the bounding box's diagonal.
+// The solid that a surface represents. Lengths are in units of the bounding box's diagonal.
 #pragma once
 
 #include <vector>
@@ -18,12 +18,12 @@ struct Scaling {
   Eigen::Vector3d out(const Eigen::Vector3d& x) const { return diagonal * x + centre; }
 };
 
-// The surface scaled; vertices that nothing uses do not count. No triangles if they are all in one
-// place.
+// The surface scaled; unused vertices are ignored. No triangles if all vertices are at one
+// position.
 SurfaceMesh scale(const RenderSurface& given, Scaling& scaling);
 
-// shell_of: one a triangle. half_thickness: above 0, a sheet is meant. closed: the surface encloses
-// the solid without holes or crossings.
+// shell_of: one per triangle. half_thickness: above 0 for a sheet. closed: the surface encloses the
+// solid without holes or crossings.
 struct SurfaceSolid {
   SurfaceMesh surface;
   std::vector<std::size_t> shell_of;
@@ -36,8 +36,8 @@ struct SurfaceSolid {
   bool inside(const Eigen::Vector3d& x) const;
 };
 
-// backed: share of the surface behind which the solid is. lacking: what the solid angle there lacks
-// of a whole turn, on average; a sheet has one half, a ball of which a half is missing 0.18.
+// backed: fraction of the surface behind which the solid is. lacking: the missing fraction of the
+// full solid angle there, on average; a sheet has one half, half a sphere 0.18.
 struct Openness {
   double backed = 0;
   double lacking = 0;

@@ -14,8 +14,8 @@ namespace {
 
 using Point = Eigen::Vector3d;
 
-// Vertices of a gap that is closed lie at most so far apart, over the diagonal, and at most this
-// share of the short edges' length.
+// The largest distance between vertices of a gap that is closed, relative to the diagonal and to
+// the short edges' length.
 constexpr double kGap = 3e-5;
 constexpr double kGapOverEdge = 0.1;
 // Height over the longest edge of a triangle that counts as flat.
@@ -76,7 +76,7 @@ double short_edge(const SurfaceMesh& surface) {
   return *at;
 }
 
-// Merges vertices that lie close to each other where that leaves fewer open edges.
+// Merges vertices that are close to each other if that leaves fewer open edges.
 void close_gaps(SurfaceMesh& surface, WeldCounts& counts) {
   const std::size_t open = odd_edges(surface);
   if (open == 0) return;

@@ -32,8 +32,8 @@ class TriangleTree {
 
   // The tree must not be empty.
   NearestPoint nearest(const Eigen::Vector3d& x) const;
-  // The first triangle that the ray from `x` along `direction` (of length 1) meets, `skipped` left
-  // out; at infinity if there is none.
+  // The first hit of the ray from `x` along `direction` (a unit vector), without the triangle
+  // `skipped`; at infinity if there is none.
   Hit first_hit(const Eigen::Vector3d& x, const Eigen::Vector3d& direction,
                 std::size_t skipped) const;
 

@@ -14,7 +14,7 @@ namespace {
 
 using Row = PosePath::Row;
 
-// The slope at the first moment, or the last, of the polynomial through the four rows there.
+// The slope at the first time, or the last, of the polynomial through the four rows there.
 double end_slope(const std::vector<double>& times, const std::vector<Row>& rows, std::size_t part,
                  bool at_end) {
   const std::size_t count = std::min<std::size_t>(4, times.size());
@@ -36,7 +36,7 @@ double end_slope(const std::vector<double>& times, const std::vector<Row>& rows,
   return slope;
 }
 
-// Slopes of the spline at all moments: those at the ends are known, and a tridiagonal system makes
+// Slopes of the spline at all times: those at the ends are known, and a tridiagonal system makes
 // the second derivative continuous.
 std::vector<double> spline_slopes(const std::vector<double>& times, const std::vector<Row>& rows,
                                   std::size_t part) {
@@ -56,7 +56,7 @@ std::vector<double> spline_slopes(const std::vector<double>& times, const std::v
   return slope;
 }
 
-// Makes each quaternion of length one and the nearer of the two that stand for its turn.
+// Normalises each quaternion and chooses the nearer of the two that represent its rotation.
 void align_quaternions(std::vector<Row>& rows) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     Eigen::Map<Eigen::Vector4d> q(rows[i].data() + 3);
@@ -111,7 +111,8 @@ RigidMotion PosePath::at(double time) const {
   }
   const Eigen::Quaterniond q(value[3], value[4], value[5], value[6]);
   const Eigen::Quaterniond rate(slope[3], slope[4], slope[5], slope[6]);
-  // omega = 2 q' q* / |q|^2: what of q' lies along q changes the length only, and is real there.
+  // omega = 2 q' q* / |q|^2: the part of q' along q changes only the length, and is the real part
+  // here.
   return {{value[0], value[1], value[2]},
           q.normalized().toRotationMatrix(),
           {slope[0], slope[1], slope[2]},

@@ -1,4 +1,4 @@
-// Where a flying body is as a whole, read off all its vertices.
+// The frame of a flying body, computed from all its vertices.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -16,9 +16,9 @@ struct WholeFrame {
   Eigen::Vector3d angular_momentum = Eigen::Vector3d::Zero();
 };
 
-// displacement, velocity: in the world, 3n. Of a body with a support the frame is the support's
-// pose. That of a flying one carries the centre of mass and is turned by the polar decomposition of
-// int rho (x - c) (X - C)^T: the turn that comes nearest to where the masses are.
+// displacement, velocity: in the world, 3n. For a body with a support the frame is the support's
+// pose. The frame of a flying body moves with the centre of mass; its rotation is the polar factor
+// of int rho (x - c) (X - C)^T, the rotation that fits the masses best.
 WholeFrame whole_frame(const WorldBody& world, double time, const Field& displacement,
                        const Field& velocity);
 

@@ -1,6 +1,6 @@
-// The whole mesh with all its vertices in the coordinates of the world: the free ones are unknowns,
-// the held ones go where the support takes them. Displacements are from the rest shape, in the
-// world, however far the body has moved: St. Venant-Kirchhoff's energy does not see the rest.
+// The whole mesh with all its vertices in the coordinates of the world: free ones are unknowns,
+// fixed ones follow the support. Displacements are from the rest shape, in the world, for any
+// motion of the body: St. Venant-Kirchhoff's energy does not depend on rigid motion.
 #pragma once
 
 #include "precompute/fem/assembly.h"

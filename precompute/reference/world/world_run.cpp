@@ -33,12 +33,13 @@ bool flies(const ReferenceOptions& options) {
 
 void check_flags(const ReferenceOptions& options) {
   const ErrorKind usage = ErrorKind::kUsage;
-  require(!flies(options) || options.support_motion.empty(), usage,
-          "--support-motion is of a held body, --spin and --velocity are of a free one");
-  require(!options.statics, usage, "--static is of a body that stands still in the world");
+  require(
+      !flies(options) || options.support_motion.empty(), usage,
+      "--support-motion applies only to a fixed body, --spin and --velocity only to a free one");
+  require(!options.statics, usage, "--static applies only to a body at rest in the world");
   require(options.compare.empty(), usage,
-          "--compare is of a body that stands still in the world; move a body of libtremolo the "
-          "same way and look at both tables");
+          "--compare applies only to a body at rest in the world; move a body of libtremolo in "
+          "the same way and compare both tables");
   require(!flies(options) || options.time.alpha == 0, usage,
           "--alpha damps the motion relative to a support, and a body that flies has none");
   for (const auto& vector : {options.spin, options.velocity})
@@ -49,8 +50,8 @@ void check_flags(const ReferenceOptions& options) {
 void check_problem(const ReferenceOptions& options, const Problem& problem) {
   const ErrorKind content = ErrorKind::kContent;
   require(flies(options) == problem.free_body, content,
-          flies(options) ? "--spin and --velocity are of a free body: use --fix none"
-                         : "--support-motion: the body is held nowhere");
+          flies(options) ? "--spin and --velocity apply only to a free body: use --fix none"
+                         : "--support-motion: the body is not fixed anywhere");
   for (const std::vector<VertexId>& along : problem.held)
     require(along.empty(), content,
             "--fix-x, --fix-y and --fix-z hold along axes of the world and do not go with a body "

@@ -31,7 +31,7 @@ void damp_by_mass(const WorldBody& world, double factor, Motion& motion) {
   motion.work += motion.kinetic - before + taken;
 }
 
-// What the support does in a step, J. acceleration: mean of all vertices, 3n.
+// The work of the support in a step, J. acceleration: mean of all vertices, 3n.
 double support_work(const WorldBody& world, const std::vector<SegmentPoint>& points,
                     const Motion& motion, const Vector& d, const Field& acceleration) {
   if (world.path == nullptr) return 0.0;

@@ -15,17 +15,17 @@
 
 namespace tremolo {
 
-// The motion at t = 0: the rest shape at the support's pose, riding along; or, of a flying body,
-// turning by `flight`.
+// The motion at t = 0: the rest shape at the support's pose, moving with it; for a flying body,
+// with the rigid motion `flight`.
 Motion start_in_world(const WorldBody& world, const RigidMotion& flight);
 
 // Displacements and velocities of all vertices at the motion's time, 3n.
 Field whole_displacement(const WorldBody& world, const Motion& motion);
 Field whole_velocity(const WorldBody& world, const Motion& motion);
 
-// Advances by one step. motion.work includes that of the support; with damping by the mass also
-// what holds the damper does. load: on the unknowns, N. Throws Failure (kSolver) if the solve does
-// not converge.
+// Advances by one step. motion.work includes that of the support, with mass damping also that of
+// the support through the damper. load: on the unknowns, N. Throws Failure (kSolver) if the solve
+// does not converge.
 void advance_in_world(WorldBody& world, const TimeSettings& settings, const LoadHistory& load,
                       Motion& motion);
 

@@ -18,7 +18,7 @@
 namespace tremolo {
 namespace {
 
-// Whether it is the same solid.
+// True if two colliders have the same shape and size.
 struct SameShape {
   const Collider& other;
 
@@ -41,7 +41,7 @@ struct SameShape {
   }
 };
 
-// check_reach(), but for copies: what was found good last is not looked at again.
+// check_reach(), which skips the check for the shape that passed last: copies of a body share it.
 Status check_reach_once(const Model::Pointer& model, const Collider& shape) {
   struct Good {
     std::weak_ptr<const Model> model;

@@ -18,28 +18,28 @@ constexpr const char* kOfBodies[] = {
 
 }  // namespace
 
-Status apply_cloth_flags(const RunOptions& flags, const std::function<bool(const char*)>& told,
+Status apply_cloth_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
                          ClothFile& file) {
   for (const char* flag : kOfBodies)
-    if (told(flag))
-      return usage_error(
-          fmt::format("{} is of bodies: a scene with [[cloths]] takes --integrator, --step, "
-                      "--duration, --tolerance, --max-iterations and what is written",
-                      flag));
+    if (given(flag))
+      return usage_error(fmt::format(
+          "{} applies only to bodies: a scene with [[cloths]] takes --integrator, --step, "
+          "--duration, --tolerance, --max-iterations and flags of outputs",
+          flag));
   const auto names = nodal_integrator_names();
-  if (told("--integrator")) {
+  if (given("--integrator")) {
     if (std::find(names.begin(), names.end(), flags.integrator) == names.end())
-      return usage_error(fmt::format("--integrator: '{}' is none of cloth's: {}", flags.integrator,
-                                     fmt::join(names, ", ")));
+      return usage_error(fmt::format("--integrator: cloth has no method '{}'; there are {}",
+                                     flags.integrator, fmt::join(names, ", ")));
     file.scene.integrator = flags.integrator;
   }
   NodalOptions& options = file.scene.options;
-  if (told("--step")) options.step = flags.step;
-  if (told("--tolerance")) options.tolerance = flags.tolerance;
-  if (told("--max-iterations")) options.max_iterations = flags.max_iterations;
-  if (told("--duration")) file.scene.duration = flags.duration;
-  if (Status s = apply_output_flags(flags, told, file.outputs); !s) return s;
-  if (Status s = check_times(told, options.step, file.scene.duration); !s) return s;
+  if (given("--step")) options.step = flags.step;
+  if (given("--tolerance")) options.tolerance = flags.tolerance;
+  if (given("--max-iterations")) options.max_iterations = flags.max_iterations;
+  if (given("--duration")) file.scene.duration = flags.duration;
+  if (Status s = apply_output_flags(flags, given, file.outputs); !s) return s;
+  if (Status s = check_times(given, options.step, file.scene.duration); !s) return s;
   return check_scene(file.scene);
 }
 

@@ -21,8 +21,8 @@ Momenta momenta_of(const ClothWorld& world) {
   return {world.linear_momentum(), world.angular_momentum()};
 }
 
-// What came from outside, less what was lost, J.
-double told_of(const ClothEnergy& energy) {
+// Energy given by wind, pins and contact less that taken by dampers, J.
+double external_energy(const ClothEnergy& energy) {
   return energy.wind + energy.pins + energy.contact - energy.damped;
 }
 
@@ -62,7 +62,7 @@ Result<ClothLog> ClothLog::create(const ClothFile& file, const ClothWorld& world
 }
 
 void ClothLog::note_energy(const ClothEnergy& now) {
-  const double remainder = now.total() - report_.start.total() - told_of(now);
+  const double remainder = now.total() - report_.start.total() - external_energy(now);
   const double moved = now.kinetic + now.elastic + std::abs(now.gravity - report_.start.gravity);
   report_.end = now;
   report_.energy_max = larger(report_.energy_max, moved);
@@ -80,7 +80,7 @@ Result<bool> ClothLog::observe(const ClothWorld& world) {
       if (frames_[i].due(world.steps()))
         if (Status s = frames_[i].write(world, i); !s) return s.error();
   }
-  // What was there at the start, what gravity gave, and what came from outside at most.
+  // Upper bound: the initial energy plus the sizes of all energy exchanged with gravity and others.
   const double given = report_.start.kinetic + report_.start.elastic +
                        std::abs(report_.start.gravity - now.gravity) + cloth_turnover(now);
   const double present = now.kinetic + now.elastic;

@@ -1,4 +1,4 @@
-// What a run of a scene with [[cloths]] measures and writes.
+// Measurements and output files of a run of a scene with [[cloths]].
 #pragma once
 
 #include <optional>
@@ -15,21 +15,19 @@
 
 namespace tremolo {
 
-// Energies in J. energy_max: the largest kinetic + elastic energy, and what gravity can still give
-// or has given since the start. remainder_max: the largest |change of the energy - what wind, pins,
-// contact and dampers gave and took|: what the method itself added. turnover_max: the largest sum
-// of |what a cause gave or took|.
+// Energies in J. remainder_max: the largest |change of the energy - energy given by wind, pins,
+// contact and dampers|, which is the error of the method.
 struct ClothReport {
   ClothEnergy start, end;
   Momenta momenta_start, momenta_end;  // of all cloths and balls together
-  double energy_max = 0.0;
+  double energy_max = 0.0;  // largest sum of kinetic, elastic and |change of gravity's| energy
   double remainder_max = 0.0;
-  double turnover_max = 0.0;
+  double turnover_max = 0.0;  // the largest sum of |energy exchanged| over all causes
   int exit_code = 0;  // 0, 4 or 5
   std::string reason;
   std::vector<std::string> files;
 
-  // Share of the larger of energy_max and turnover_max; 0 where nothing ever moved.
+  // Relative to the larger of energy_max and turnover_max; 0 if nothing ever moved.
   double balance_error() const;
 };
 
@@ -42,7 +40,7 @@ class ClothLog {
   // so.
   Result<bool> observe(const ClothWorld& world);
   void give_up(const Error& why);
-  // Puts the files in their places.
+  // Renames the files from their temporary names.
   Status finish(const ClothWorld& world);
 
   const ClothReport& report() const { return report_; }

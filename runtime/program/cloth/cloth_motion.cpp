@@ -131,7 +131,7 @@ std::pair<double, double> cloths_extent(const Animation& animation) {
   return {low, high};
 }
 
-// The name, with "-2" behind it as long as it is taken; then it is taken.
+// Returns the name, with "-2" appended until it is unique, and adds it to `taken`.
 std::string free_name(std::string name, std::set<std::string>& taken) {
   while (!taken.insert(name).second) name += "-2";
   return name;
@@ -196,9 +196,9 @@ class ClothMotion : public MotionSource {
   }
 
   Status check(const MotionOutputs& outputs) const override {
-    if (outputs.modes > 0) return usage_error("--modes is of bodies: a cloth has none");
+    if (outputs.modes > 0) return usage_error("--modes applies only to bodies: a cloth has none");
     if (!outputs.extras.live.empty())
-      return usage_error("--live is of bodies: a page's engine moves no cloth");
+      return usage_error("--live applies only to bodies: a page's engine moves no cloth");
     return Success{};
   }
 

@@ -71,7 +71,8 @@ Json contacts_of(const ClothFile& file, const ClothWorld& world) {
   return contacts;
 }
 
-// The smallest over the cloths of what each method stands, s; methods without a limit are left out.
+// The longest stable step of each method, s, the smallest over the cloths; methods without a limit
+// are left out.
 Json step_limits(const ClothWorld& world) {
   Json limits = Json::object();
   for (const std::string_view name : nodal_integrator_names()) {
@@ -144,7 +145,7 @@ void print_contents(const Json& json) {
 }  // namespace
 
 int inspect_cloth_command(const ClothFile& file, bool json) {
-  // A method beyond its limit would be refused, which is to be told here.
+  // Implicit Euler has no stability limit: a method beyond its limit is reported, not refused.
   ClothScene scene = file.scene;
   scene.integrator = "implicit-euler";
   const Result<ClothWorld> world = ClothWorld::create(scene);

@@ -6,8 +6,8 @@
 namespace tremolo {
 
 // Prints the particles, springs, triangles, mass and fastest oscillation of each cloth, and the
-// longest step that methods with a limit stand. json: one object on stdout. The exit code; errors
-// are printed on stderr.
+// longest stable step of methods with a limit. json: one object on stdout. Returns the exit code;
+// errors are printed on stderr.
 int inspect_cloth_command(const ClothFile& file, bool json);
 
 }  // namespace tremolo

@@ -29,7 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// How a run ended. each: processor time of every step, us.
+// The end of a run. each: processor time of every step, us.
 struct ClothEnding : SceneEnding {
   std::vector<double> each;
 };
@@ -113,7 +113,7 @@ Json cloth_json(const ClothFile& file, const ClothWorld& world, const ClothLog& 
   return json;
 }
 
-// What a run of the scene writes.
+// Lists the files that a run of the scene writes.
 RunOutputs cloth_outputs(const ClothFile& file) {
   const std::string& out = file.outputs.out;
   RunOutputs outputs;

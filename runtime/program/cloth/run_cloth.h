@@ -12,10 +12,10 @@
 
 namespace tremolo {
 
-// The flags of a command line over what the scene says. told: whether a flag, as "--step", was
-// given. Errors: kUsage for a flag that cloth does not take or a method that is none; kContent for
-// a value out of range.
-Status apply_cloth_flags(const RunOptions& flags, const std::function<bool(const char*)>& told,
+// Applies command-line flags, which override the scene. given: whether a flag, such as "--step", is
+// on the command line. Errors: kUsage for a flag that does not apply to cloth or an unknown method;
+// kContent for a value out of range.
+Status apply_cloth_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
                          ClothFile& file);
 
 // The files that a run of the scene reads.

@@ -17,7 +17,7 @@
 namespace tremolo {
 namespace {
 
-// A body with what it needs while it goes.
+// A body during its run, with everything that it refers to.
 struct StartedBody {
   RunInput input;
   std::optional<Body> body;
@@ -66,7 +66,7 @@ Status step_to(SceneWorld& world, std::int64_t step) {
   return Success{};
 }
 
-// Planes are seen as far as bodies come, and some more.
+// The radius of drawn planes: the largest extent of the bodies in all frames, with a margin.
 double reach_of(const Animation& animation, const Eigen::Vector3d& centre) {
   double reach = 0.0;
   for (const AnimatedBody& body : animation.bodies) {
@@ -80,7 +80,7 @@ double reach_of(const Animation& animation, const Eigen::Vector3d& centre) {
   return 1.25 * reach;
 }
 
-// colliders: of the world, those that were recorded, behind its bodies.
+// colliders: numbers, in the world, of the recorded ones, which follow the bodies.
 void widen_planes(const SceneWorld& world, const std::vector<std::size_t>& colliders,
                   Animation& animation) {
   for (std::size_t k = 0; k < colliders.size(); ++k) {
@@ -121,7 +121,7 @@ Status record_frame(const SceneWorld& world, const WorldTracks& tracks, Recordin
   for (std::size_t i = 0; i < world.size(); ++i)
     if (Status s = recording.record(i, world.body(i)); !s) return s;
   for (std::size_t k = 0; k < tracks.colliders.size(); ++k) {
-    // Where it is now: the end of the step that was made, the start of the first.
+    // The collider at the end of the last step; before the first step, at its start.
     const PlacedCollider& placed = world.colliders()[tracks.colliders[k]];
     const Pose& pose = world.steps() == 0 ? placed.start : placed.end;
     if (Status s = recording.record(world.size() + k, {}, std::span(&pose, 1)); !s) return s;

@@ -56,7 +56,7 @@ Result<Eigen::MatrixXd> whole_basis(const BasisData& data) {
 }
 
 Result<std::string> make_cub(const BasisData& data) {
-  // Where r is too large for a .cub, this says so before the work.
+  // The limit of r for a .cub is checked here, before the work.
   if (data.lambda.size() > 336)
     return cub_bytes({static_cast<std::size_t>(data.lambda.size()), {}, {}, {}});
   return cub_bytes(reduced_forces(data.lambda, data.cubic, data.quartic));

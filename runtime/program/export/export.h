@@ -5,7 +5,7 @@
 
 namespace tremolo {
 
-// Paths; empty: not asked for.
+// Paths; empty: not requested.
 struct ExportOptions {
   std::string model;
   std::string cub;  // VegaFEM's polynomials of the reduced forces
@@ -20,8 +20,8 @@ struct ExportOptions {
   }
 };
 
-// An imported model gives the very .cub and .U that it was made of; another one what its numbers
-// say, with zero rows for fixed vertices. Returns the exit code; errors are printed.
+// An imported model gives its original .cub and .U; another model gives its numbers, with zero rows
+// for fixed vertices. Returns the exit code; errors are printed.
 int export_command(const ExportOptions& options);
 
 }  // namespace tremolo

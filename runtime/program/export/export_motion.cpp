@@ -24,8 +24,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Motion that no modes describe gets so many modes of the recording, or as many as keep it to
-// this share of the size.
+// A motion without modes gets this many modes of the recording, or fewer if their error is below
+// this fraction of the size.
 constexpr std::size_t kMostRecorded = 160;
 constexpr double kRecordedError = 1e-3;
 
@@ -66,11 +66,11 @@ Status check_endings(const MotionOutputs& outputs) {
   if (!series.empty() && !series.ends_with(".ply") && !series.ends_with(".obj"))
     return usage_error("--series " + series + ": the name must end in .ply or .obj");
   if (outputs.page.empty() && outputs.extras.any())
-    return usage_error("--runs, --note and --live are of --page");
+    return usage_error("--runs, --note and --live apply only to --page");
   return Success{};
 }
 
-// Bodies whose names become the same name of a file.
+// Refuses bodies whose names give the same file name.
 Status check_names(const MotionOutputs& outputs, const MotionSource& source) {
   if (outputs.pc2.empty() && outputs.mdd.empty() && outputs.pvd.empty() && outputs.series.empty())
     return Success{};
@@ -89,8 +89,8 @@ Status check_names(const MotionOutputs& outputs, const MotionSource& source) {
   return Success{};
 }
 
-// The files that are asked for by name and those beside point caches. numbered: files that a series
-// may write over or remove.
+// The files that are requested by name, and those next to point caches. numbered: files that a
+// series may overwrite or remove.
 struct MotionPaths {
   std::vector<std::string> named, numbered;
 };
@@ -126,7 +126,7 @@ Status check_paths(const MotionOutputs& outputs, const std::vector<NamedFile>& s
                    const MotionSource& source) {
   if (Status s = check_endings(outputs); !s) return s;
   if (!outputs.textures.empty() && outputs.glb.empty())
-    return usage_error("--texture is of --glb: no other format that is asked for has pictures");
+    return usage_error("--texture applies only to --glb: no other requested format has images");
   if (Status s = check_names(outputs, source); !s) return s;
   const MotionPaths paths = paths_of(outputs, source);
   std::vector<std::string> all = paths.named;
@@ -185,8 +185,8 @@ Result<Json> write_as_page(const MotionOutputs& outputs, const Animation& animat
   return json;
 }
 
-// Page and glb, which move vertices by few numbers a frame: what has none gets the modes of its
-// recorded motion.
+// Writes page and glb, which need few numbers per frame: a motion without modes gets the modes of
+// its recording.
 Status write_by_modes(const MotionOutputs& outputs, const Animation& recorded,
                       const std::string& subtitle, Json& files) {
   if (outputs.page.empty() && outputs.glb.empty()) return Success{};
@@ -239,7 +239,7 @@ Result<Json> write_motion_files(const MotionOutputs& outputs, const Animation& a
   return files;
 }
 
-// A series is told by its list alone, many caches by the first.
+// Prints the list of a series instead of its files, and only the first of many point caches.
 void print_files(const Json& files) {
   constexpr std::size_t kShown = 24;
   constexpr double kMuchTurned = 10;  // degrees: shading then shows it

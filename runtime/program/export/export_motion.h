@@ -1,4 +1,4 @@
-// `tremolo export` of what moves: a run goes into files that other programs open.
+// `tremolo export` of a motion: runs it and writes files for other programs.
 #pragma once
 
 #include <cstddef>
@@ -11,20 +11,18 @@
 
 namespace tremolo {
 
-// Paths; empty: not asked for. modes: coordinates that are kept in the files, 0: all; the motion
-// has all of them. textures: "MATERIAL=IMAGE" or "IMAGE". up: "z" or "y", of the world. The others
-// as GlbOptions has them.
+// Options of the export; the undocumented ones are as in GlbOptions.
 struct MotionOutputs {
-  std::string glb, pc2, mdd, pvd, usda, series, page;
+  std::string glb, pc2, mdd, pvd, usda, series, page;  // paths; empty: not requested
   PageExtras extras;  // of the page
   FrameRange range;
-  std::size_t modes = 0;
+  std::size_t modes = 0;  // coordinates kept in the files; 0: all; the motion always has all
   bool plain_weights = false;
   bool no_normals = false;
   bool no_colliders = false;
-  std::vector<std::string> textures;
-  std::string up = "z";
-  std::string beside;  // of cloth: a second scene, beside the first
+  std::vector<std::string> textures;  // "MATERIAL=IMAGE" or "IMAGE"
+  std::string up = "z";               // or "y", of the world
+  std::string beside;                 // of cloth: a second scene, next to the first
   bool json = false;
 
   bool any() const {
@@ -33,8 +31,8 @@ struct MotionOutputs {
   }
 };
 
-// Runs and writes. What was written stands on stdout. Returns the exit code; errors are printed,
-// and no file is then there that was not there before, but for complete ones of a series.
+// Runs the motion and writes the files; prints their names on stdout. Returns the exit code. Errors
+// are printed; after one no new file remains, except complete files of a series.
 int export_motion_command(const MotionOutputs& outputs, const MotionSource& source);
 
 }  // namespace tremolo

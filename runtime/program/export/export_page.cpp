@@ -50,7 +50,7 @@ std::string figure_text(const Json& report, const char* key) {
   return found->is_string() ? found->get<std::string>() : found->dump();
 }
 
-// A row a figure, a column a run; what a run's report does not say is a dash.
+// A row per figure, a column per run; a missing figure is a dash.
 Json figures_table(const std::vector<PlotSource>& runs) {
   std::vector<std::string> columns = {""};
   std::vector<Json> reports;

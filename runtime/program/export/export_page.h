@@ -10,13 +10,11 @@
 
 namespace tremolo {
 
-// What stands on the page beside the motion; empty: nothing. runs: folders of `tremolo run --out`.
-// note: a paragraph, `code` between backticks. live: a page of the engine itself, its path as the
-// written page shall name it; it is shown first.
+// Parts of the page besides the motion; all are optional.
 struct PageExtras {
-  std::vector<std::string> runs;
-  std::string note;
-  std::string live;
+  std::vector<std::string> runs;  // folders of `tremolo run --out`
+  std::string note;               // a paragraph; `code` between backticks
+  std::string live;  // path, as the page names it, of a page of the engine; shown first
 
   bool any() const { return !runs.empty() || !note.empty() || !live.empty(); }
 };
@@ -27,7 +25,7 @@ struct PageReport {
   double position_error = 0.0;
 };
 
-// subtitle: what moved and how. Errors: page_motion's; read_energies' for a run; kSystem.
+// subtitle: a description of the motion. Errors: page_motion's; read_energies' for a run; kSystem.
 Result<PageReport> write_page_report(const std::string& path, const Animation& animation,
                                      const PageExtras& extras, const std::string& subtitle,
                                      bool z_up);

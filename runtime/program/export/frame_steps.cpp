@@ -31,7 +31,7 @@ Result<FrameSteps> frame_steps(const FrameRange& range, double h, double duratio
   for (std::int64_t k = 0; static_cast<double>(k) < count; ++k) {
     const double wanted = range.from + static_cast<double>(k) / range.rate;
     const std::int64_t step = std::min<std::int64_t>(std::llround(wanted / h), last);
-    if (!frames.steps.empty() && step <= frames.steps.back()) break;  // behind the last step
+    if (!frames.steps.empty() && step <= frames.steps.back()) break;  // after the last step
     frames.steps.push_back(step);
     frames.offset = std::max(frames.offset, std::abs(static_cast<double>(step) * h - wanted));
   }

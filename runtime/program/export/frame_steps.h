@@ -1,4 +1,4 @@
-// Which steps of a run become frames of what is exported.
+// Selects the steps of a run that become exported frames.
 #pragma once
 
 #include <cstdint>
@@ -9,23 +9,23 @@
 
 namespace tremolo {
 
-// rate: frames a second. from, to: s, of the run; to: nothing: its end.
+// The requested frames.
 struct FrameRange {
-  double rate = 60.0;
-  double from = 0.0;
-  std::optional<double> to;
+  double rate = 60.0;        // frames per second
+  double from = 0.0;         // s, of the run
+  std::optional<double> to;  // s; empty: the end of the run
 };
 
-// steps: ascending numbers of steps. Frame k is the state at the end of the step that lies nearest
-// to from + k/rate; its own time is step times h. offset: how far the two are apart at most, s.
+// Frame k is the state at the end of the step nearest to from + k/rate; its own time is step times
+// h.
 struct FrameSteps {
-  std::vector<std::int64_t> steps;
-  double offset = 0.0;
-  double even_step = 0.0;
+  std::vector<std::int64_t> steps;  // numbers of steps, ascending
+  double offset = 0.0;              // the largest difference between the two times, s
+  double even_step = 0.0;           // a step, s, with which the difference would be zero
 };
 
-// h: the step, s; duration: of the run, s. Errors: kContent for a range that is none or lies beyond
-// the run, or more frames than steps.
+// h: the step, s; duration: of the run, s. Errors: kContent for an empty range, one beyond the run,
+// or more frames than steps.
 Result<FrameSteps> frame_steps(const FrameRange& range, double h, double duration);
 
 }  // namespace tremolo

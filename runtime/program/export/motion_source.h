@@ -1,4 +1,4 @@
-// What `tremolo export` lets move: it says its names and files, runs, and is recorded.
+// A motion for `tremolo export`: it has names and files, runs, and is recorded.
 #pragma once
 
 #include <memory>
@@ -18,7 +18,7 @@ class MotionSource {
  public:
   virtual ~MotionSource() = default;
 
-  // Names of what deforms, in the order of the recording.
+  // Names of the deforming bodies, in the order of the recording.
   virtual std::vector<std::string> names() const = 0;
   // Names of the scenery that is recorded with it.
   virtual std::vector<std::string> scenery() const { return {}; }
@@ -26,7 +26,7 @@ class MotionSource {
   virtual std::vector<NamedFile> inputs() const = 0;
   // "30 s by `imexv` in steps of 3 ms".
   virtual std::string told() const = 0;
-  // Errors (kUsage): formats or flags that do not go with it. Asked before the run.
+  // Errors (kUsage): formats or flags that it does not support. Called before the run.
   virtual Status check(const MotionOutputs& outputs) const = 0;
   // Runs it. colliders: they are recorded too. Errors: those of the run, and of frame_steps.
   virtual Result<RecordedMotion> record(const FrameRange& range, bool colliders) const = 0;

@@ -11,20 +11,20 @@
 
 namespace tremolo {
 
-// colliders: numbers of those that are in the recording, in its order. left_out: names of those
-// that have no triangles, since a file holds distances alone.
+// colliders: numbers of the recorded ones, in that order. left_out: names of colliders without
+// triangles, whose file has only distances.
 struct Scenery {
   std::vector<std::size_t> colliders;
   std::vector<std::string> left_out;
 };
 
-// Adds a body without coordinates. taken: names of all bodies so far; one that is taken gets
-// "-collider" behind it.
+// Adds a body without coordinates. taken: names of all bodies so far; an existing name gets
+// "-collider" appended.
 void add_scenery(AnimatedShape shape, std::string name, std::set<std::string>& taken,
                  Animation& animation);
 
-// Adds the colliders, planes if they are asked for. Planes are drawn so far as all shapes' sizes
-// and places at rest reach, and some more.
+// Adds the colliders, with planes if requested. Planes extend over the sizes and positions of all
+// shapes at rest, with a margin.
 Scenery add_colliders(std::span<const SceneCollider> colliders, bool planes,
                       std::set<std::string>& taken, Animation& animation);
 

@@ -76,7 +76,7 @@ void thin(std::vector<double>& x, std::vector<double>& y, std::size_t buckets) {
     const std::size_t begin = b * size / buckets, end = (b + 1) * size / buckets;
     std::array<std::size_t, 4> keep = {begin, begin, begin, end - 1};
     for (std::size_t i = begin; i < end; ++i) {
-      // A value that is not a number is lower and higher than none, unless nothing else is there.
+      // Any number replaces one that is not a number.
       if (y[i] < y[keep[1]] || std::isnan(y[keep[1]])) keep[1] = i;
       if (y[i] > y[keep[2]] || std::isnan(y[keep[2]])) keep[2] = i;
     }

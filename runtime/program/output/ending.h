@@ -1,4 +1,4 @@
-// How an orbit ended: at the end of its time or before it, and then why.
+// The end of an orbit: its exit code and, if it ended early, the reason.
 #pragma once
 
 #include <string>

@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using OrderedJson = nlohmann::ordered_json;
 
-constexpr std::size_t kBuckets = 2500;  // of a curve: what a wide screen can show, and some zoom
+constexpr std::size_t kBuckets = 2500;  // of a curve: enough for a wide screen with some zoom
 
 Result<double> cell_value(std::string_view cell, const std::string& where) {
   if (cell.empty()) return std::numeric_limits<double>::quiet_NaN();
@@ -35,7 +35,7 @@ Result<double> cell_value(std::string_view cell, const std::string& where) {
   return value;
 }
 
-// Where the columns t, total and high_band are in a line of names; -1: not there.
+// Positions of the columns t, total and high_band in a line of names; -1: absent.
 Result<std::array<std::ptrdiff_t, 3>> energy_columns(std::string_view header,
                                                      const std::string& csv) {
   const std::vector<std::string_view> names = cells_of(header);

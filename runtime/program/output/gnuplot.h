@@ -11,12 +11,12 @@ namespace tremolo {
 // which would end the command, becomes a space.
 std::string gnuplot_quoted(const std::string& text);
 
-// Whether a program of that name is on the PATH.
+// True if gnuplot is on the PATH.
 bool has_gnuplot();
 
-// The picture, as bytes, that a script draws; it sets its own terminal and no output. Errors:
-// kSystem if gnuplot is missing (the message tells how to get it), fails or draws nothing;
-// gnuplot's own words go to stderr.
+// Runs a script that sets its own terminal and no output; returns the picture's bytes. Errors:
+// kSystem if gnuplot is missing (the message says how to install it), fails or draws nothing.
+// Messages of gnuplot go to stderr.
 Result<std::string> run_gnuplot(const std::string& script);
 
 }  // namespace tremolo

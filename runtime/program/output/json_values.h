@@ -1,4 +1,4 @@
-// Numbers as JSON, which knows no infinity: what is not finite is null.
+// Numbers as JSON, which has no infinity: values that are not finite become null.
 #pragma once
 
 #include <cmath>

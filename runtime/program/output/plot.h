@@ -9,19 +9,19 @@
 
 namespace tremolo {
 
-// What a run's folder gets.
+// Files in a run's folder.
 inline constexpr const char* kEnergyPageName = "energy.html";
 inline constexpr const char* kPictureName = "energy.svg";
 
-// Total energy of the runs over time, one curve a run, and below it that of the high band for those
-// that have one (`tremolo-precompute reference` has none). The ending of `output` chooses: .html, a
-// page with zoom and values under the pointer; .svg or .png, by gnuplot. Errors: kUsage for another
-// ending, kContent for a CSV without the columns t and total, kSystem if gnuplot is missing (the
-// message tells how to get it) or fails.
+// Draws the total energy of the runs over time, one curve per run, and below it the energy of the
+// high band for runs that have one (`tremolo-precompute reference` has none). The extension of
+// `output` selects the format: .html, a page with zoom and values under the pointer; .svg or .png,
+// by gnuplot. Errors: kUsage for another extension, kContent for a CSV without the columns t and
+// total, kSystem if gnuplot is missing (the message says how to install it) or fails.
 Status plot_energies(const std::vector<PlotSource>& sources, const std::string& output);
 
-// The same as energy.html in a folder and, where gnuplot is installed, energy.svg; the paths of
-// what was written join `files`. Errors: as above, but that gnuplot may be missing.
+// Writes energy.html to a folder and, if gnuplot is installed, energy.svg; adds the paths to
+// `files`. Errors: as above, except for a missing gnuplot.
 Status plot_run(const PlotSource& source, const std::string& folder,
                 std::vector<std::string>& files);
 

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kNearContact = 0.01;  // of a body's size: what is nearer is listed
+constexpr double kNearContact = 0.01;  // of a body's size: closer things are listed
 
 Json list(const Eigen::Vector3d& x) {
   return Json::array({x[0], x[1], x[2]});

@@ -1,5 +1,5 @@
-// What `tremolo inspect SCENE` prints of any kind of scene: where its things are at t = 0, what is
-// in contact there, and which steps resolve the bodies' vibration.
+// The output of `tremolo inspect SCENE` for any kind of scene: positions at t = 0, contacts there,
+// and steps that resolve the bodies' vibration.
 #pragma once
 
 #include <optional>
@@ -52,8 +52,8 @@ nlohmann::ordered_json places_json(const ScenePlaces& places);
 // As JSON or as lines on stdout; warnings on stderr.
 void print_places(const ScenePlaces& places, bool json);
 
-// Bodies and colliders whose keyframes are relative to their `position`, and away from it at t = 0:
-// a sentence for each.
+// A sentence for each body or collider whose keyframes are relative to its `position` and differ
+// from it at t = 0.
 Warnings keyframe_warnings(const std::vector<SceneBody>& bodies,
                            const std::vector<SceneCollider>& colliders);
 

@@ -1,4 +1,4 @@
-// What the user is told while the program works: on stderr.
+// Messages to the user on stderr, results on stdout.
 #pragma once
 
 #include <cstdio>
@@ -37,7 +37,7 @@ inline int report_error(const Error& error) {
   return exit_code(error);
 }
 
-// `code` when standard output has taken everything, else the exit code of that error, told.
+// Flushes stdout. Returns `code`, or after an error prints that and returns its exit code.
 inline int flushed(int code) {
   const Status status = flush_standard_output();
   return status ? code : report_error(status.error());

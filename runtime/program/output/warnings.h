@@ -16,11 +16,11 @@ void print_warnings(const Warnings& warnings);
 // its frequency 0.8 % too low.
 inline constexpr double kStepsAPeriod = 20.0;
 
-// The longest step, s, that makes so many steps in a period of the mode. frequency: Hz, above 0.
+// The longest step, s, that resolves a mode's period. frequency: Hz, above 0.
 double resolving_step(double frequency);
 
-// The warning about a step that is longer; empty for one that is not. whose: put before "first
-// mode", as "the " or "body 'x': its ". flag: how a shorter step is asked for, "--step ".
+// The warning about a longer step; empty for a shorter one. whose: put before "first mode", such as
+// "the " or "body 'x': its ". flag: the flag for a shorter step, "--step ".
 std::string step_warning(double frequency, double step, const std::string& whose,
                          const std::string& flag);
 

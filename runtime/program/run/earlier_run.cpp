@@ -34,7 +34,7 @@ std::string head_of(const fs::path& path) {
   return head;
 }
 
-// Whether the file begins as our writers of surfaces begin.
+// True if the file begins as this program's surface writers begin a file.
 bool is_our_surface(const fs::path& path) {
   const std::string head = head_of(path), ending = path.extension().string();
   if (ending == ".ply") return head.starts_with("ply\nformat binary_little_endian 1.0\n");
@@ -56,7 +56,7 @@ bool has_time(std::string_view name) {
   return name.find("-t") != std::string_view::npos;
 }
 
-// report.json of a run; null if it is none.
+// report.json of a run; null if the file is not such a report.
 ReportJson report_in(const fs::path& folder) {
   const fs::path path = folder / kReportName;
   if (!is_file(path)) return nullptr;
@@ -69,7 +69,7 @@ ReportJson report_in(const fs::path& folder) {
   return ours || of_several ? std::move(report) : ReportJson(nullptr);
 }
 
-// Names of folders that a report's bodies had, and what it says of each.
+// The folders of the bodies that a report lists, and its part about each.
 std::vector<std::pair<std::string, ReportJson>> folders_of(const ReportJson& report) {
   std::vector<std::pair<std::string, ReportJson>> names;
   for (const auto& [list, key] : {std::pair{"bodies", "body"}, {"cloths", "cloth"}}) {

@@ -1,4 +1,4 @@
-// What earlier runs left in the folder of a run.
+// Files of earlier runs in the folder of a run.
 #pragma once
 
 #include <string>
@@ -9,18 +9,17 @@
 
 namespace tremolo {
 
-// Whether a surface of a run may have this name: as frame_name() makes it, now or without the time
-// in earlier versions.
+// True if frame_name() makes such a name, now or in earlier versions, which left out the time.
 bool is_frame_name(std::string_view name);
 
-// Files in a run's folder that a program of ours wrote in an earlier run. A file is known by its
-// name together with what stands in it, in a list of surfaces or in report.json: one that somebody
-// else put there is none, whatever its name.
+// Files in a run's folder that one of these programs wrote in an earlier run. A file is identified
+// by its name together with its contents, a list of surfaces or report.json: a file from elsewhere
+// is never one of them, whatever its name.
 class EarlierRun {
  public:
-  // What is there now; it must be asked before the run writes. bodies: names of folders in `folder`
-  // that the run will have; others are looked at where the earlier report.json says that they were
-  // of its bodies. No folder: no files.
+  // Lists the files present now; call it before the run writes. bodies: folders in `folder` that
+  // the run will have. Other folders are searched only if the earlier report.json lists them as its
+  // bodies'. No folder: no files.
   static EarlierRun in(const std::string& folder, const std::vector<std::string>& bodies = {});
 
   const std::vector<std::string>& files() const { return files_; }  // paths, each once

@@ -35,7 +35,7 @@ Status write_shape(const Body& body, const std::string& path, const std::string&
   SurfaceMesh surface;
   surface.vertices.resize(body.model().surface().vertex_ids.size());
   surface.triangles = body.model().triangles();
-  // Eigen's fixed vectors lie in memory without gaps.
+  // Eigen's fixed-size vectors are contiguous.
   const std::span<double> flat(surface.vertices.empty() ? nullptr : surface.vertices[0].data(),
                                3 * surface.vertices.size());
   if (Status status = body.surface_positions(flat); !status) return status;

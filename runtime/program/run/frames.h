@@ -11,8 +11,8 @@
 
 namespace tremolo {
 
-// Writes the present shape of what is drawn of `body`: its render surface, else the boundary.
-// materials: the name of the .mtl file that an .obj refers to; empty: none. Errors are those of the
+// Writes the present shape of `body` as it is drawn: its render surface, else the boundary.
+// materials: the name of the .mtl file that an .obj refers to; empty: none. Errors: those of the
 // writers.
 Status write_shape(const Body& body, const std::string& path, const std::string& materials = "");
 
@@ -21,7 +21,7 @@ class Frames {
   // steps: of the whole run. The options must outlive this.
   Frames(const RunOptions& options, std::int64_t steps) : options_(options), steps_(steps) {}
 
-  // Whether a surface is due after `steps` steps; they are due at k/N of the run, k = 1 ... N.
+  // True if a surface is due after `steps` steps. Surfaces are due at k/N of the run, k = 1 ... N.
   bool due(std::int64_t steps) const;
   // body: as it is at `time`, s.
   Status write(const Body& body, double time);

@@ -11,16 +11,14 @@
 
 namespace tremolo {
 
-// rigid_modes: motions without strain that the model leaves out, six for a free body in one piece.
-// share: the part of the kinetic energy of a short push that goes into rigid motion, 0 to 1; the
-// rest goes into the model's coordinates. The mass is taken as spread evenly over the body; the
-// share is not a number for several pieces. force: the load's resultant, N; torque: about the
-// centre of mass, N m.
+// The rigid motion of a free body under a load. The mass is assumed to be uniform over the body.
 struct RigidLoss {
-  std::uint64_t rigid_modes = 0;
+  std::uint64_t rigid_modes = 0;  // motions left out of the model; six for a body in one piece
+  // Fraction of the kinetic energy of a short push that goes into rigid motion, 0 to 1; the rest
+  // goes into the model's coordinates. Not a number for several pieces.
   double share = 0.0;
-  double force = 0.0;
-  double torque = 0.0;
+  double force = 0.0;   // resultant of the load, N
+  double torque = 0.0;  // about the centre of mass, N m
 };
 
 // Empty if the body is not free or there is no load. Errors: those of reading the file.

@@ -30,7 +30,7 @@ Interruption::Interruption() {
   for (const int signal : kSignals) sigaddset(&action.sa_mask, signal);
   for (std::size_t i = 0; i < std::size(kSignals); ++i) {
     ::sigaction(kSignals[i], nullptr, &before[i]);
-    // What is ignored, as under nohup, stays ignored.
+    // A signal that was ignored before, as under nohup, stays ignored.
     if (before[i].sa_handler != SIG_IGN) ::sigaction(kSignals[i], &action, nullptr);
   }
 }

@@ -1,4 +1,4 @@
-// The CSV of a run: a row for each recorded moment, written as it goes.
+// The CSV of a run: a row for each recorded state, written during the run.
 #pragma once
 
 #include <optional>

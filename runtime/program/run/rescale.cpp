@@ -48,7 +48,7 @@ Result<NewMaterial> parse_rescale(const std::string& text) {
   return material;
 }
 
-// Text of a file that nobody has checked: parsed only if it is not nested deeply.
+// Parses an untrusted text as JSON, unless it is nested deeply.
 Json parse_flat(const std::string& text) {
   bool deep = false;
   Json json = Json::parse(

@@ -129,7 +129,7 @@ void print_text(const RunReport& report, const Warnings& warnings) {
   if (report.rigid) print_rigid_loss(*report.rigid);
 }
 
-// report.json, and the line that tells of all files, which join `written`.
+// Writes report.json and prints the list of all files of the run, including `files`.
 Status write_report(const RunOptions& options, std::vector<std::string> files, const Json& json,
                     std::vector<std::string>& written) {
   if (options.out.empty()) return Success{};
@@ -196,7 +196,7 @@ int run_command(const std::vector<RunOptions>& bodies, bool json) {
   if (Status s = outputs.remove_earlier(written); !s) return report_error(s.error());
   if (json) print_json(objects.size() == 1 ? objects.front() : Json{{"bodies", objects}});
   const Status printed = flush_standard_output();
-  // Whoever started the program shall see that a signal ended it.
+  // The calling process sees that a signal ended this one.
   if (signal != 0) ::raise(signal);
   return printed ? code : report_error(printed.error());
 }

@@ -10,7 +10,7 @@ namespace tremolo {
 // Checks the options that can be judged without the model. Errors: kUsage, kContent.
 Status check_run(const RunOptions& options);
 
-// What the options say of the method. Errors: kUsage.
+// The integrator's options among those of the run. Errors: kUsage.
 Result<IntegratorOptions> integrator_options(const RunOptions& options);
 
 // The model that the options name.

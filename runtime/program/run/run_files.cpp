@@ -60,7 +60,7 @@ Status RunOutputs::check(const std::vector<NamedFile>& inputs) const {
   outputs.insert(outputs.end(), in_folders_.begin(), in_folders_.end());
   std::unordered_set<std::string> known;
   for (const std::string& path : in_folders_) known.insert(fs::path(path).lexically_normal());
-  // What is removed, and surfaces that may be written over.
+  // Files of earlier runs, which are removed, and surfaces, which may be overwritten.
   std::vector<std::string> there;
   for (const EarlierRun& earlier : earlier_)
     there.insert(there.end(), earlier.files().begin(), earlier.files().end());

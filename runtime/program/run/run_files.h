@@ -13,7 +13,7 @@ namespace tremolo {
 
 inline constexpr const char* kTableName = "run.csv";
 inline constexpr const char* kReportName = "report.json";
-inline constexpr const char* kFramesName = "frames.csv";      // which surface is of what time
+inline constexpr const char* kFramesName = "frames.csv";      // the surfaces' times
 inline constexpr const char* kMaterialsName = "surface.mtl";  // of surfaces as .obj
 
 // "surface-0012-t1.500000s.ply": the frame's number from 0 and its time, s.
@@ -21,7 +21,7 @@ std::string frame_name(int frame, double time, const std::string& format);
 
 // The files that a run reads: the model, the scene, --signal, --start and lists of ids.
 std::vector<NamedFile> inputs_of(const RunOptions& options);
-// Adds the lists of ids that a selector, or a vertex's number, names. whose: "--at".
+// Adds the lists of ids named in a selector, or a vertex's number. whose: "--at".
 void add_ids_of(const std::string& selector, const std::string& whose,
                 std::vector<NamedFile>& inputs);
 
@@ -40,8 +40,8 @@ class RunOutputs {
   // kSystem if one cannot be written.
   Status check(const std::vector<NamedFile>& inputs) const;
 
-  // Removes what earlier runs left in the folders when they were added, but for what this run has
-  // written (paths). Errors: kSystem.
+  // Removes files of earlier runs, found in the folders when these were added, except those in
+  // `written` (paths). Errors: kSystem.
   Status remove_earlier(const std::vector<std::string>& written) const;
 
  private:
@@ -49,11 +49,11 @@ class RunOutputs {
   std::vector<EarlierRun> earlier_;
 };
 
-// What a run of these bodies writes, each by itself. Several have a folder each, NAME in the folder
-// that was asked for, which gets the report of all.
+// The files that a run of these bodies writes. Several bodies have one folder each, NAME in the
+// requested folder, which also gets the report of all.
 RunOutputs outputs_of(const std::vector<RunOptions>& bodies);
 
-// The folder that was asked for as the body's --out: of one body its own.
+// The folder requested as the bodies' --out; for a single body its own.
 std::string folder_of_all(const RunOptions& body, const std::vector<RunOptions>& bodies);
 
 // Names of the files of one body in its folder.

@@ -36,7 +36,7 @@ void add_load_flags(CLI::App& run, RunOptions& o) {
   run.add_option(
       "--start", o.start,
       "static (standing still under the load at t = 0), VERTEX|SELECTOR=X,Y,Z (displaced "
-      "by so many m and let go), or FILE.csv[@T] (a row of a run with --coordinate all "
+      "by that vector, m, and released), or FILE.csv[@T] (a row of a run with --coordinate all "
       "--velocities)");
 }
 

@@ -9,7 +9,7 @@ class App;
 
 namespace tremolo {
 
-// What a body is but for --modes, how it is stepped, what pushes it and how it begins.
+// Adds the flags of a body's model (except --modes), integrator, load and start.
 void add_body_flags(CLI::App& app, RunOptions& options);
 void add_modes_flag(CLI::App& app, RunOptions& options);
 

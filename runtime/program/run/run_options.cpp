@@ -18,7 +18,7 @@ using Store = bool (*)(const toml::node&, RunOptions&);
 
 template <class T>
 std::optional<T> value_of(const toml::node& node) {
-  // toml++ turns numbers and bools into each other.
+  // toml++ converts between numbers and bools.
   if constexpr (std::is_same_v<T, int>)
     return whole_number(node);
   else if constexpr (std::is_same_v<T, double>)
@@ -127,14 +127,14 @@ Status read_body(const std::string& path, const toml::table& table, RunOptions& 
     if (!known->store(node, body))
       return error_at(path, node.source(),
                       "the value of '" + std::string(key.str()) + "' has the wrong type");
-    // The system would open what stands before it.
+    // A NUL would end the path for the system.
     const auto text = node.value_exact<std::string_view>();
     if (text && text->find('\0') != std::string_view::npos)
       return error_at(path, node.source(),
                       "the value of '" + std::string(key.str()) + "' holds a NUL");
   }
   if (body.model.empty())
-    return error_at(path, table.source(), "body '" + body.name + "' names no model");
+    return error_at(path, table.source(), "body '" + body.name + "' has no key 'model'");
   if (table.contains("signal") && table.contains("load"))
     return error_at(path, table.source(),
                     "body '" + body.name +

@@ -1,4 +1,4 @@
-// What `tremolo run` is told, by flags or by a scene file.
+// Options of `tremolo run`, from flags or from a scene file.
 #pragma once
 
 #include <string>
@@ -28,9 +28,9 @@ struct RunOptions {
   SignalShape shape;            // of the load: --frequency, --sweep, --load-duration
   std::string at;               // vertex or selector; with force; else the model's default load
   std::string force;            // "X,Y,Z" in N, shared by the vertices, on a face by area
-  std::string signal;           // CSV of the load's course in time; it takes the place of `load`
+  std::string signal;           // CSV of the load's course in time, instead of `load`
   double scale = 1.0;
-  std::string deflect;  // "5%": the load is scaled until the motion is so large; empty: it is not
+  std::string deflect;  // "5%": the load is scaled to this motion; empty: it is not
   std::string start;    // start_state.h; empty: at rest
   double alpha = 0.0, beta = 0.0;
   std::string damping_ratio;  // "F1:Z1,F2:Z2": alpha and beta follow; empty: as they are
@@ -43,7 +43,7 @@ struct RunOptions {
   std::vector<std::string> coordinates;  // "I", "I-J", "all": coordinates whose q is recorded
   bool velocities = false;               // of probes and coordinates too
   std::string out;                       // directory for CSV, plots and surfaces; empty: none
-  int every = 1;                         // a CSV row every so many steps
+  int every = 1;                         // steps per CSV row
   bool plot = false;
   int surfaces = 0;                    // surface files, evenly spaced in time
   std::string surface_format = "ply";  // ply, obj or inc
@@ -57,7 +57,7 @@ struct RunOptions {
 // and a file of `start` are relative to the scene file. Errors: kSystem if unreadable; kContent
 // with file, line and the wrong key or type.
 Result<std::vector<RunOptions>> read_scene(const std::string& path);
-// The same of the file's contents; `path` stands in errors and `model` is relative to it.
+// The same for the file's contents; `path` is for errors, and `model` is relative to it.
 Result<std::vector<RunOptions>> parse_scene(std::string_view text, const std::string& path);
 
 }  // namespace tremolo

@@ -1,4 +1,4 @@
-// How far a long run has come, told on stderr.
+// Progress of a long run, printed on stderr.
 #pragma once
 
 #include <chrono>
@@ -6,8 +6,8 @@
 
 namespace tremolo {
 
-// When something is said and what. terminal: every half second, the line taking its own place;
-// else a line after ten seconds and then every thirty. Short runs say nothing.
+// The lines about the progress. terminal: every half second, each line replaces the previous one;
+// else a line after ten seconds and then every thirty. Short runs print nothing.
 class RunProgress {
  public:
   // duration: of the run, s of simulated time.
@@ -15,7 +15,7 @@ class RunProgress {
 
   // seconds: since the start of the work; reached: s of simulated time. Empty: nothing is due.
   std::string due(double seconds, double reached);
-  // What takes the line on a terminal away again; empty if there is none.
+  // The text that erases the line on a terminal; empty if no line is shown.
   std::string end();
 
  private:
@@ -23,7 +23,7 @@ class RunProgress {
   double duration_;
   bool terminal_;
   double next_;
-  std::size_t shown_ = 0;  // characters that stand on the terminal's line
+  std::size_t shown_ = 0;  // characters on the terminal's line
 };
 
 // The same on stderr by the clock.

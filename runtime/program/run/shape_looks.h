@@ -1,5 +1,5 @@
-// When a run looks at the shape of a body: that costs as much as hundreds of steps, of a sound with
-// its hundred thousand steps more than all of them.
+// Selects the steps after which a run measures the shape of a body. A measurement costs as much as
+// hundreds of steps; for a sound with its hundred thousand steps, measuring always would dominate.
 #pragma once
 
 #include <cstdint>
@@ -19,11 +19,11 @@ class ShapeLooks {
   static constexpr std::int64_t kLooks = 1000;
   ShapeLooks(const Model& model, std::int64_t least, std::int64_t steps);
 
-  // q after the step of that number; to be asked once for every step.
+  // q: after the step of that number; call it once for every step.
   bool due(std::int64_t step, const Eigen::VectorXd& q);
 
-  // False where no vertex of the boundary can be farther than `displacement`, m, at q, and no
-  // triangle stretched beyond the range: the look can be left out and changes nothing.
+  // False if at q no vertex of the boundary can be farther than `displacement`, m, and no triangle
+  // stretched beyond the range: the measurement can be skipped.
   bool can_exceed(const Eigen::VectorXd& q, double displacement, const StretchRange& range) const;
 
  private:

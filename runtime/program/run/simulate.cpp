@@ -29,8 +29,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Steps between two looks: the memory that a look brings in costs the first step behind it some
-// microseconds, and a signal waits so long.
+// Steps between two measurements: the memory that one uses costs the next step some microseconds,
+// and a signal waits for up to a block.
 constexpr std::size_t kBlock = 64;
 constexpr std::chrono::seconds kFlushEvery{1};  // the CSV can be followed so closely
 
@@ -46,14 +46,15 @@ RunReport start_report(const RunOptions& options, const Body& body) {
   return report;
 }
 
-// What may stop a run from outside, and what is told of its progress; null: nothing.
+// Connections of a run to the outside: the signal that ends it early and the display of its
+// progress; null: none.
 struct RunLinks {
   const Interruption* interruption = nullptr;
   ToldProgress* progress = nullptr;
 };
 
-// Steps the body to the end of its time and shows every moment to `watch`. False: the run ended
-// early, and the report says why.
+// Steps the body to the end of its time and passes every state to `watch`. False: the run ended
+// early, with the reason in the report.
 Result<bool> follow(Body& body, std::int64_t steps, const RunLinks& links, Watch& watch,
                     RunReport& report) {
   Moment start;
@@ -161,7 +162,7 @@ Result<double> scale_for_deflection(const RunOptions& options, const RunInput& i
   return found->scale;
 }
 
-// Of a run with --wav whose step nobody named.
+// Chooses the steps per sample for a run with --wav and without --step.
 Status choose_sound_steps(const Model& model, RunOptions& options) {
   if (options.wav.empty() || options.sound_steps > 0) return Success{};
   const Result<IntegratorOptions> settings = integrator_options(options);

@@ -11,16 +11,14 @@
 
 namespace tremolo {
 
-// What a run begins with. table: of --signal. options: as told, but with the step that --wav needs
-// and the factor of the load that --deflect asked for. It must outlive the body that make_body()
-// makes of it.
+// Input of a run. It must outlive the body that make_body() makes of it.
 struct RunInput {
   Model::Pointer model;
-  SignalTable table;
-  RunOptions options;
+  SignalTable table;   // of --signal
+  RunOptions options;  // as given, with the step that --wav needs and the factor found by --deflect
 };
 
-// Checks the options, loads the model and looks for the load. Errors: kUsage, kContent and kSystem
+// Checks the options, loads the model and determines the load. Errors: kUsage, kContent and kSystem
 // as in simulate().
 Result<RunInput> prepare_run(const RunOptions& options);
 
@@ -31,20 +29,20 @@ struct SplitMove {
   Eigen::Index low_after = 0;
 };
 
-// How a run ended and what it measured. Energies in J; not-a-number means "not known".
+// End and measurements of a run. Energies in J; not-a-number: not known.
 struct RunReport {
   std::string name;
   std::string integrator;
   double step = 0;
   double duration = 0;
   double first_frequency = 0;  // of the first mode, Hz
-  double scale = 1;            // of the load: as told, or as --deflect found it
+  double scale = 1;            // of the load: as given, or found by --deflect
   std::int64_t steps = 0;      // made
   double reached = 0;          // s of simulated time
   double iterations_per_step = 0;
-  double microseconds_per_step = 0;  // processor time of step() in blocks, nothing between
+  double microseconds_per_step = 0;  // processor time of step(), without measurements
   double energy_initial = 0;
-  double energy_reference = 0;  // when the load had ended; of the last moment if it lasts
+  double energy_reference = 0;  // after the end of the load; at the end of the run if it lasts
   double energy_final = 0;
   double energy_drift_max = 0;  // docs/reference.md
   double high_band_final = 0;
@@ -54,11 +52,11 @@ struct RunReport {
   std::string sound_warning;       // of --wav; empty: none
   std::optional<Split> split;      // at the end
   std::vector<SplitMove> moves;    // all changes of it
-  std::int64_t halved_steps = 0;   // steps whose solve failed and that were taken in parts
-  StretchRange stretch;            // of the surface, widest of the moments looked at
+  std::int64_t halved_steps = 0;   // steps that were subdivided because their solve failed
+  StretchRange stretch;            // of the surface, the widest in all samples
   double squeezed_at = -1;         // s; first of them with a stretch below kSofteningStretch
   double size = 0;                 // largest extent of the surface at rest, m
-  Excursion farthest;              // of the surface in all moments looked at
+  Excursion farthest;              // of the surface in all samples
   double farthest_at = 0;          // s
   std::optional<RigidLoss> rigid;  // of a free body with a load
   std::vector<std::string> files;  // written, under options.out
@@ -68,10 +66,10 @@ struct RunReport {
   std::vector<std::string> notes;  // start/run_notes.h
 };
 
-// With options.deflect the load's factor is found first, by runs that write nothing. Errors: what
-// loading, creating and writing give; kContent if no factor gives the deflection. A run that broke
-// off is a report, not an error. SIGINT, SIGTERM and SIGHUP end it early, with all that it has to
-// write up to then.
+// Runs one body. With options.deflect the load's factor is found first, by runs that write nothing.
+// Errors: those of loading, creating and writing; kContent if no factor gives the deflection. A run
+// that ends early gives a report, not an error. SIGINT, SIGTERM and SIGHUP end it early, with all
+// results up to then.
 Result<RunReport> simulate(const RunOptions& options);
 
 }  // namespace tremolo

@@ -1,4 +1,4 @@
-// What bodies sound like: `tremolo run --wav`.
+// The sound of vibrating bodies: `tremolo run --wav`.
 #pragma once
 
 #include <string>
@@ -22,22 +22,22 @@ inline constexpr double kSoundStep = 1.0 / 48000.0;
 // is not that of a whole number of samples a second from 8 000 to 192 000.
 Status check_sound(const std::string& path, double step);
 
-// A run whose step nobody named: that of the samples, of which simulate() makes parts where its
-// modes need them.
+// Sets the step of a run without --step to that of the samples; simulate() divides it if its modes
+// need that.
 inline void take_sound_step(RunOptions& options) {
   options.step = kSoundStep;
   options.sound_steps = 0;
 }
 
-// A mode that is heard has its frequency within this fraction, five hundredths of a semitone: less
-// than what is told apart by ear. Beyond, --wav takes several steps a sample.
+// The largest relative frequency error of an audible mode: 5 cents, less than an ear can
+// distinguish. Above it --wav takes several steps per sample.
 inline constexpr double kSoundError = 3e-3;
 
-// How well a method follows the modes below half the rate of a sound.
+// Accuracy of a method for the modes below half the sample rate.
 struct SoundFit {
   double worst = 0.0;      // the largest relative error of a frequency
-  double frequency = 0.0;  // whose, Hz
-  double heard = 0.0;      // the frequency that the method gives it, Hz
+  double frequency = 0.0;  // of that mode, Hz
+  double heard = 0.0;      // the frequency in the sound, Hz
 };
 SoundFit fit_of_sound(const Model& model, std::string_view method, const IntegratorOptions& options,
                       double rate);
@@ -52,8 +52,8 @@ int steps_a_sample(const Model& model, std::string_view method, const Integrator
 std::string sound_warning(const Model& model, std::string_view method,
                           const IntegratorOptions& options, double rate);
 
-// The sound of small places of a surface in air far away goes as their acceleration along the
-// normal. An ear hears the mean of those of some vertices of one body.
+// The sound of a small area of a surface, in air far away, is proportional to its acceleration
+// along the normal. An ear hears the mean of those of some vertices of one body.
 class Ear {
  public:
   // listen: a vertex or selector; empty: the vertices of the default load. Errors of the selector;
@@ -75,11 +75,11 @@ class Ear {
 // The sound of one ear, or of the sum of several at equal distances.
 class SoundTrack {
  public:
-  // place: of the start and then of every sample, m.
+  // place: the mean displacement at the start and then at every sample, m.
   void add(double place) { places_.push_back(place); }
 
-  // Writes the second differences, the loudest sample at nine tenths; tells of what acceleration
-  // that is. interval: between samples, s.
+  // Writes the second differences of the displacement, scaled so that the loudest sample is at 0.9,
+  // and prints the acceleration of that sample. interval: between samples, s.
   Status write(const std::string& path, double interval) const;
 
  private:

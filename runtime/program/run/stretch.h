@@ -1,5 +1,5 @@
-// Measures how far a body's boundary is stretched and squeezed: a warning says when an amplitude is
-// beyond what the material model allows.
+// Measures the stretch and compression of a body's boundary, for a warning about amplitudes beyond
+// the validity of the material model.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace tremolo {
 
-// St. Venant-Kirchhoff's stress along a squeezed fibre is E/2 (s^3 - s), s the stretch: it softens
-// below s = 1/sqrt(3), and nothing keeps an element from turning inside out.
+// St. Venant-Kirchhoff's stress along a compressed fibre is E/2 (s^3 - s), s the stretch: it
+// softens below s = 1/sqrt(3), and nothing prevents an element from inverting.
 inline constexpr double kSofteningStretch = 0.57735;
 
 // Smallest and largest principal stretch over the boundary's triangles, dimensionless, 1 at rest.

@@ -17,8 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Steps from one look at the shape to the next: it moves by the slow modes, and a look costs more
-// than a step. A fortieth of the slowest mode's period misses 0.3 % of its amplitude at most.
+// Steps between two measurements of the shape: it moves by the slow modes, and a measurement costs
+// more than a step. With a fortieth of the slowest mode's period it misses 0.3 % of the amplitude
+// at most.
 std::int64_t steps_between_shapes(const Body& body) {
   constexpr std::int64_t kLeast = 10;
   const double slowest = std::sqrt(std::max(body.model().lambda()(0), 0.0));  // rad/s
@@ -34,7 +35,7 @@ std::string why_out_of_bound(double time, double energy) {
       time, energy, kEnergyBound);
 }
 
-// A method that carries no momentum of its own kind: it is never stepped.
+// Any method without a momentum of its own kind will do: the copy is never stepped.
 Result<Body> make_seen(const Body& body, const RunOptions& options) {
   IntegratorOptions settings;
   settings.step = body.step_size();
@@ -94,7 +95,7 @@ Result<bool> Watch::observe(const Moment& moment) {
     report_->exit_code = exit_code(ErrorKind::kBound);
     report_->reason = why_out_of_bound(moment.time, energy.total());
   }
-  // At rest there is nothing to see.
+  // At rest the shape does not change.
   const bool due = shape_looks_.due(moment.steps, moment.state.q);
   if (due && (moment.steps > 0 || !options_->start.empty())) note_shape(moment);
   if (probe_.cols() > 0)

@@ -30,7 +30,7 @@ class Watch {
 
   // Writes the buffered rows, so that the CSV's temporary file can be followed.
   Status flush() { return recorder_.flush(); }
-  // Completes the report and puts the files in their places.
+  // Completes the report and renames the files from their temporary names.
   Status finish();
 
  private:
@@ -52,7 +52,7 @@ class Watch {
   DriftMeter drift_;
   bool was_loaded_ = false;
   ShapeLooks shape_looks_;
-  std::int64_t shape_seen_ = -1;  // steps at the last look at the shape
+  std::int64_t shape_seen_ = -1;  // steps at the last measurement of the shape
   Moment last_;
 };
 

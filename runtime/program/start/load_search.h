@@ -1,4 +1,4 @@
-// Searches the factor of the load for which the motion has a wanted amplitude.
+// Searches the factor of the load for a requested amplitude of the motion.
 #pragma once
 
 #include <functional>
@@ -22,8 +22,8 @@ struct LoadScale {
   std::string trouble;
 };
 
-// Tries factors of four digits, the first one 0.01, until the amplitude is within 1 % of what is
-// wanted. Errors: those of `attempt`.
+// Tries factors of four digits, the first one 0.01, until the amplitude is within 1 % of the
+// requested one. Errors: those of `attempt`.
 Result<LoadScale> search_load_scale(double wanted,
                                     const std::function<Result<LoadAttempt>(double)>& attempt);
 

@@ -15,16 +15,16 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// A load that sets in at once carries a body about twice as far as one that grows slowly.
+// A load applied suddenly moves a body about twice as far as one that grows slowly.
 constexpr double kOvershoot = 2.0;
 
-// Methods whose explicit half does not follow the motion.
+// Methods with a fixed explicit part.
 bool has_fixed_explicit_half(std::string_view method) {
   return method == "imexv" || method == "imexv-linear" || method == "imexv-coupled" ||
          method == "imexv-thesis";
 }
 
-// Where it is unstable, in words: empty if it is stable there.
+// A clause about the stability of the explicit half at q; empty if it is stable there.
 std::string unstable_place(const Body& body, const VectorXd& q, const char* where) {
   const double stiffness = explicit_stiffness(body, q);
   if (!(stiffness > 4.0)) return {};
@@ -40,7 +40,7 @@ std::string note_on_explicit_half(const Body& body, const VectorXd& load) {
   if (const VectorXd gravity = body.gravity_force(); gravity.size() == force.size())
     force += gravity;
   if (unstable.empty() && !force.isZero(0.0)) {
-    // Where the equilibrium cannot be found the linear answer says enough.
+    // If no equilibrium is found, the linear one is accurate enough.
     const Result<VectorXd> still = standing_shape(body.model().potential(), force);
     const VectorXd reached = still ? *still : VectorXd(force.cwiseQuotient(body.model().lambda()));
     unstable = unstable_place(body, reached, "where its loads hold it");

@@ -1,4 +1,4 @@
-// What is known of a run before it begins and may surprise: printed and in the reports as `notes`.
+// Warnings about a run, known before it begins: printed, and listed in the reports as `notes`.
 #pragma once
 
 #include <string>
@@ -8,14 +8,14 @@
 
 namespace tremolo {
 
-// The largest h^2 omega^2 of what a splitting or explicit method takes explicitly at q: of the
-// tangent's block of the low rows; of `imexv-linear`, which kicks all that is not linear, of the
-// whole tangent less Lambda of the high rows. Above 4 that half is unstable. 0: nothing explicit.
+// The largest h^2 omega^2 of the explicit part of a splitting or explicit method at q: of the
+// tangent's block of the low rows; for `imexv-linear`, whose kick has all nonlinear terms, of the
+// whole tangent minus Lambda of the high rows. Above 4 that part is unstable. 0: nothing explicit.
 double explicit_stiffness(const Body& body, const Eigen::VectorXd& q);
 
-// load: the largest reduced force in time besides gravity, r; zero if there is none. Notes tell
-//   - where the body begins, or its load and gravity put it, the explicit half is unstable;
-//   - that the model has no Gram matrix of its strains, and beta > 0.
+// load: the largest reduced force in time besides gravity, r; zero if there is none. Notes:
+//   - the explicit part is unstable at the start, or in the equilibrium under load and gravity;
+//   - the model has no Gram matrix of its strains, and beta > 0.
 std::vector<std::string> notes_before(const Body& body, const Eigen::VectorXd& load);
 
 }  // namespace tremolo

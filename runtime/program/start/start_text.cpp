@@ -29,7 +29,7 @@ std::optional<StartDisplacement> start_displacement(const std::string& text) {
   return StartDisplacement{text.substr(0, equals), *by};
 }
 
-// Behind the last @ only if a number stands there.
+// The text after the last @ is a time only if it is a number.
 StartRow start_row(const std::string& text) {
   const std::size_t at = text.rfind('@');
   double time = 0.0;

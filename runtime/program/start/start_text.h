@@ -1,4 +1,4 @@
-// The grammar of --start (start_state.h), without what it speaks of.
+// The grammar of --start (start_state.h).
 #pragma once
 
 #include <optional>
@@ -20,7 +20,7 @@ struct StartDisplacement {
   std::string where;
   Eigen::Vector3d by;
 };
-// Nothing if the text is none.
+// Nothing if the text has another form.
 std::optional<StartDisplacement> start_displacement(const std::string& text);
 
 // FILE.csv[@T]: `time` s; none: the last row.
@@ -31,7 +31,7 @@ struct StartRow {
 // Row of a text that is neither kStaticStart nor a displacement.
 StartRow start_row(const std::string& text);
 
-// The file that the text names, the selector that stands in it; empty: none.
+// The file in the text, and the selector in it; empty: none.
 std::string file_of_start(const std::string& text);
 std::string selector_of_start(const std::string& text);
 

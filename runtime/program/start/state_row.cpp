@@ -17,7 +17,7 @@ bool to_number(std::string_view cell, double& value) {
   return error == std::errc{} && stop == cell.data() + cell.size() && std::isfinite(value);
 }
 
-// Where in a row t, q0 ... and p0 ... stand.
+// Positions of t, q0 ... and p0 ... in a row.
 struct Columns {
   std::size_t time = 0;
   std::vector<std::size_t> q, p;
@@ -46,8 +46,8 @@ Result<Columns> find_columns(std::string_view head, Eigen::Index modes, const st
   return columns;
 }
 
-// The line nearest to the time, or the last one; 0: there is none. A line without an end may be cut
-// off and does not count.
+// The line nearest to the time, or the last one; 0: there is none. A line without a line end may be
+// cut off and is ignored.
 struct Found {
   std::size_t line = 0;
   std::string_view text;

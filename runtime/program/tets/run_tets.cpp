@@ -30,15 +30,15 @@ struct TetsTimes {
   double sum() const { return steps + drawing; }
 };
 
-// How a run ended. busy: processor time of all threads; wall: what passed. slowest: of the second
-// of motion that took the longest, wall.
+// The end of a run. Times in s.
 struct TetsEnding : SceneEnding {
-  TetsTimes busy, wall;
-  double slowest = 0.0, reached = 0.0;
+  TetsTimes busy, wall;  // processor time of all threads; elapsed time
+  double slowest = 0.0;  // the longest elapsed time, per second of motion
+  double reached = 0.0;  // simulated
   std::int64_t steps = 0;
 };
 
-// Adds what a task takes, by both clocks.
+// Adds the processor time and the elapsed time of a task.
 template <class Task>
 void take_time(double& busy, double& wall, const Task& task) {
   const double before = clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
@@ -60,7 +60,7 @@ const char* degree_name(DegreeKind kind) {
   return kind == DegreeKind::kQuadratic ? "quadratic" : "adaptive";
 }
 
-// first, contact: what touches at the beginning and at the end.
+// first, contact: the contacts at the start and at the end.
 TetsJson tets_body_json(const TetSceneBody& wanted, const TetBody& body, const TetsReport& report,
                         const TetContact::Look& first, const TetContact::Look& contact,
                         bool asleep) {
@@ -145,14 +145,15 @@ class TetsRun {
   std::vector<TetsLog> logs_;
   std::vector<std::vector<Eigen::Vector3d>> vertices_;
   std::vector<std::vector<Eigen::Vector3f>> normals_;
-  std::vector<TetContact::Look> first_;  // what touches before the first step
+  std::vector<TetContact::Look> first_;  // contacts before the first step
   std::vector<std::uint8_t> placed_;     // a surface that sleeps stays as it is
   TetsEnding ending_;
   TetBound bound_;
   double counted_ = 0.0, begun_ = 0.0;  // of the second of motion at hand: wall, s, and its start
 };
 
-// A body that begins in what it touches is pushed out with all the energy that this stores.
+// Finds contacts at the start: a body that starts in contact is pushed out, with all the energy
+// that the contact stores.
 void TetsRun::look_at_start() {
   bodies_.group->find_touches();
   for (std::size_t i = 0; i < logs_.size(); ++i) {
@@ -309,7 +310,7 @@ void TetsRun::print() const {
   }
 }
 
-// What a run of the scene writes.
+// Lists the files that a run of the scene writes.
 RunOutputs tets_outputs(const TetScene& scene) {
   const std::string& out = scene.outputs.out;
   RunOutputs outputs;

@@ -12,11 +12,12 @@
 
 namespace tremolo {
 
-// The flags of a command line over what the scene says; those of a method are for every body.
-// degree: of --degree. told: whether a flag, as "--step", was given. Errors: kUsage for a flag that
-// these bodies do not take or an unknown name; kContent for a value out of range.
+// Applies command-line flags, which override the scene; those of a method apply to every body.
+// degree: of --degree. given: whether a flag, such as "--step", is on the command line. Errors:
+// kUsage for a flag that does not apply to these bodies or an unknown name; kContent for a value
+// out of range.
 Status apply_tets_flags(const RunOptions& flags, const std::string& degree,
-                        const std::function<bool(const char*)>& told, TetScene& scene);
+                        const std::function<bool(const char*)>& given, TetScene& scene);
 
 // The files that a run reads.
 std::vector<NamedFile> inputs_of(const TetScene& scene);

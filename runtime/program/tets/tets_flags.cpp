@@ -8,34 +8,35 @@ namespace tremolo {
 namespace {
 
 Status apply_tets_method(const RunOptions& flags, const std::string& degree,
-                         const std::function<bool(const char*)>& told, TetBodyOptions& options) {
-  if (told("--integrator"))
+                         const std::function<bool(const char*)>& given, TetBodyOptions& options) {
+  if (given("--integrator"))
     if (Status s = take(options.method, parse_tet_method(flags.integrator)); !s) return s;
-  if (told("--degree"))
+  if (given("--degree"))
     if (Status s = take(options.degree.kind, parse_degree(degree)); !s) return s;
-  if (told("--alpha")) options.alpha = flags.alpha;
-  if (told("--beta")) options.beta = flags.beta;
-  if (told("--tolerance")) options.tolerance = flags.tolerance;
-  if (told("--max-iterations")) options.max_iterations = flags.max_iterations;
+  if (given("--alpha")) options.alpha = flags.alpha;
+  if (given("--beta")) options.beta = flags.beta;
+  if (given("--tolerance")) options.tolerance = flags.tolerance;
+  if (given("--max-iterations")) options.max_iterations = flags.max_iterations;
   return Success{};
 }
 
 }  // namespace
 
 Status apply_tets_flags(const RunOptions& flags, const std::string& degree,
-                        const std::function<bool(const char*)>& told, TetScene& scene) {
+                        const std::function<bool(const char*)>& given, TetScene& scene) {
   for (const char* flag :
        {"--load",         "--signal",        "--at",     "--force",  "--scale",  "--deflect",
         "--start",        "--wav",           "--listen", "--modes",  "--linear", "--hull",
         "--newmark-beta", "--newmark-gamma", "--split",  "--safety", "--probe",  "--coordinate",
         "--velocities",   "--plot",          "--save",   "--restore"})
-    if (told(flag)) return usage_error(fmt::format("{} is not of bodies of kind \"tets\"", flag));
-  if (told("--step")) scene.step = flags.step;
-  if (told("--duration")) scene.duration = flags.duration;
-  if (Status s = apply_output_flags(flags, told, scene.outputs); !s) return s;
-  if (Status s = check_times(told, scene.step, scene.duration); !s) return s;
+    if (given(flag))
+      return usage_error(fmt::format("{} does not apply to bodies of kind \"tets\"", flag));
+  if (given("--step")) scene.step = flags.step;
+  if (given("--duration")) scene.duration = flags.duration;
+  if (Status s = apply_output_flags(flags, given, scene.outputs); !s) return s;
+  if (Status s = check_times(given, scene.step, scene.duration); !s) return s;
   for (TetSceneBody& body : scene.bodies) {
-    if (Status s = apply_tets_method(flags, degree, told, body.options); !s) return s;
+    if (Status s = apply_tets_method(flags, degree, given, body.options); !s) return s;
     body.options.step = scene.step;
     if (Status s = check(body.options); !s) return s;
   }

@@ -123,7 +123,7 @@ void TetsLog::look(TetBody& body) {
 void TetsLog::write_row(const TetBody& body, const TetStepReport& step) {
   const TetsEnergies& e = report_.end;
   const Eigen::Vector3d p = body.momentum(), l = body.angular_momentum();
-  // The moment of mass about the origin gives the centre.
+  // The first moment of mass about the origin gives the centre.
   const Eigen::Vector3d centre = body.system().momentum(body.positions()) / body.model().mass();
   table_ += fmt::format(
       "{:.9g},{:.12g},{:.12g},{:.12g},{:.12g},{:.6g},{:.6g},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},"

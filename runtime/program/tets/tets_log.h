@@ -1,4 +1,4 @@
-// What a run measures and writes of one body of tetrahedra.
+// Measurements and output files of a run for one body of tetrahedra.
 #pragma once
 
 #include <algorithm>
@@ -14,22 +14,22 @@
 
 namespace tremolo {
 
-// J. switches: what changes of degree took out so far.
+// J. switches: energy removed by changes of degree so far.
 struct TetsEnergies {
   double kinetic = 0.0, elastic = 0.0, gravity = 0.0, switches = 0.0;
   double total() const { return kinetic + elastic + gravity; }
 };
 
-// What a run found of a body.
+// Measurements of one body in a run.
 struct TetsReport {
   TetsEnergies start, end;
   Momenta momenta_start, momenta_end;  // angular: about the centre of mass
   double share = 0.0;                  // of quadratic edges, mean over the steps
-  // The largest sum of all elastic forces, and of their torques about the centre, over the largest
-  // sum of their sizes: what the elements alone would add to the momenta.
+  // The largest sum of all elastic forces, and of their torques about the centre, relative to the
+  // largest sum of their sizes: the momenta that the elements alone would add.
   double elastic_error = 0.0;
-  // What steps in which only gravity acted on the body have added to its momentum and its angular
-  // momentum about the centre, at most, over the largest sums of their sizes; 0: it never moved.
+  // The largest change of momentum, and of angular momentum about the centre, summed over steps in
+  // which only gravity acted, relative to the largest sums of their sizes; 0: the body never moved.
   double linear_lost = 0.0, angular_lost = 0.0;
   double displacement = 0.0;  // m, of a vertex, largest
   std::int64_t iterations = 0, switched = 0, in_parts = 0, linearised = 0, unsolved = 0,
@@ -41,10 +41,10 @@ struct TetsReport {
   double momentum_error() const { return std::max({elastic_error, linear_lost, angular_lost}); }
 };
 
-// Sums of what steps add to the momenta that nothing outside gives.
+// Sums of changes of the momenta without an external cause.
 class MomentumLoss {
  public:
-  // alone: whether only gravity acted in the step of h, s, that ends at the body's state.
+  // alone: only gravity acted in the step of h, s, that ends at the body's state.
   void note(const TetBody& body, bool alone);
   const Momenta& now() const { return now_; }
   // The largest sums, over the largest sizes.
@@ -88,7 +88,7 @@ class TetsLog {
   std::int64_t steps_ = 0;  // of the whole run
   std::shared_ptr<const TetSurface> surface_;
   bool held_ = false;  // the mesh has fixed vertices
-  TetSystem forces_;   // of its own, to look at them between steps
+  TetSystem forces_;   // a separate system, for evaluations between steps
   Eigen::VectorXd force_, first_;
   double force_sum_ = 0.0, force_size_ = 0.0, torque_sum_ = 0.0, torque_size_ = 0.0;
   MomentumLoss loss_;

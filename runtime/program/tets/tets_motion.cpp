@@ -156,9 +156,10 @@ class TetsMotion : public MotionSource {
 
   Status check(const MotionOutputs& outputs) const override {
     if (outputs.modes > 0)
-      return usage_error("--modes is of bodies with a basis: tetrahedra have none");
+      return usage_error("--modes applies only to bodies with a basis: tetrahedra have none");
     if (!outputs.extras.live.empty())
-      return usage_error("--live is of bodies with a basis: a page's engine moves no tetrahedra");
+      return usage_error(
+          "--live applies only to bodies with a basis: a page's engine moves no tetrahedra");
     return Success{};
   }
 

@@ -8,10 +8,10 @@
 
 namespace tremolo {
 
-// The drawn surfaces come first in its recording, then, if asked for, colliders as scenery. A
-// body's pose is the motion of its mesh's frame that comes nearest to that of its surface, and its
-// displacements are what is left. Errors of record: those of make_tets_bodies and frame_steps;
-// kSolver for a step that could not be made.
+// The drawn surfaces are first in its recording, then, if requested, colliders as scenery. A body's
+// pose is the rigid motion of its mesh's frame that fits its surface best, and its displacements
+// are the difference. Errors of record: those of make_tets_bodies and frame_steps; kSolver for a
+// step that fails.
 std::unique_ptr<MotionSource> tets_motion(TetScene scene);
 
 }  // namespace tremolo

@@ -69,7 +69,7 @@ BodyPlace place_of(const SceneWorld& world, std::size_t body) {
   return {world.body(body).pose(), world.momenta(body)};
 }
 
-// J that came and went, whatever their sign.
+// Energy exchanged, J, the sum over all causes without sign.
 double turnover(const EnergyAccount& account) {
   double sum = 0.0;
   for (const double cause :
@@ -168,7 +168,7 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
   report_.remainder_max = larger(report_.remainder_max, std::abs(account.remainder()));
   report_.turnover_max = larger(report_.turnover_max, turnover(account));
   if (shape_looks_.due(moment_.steps, moment_.state.q)) note_shape(world);
-  // Where the points are deeper than ever the surface may be.
+  // The drawn surface can be at its deepest only if the contact points are.
   if (world.penetration_max(body_) > deepest_) note_depth(world);
   rebound_.observe(world, body_);
   if (!options_->out.empty() && moment_.steps % options_->every == 0) {
@@ -209,7 +209,7 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
   }
   if (frames_.due(moment_.steps))
     if (Status s = frames_.write(body, moment_.time); !s) return s.error();
-  // What contact stores has not come into the body yet.
+  // Energy stored in contact is not yet energy of the body.
   if (moment_.bound.sound(account.total() - account.contact)) return true;
   report_.exit_code = exit_code(ErrorKind::kBound);
   report_.reason = fmt::format(
@@ -234,7 +234,7 @@ void BodyLog::note_shape(const SceneWorld& world) {
 
 void BodyLog::note_depth(const SceneWorld& world) {
   deepest_ = world.penetration_max(body_);
-  // Where it sleeps it lies as it lay.
+  // A sleeping body has not moved since the last measurement.
   if (world.asleep(body_)) return;
   report_.penetration_surface_max =
       std::max(report_.penetration_surface_max, depth_.measure(world, body_, shared_->near));
@@ -245,15 +245,15 @@ void BodyLog::give_up(const StepReport& step, double time) {
   report_.reason = why_not_made(step, time);
 }
 
-// Judges the methods whose energy balances to rounding. A run that ended early has its own reason.
+// Checks the methods whose energy balances to rounding. A run that ended early has its own reason.
 void BodyLog::judge_balance(const std::string& method) {
   if (method != "avf" && method != "ep2" && method != "ep4") return;
   const double most = std::max(report_.energy_max, report_.turnover_max);
   if (report_.exit_code != 0 || report_.remainder_max <= kBalanceBound * most) return;
   report_.exit_code = exit_code(ErrorKind::kBound);
   report_.reason = fmt::format(
-      "the energy misses what was told of it by {:.3g} J, more than {:g} of the {:.3g} J that "
-      "were there or were given",
+      "the energy balance has an error of {:.3g} J, more than {:g} of the {:.3g} J that were "
+      "there or were given",
       report_.remainder_max, kBalanceBound, most);
 }
 

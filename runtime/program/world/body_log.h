@@ -1,4 +1,4 @@
-// What a run of a world measures and writes of one body.
+// Measurements and output files of a run of a world for one body.
 #pragma once
 
 #include <map>
@@ -18,12 +18,13 @@
 
 namespace tremolo {
 
-// A run in which the energy of a body that avf, ep2 or ep4 moves misses what was told of it by more
-// than this share of the largest of its energy and of all that came and went ends with exit code 5.
-// They balance to rounding; contact to the tolerance of its solve, 1e-10 of the momenta in a step.
+// Limit for the energy balance of a body that avf, ep2 or ep4 moves, relative to the larger of the
+// body's largest energy and the sum of all energy exchanged; beyond it the run ends with exit code
+// 5. The error of the methods is rounding, that of contact the tolerance of its solve, 1e-10 of the
+// momenta in a step.
 inline constexpr double kBalanceBound = 1e-6;
 
-// Where a body is and how it moves as a whole. pose: of the mesh's frame.
+// Position and motion of a body as a whole. pose: of the mesh's frame.
 struct BodyPlace {
   Pose pose;
   Momenta momenta;
@@ -33,9 +34,9 @@ struct BodyPlace {
 struct BodyReport {
   BodyPlace start, end;
   EnergyAccount account;       // at the end
-  double energy_max = 0.0;     // of T + V and what contact stores
-  double remainder_max = 0.0;  // the largest |change of that - all that was told|
-  double turnover_max = 0.0;   // the largest sum of |what a cause gave or took|
+  double energy_max = 0.0;     // of T + V and the energy stored in contact
+  double remainder_max = 0.0;  // the largest |change of that - all energy exchanged|
+  double turnover_max = 0.0;   // the largest sum of |energy exchanged| over all causes
   double high_band_final = 0.0;
   double largest_displacement = 0.0;  // of the surface's vertices in the body's frame, m
   double size = 0.0;                  // the largest extent of the surface at rest, m
@@ -49,7 +50,7 @@ struct BodyReport {
   // Of the body on each collider since the start, N s, world.
   std::vector<std::pair<std::string, Eigen::Vector3d>> collider_impulses;
   double penetration_max = 0.0;          // of the size
-  double penetration_surface_max = 0.0;  // m, of the drawn surface, at the moments looked at
+  double penetration_surface_max = 0.0;  // m, of the drawn surface, in all samples
   std::optional<double> rebound;         // surface_depth.h
   double contact_speed_max = 0.0;        // m/s
   std::int64_t passed_through = 0;
@@ -58,16 +59,15 @@ struct BodyReport {
   std::vector<std::string> notes;  // start/run_notes.h
   std::vector<std::string> files;
 
-  // |change of the energy - all that was told| over the largest energy; 0 where nothing ever moved.
+  // |change of the energy - all energy exchanged| over the largest energy; 0 if nothing ever moved.
   double balance_error() const { return energy_max > 0.0 ? remainder_max / energy_max : 0.0; }
 };
 
-// Whether the body's columns are there. It must be asked of all bodies before anything is written.
-// Errors: kUsage, kContent.
+// Checks that the model has the columns requested for the body. Call it for all bodies before
+// anything is written. Errors: kUsage, kContent.
 Status check_columns(const SceneFile& file, const SceneWorld& world, std::size_t body);
 
-// What the logs of many bodies have in common. looks: of a model, as each body of it begins with
-// them.
+// Data shared by the logs of many bodies. looks: of a model; each body of it starts with a copy.
 struct SharedLooks {
   std::map<const Model*, ShapeLooks> looks;
   NearBodies near;
@@ -75,9 +75,9 @@ struct SharedLooks {
 
 class BodyLog {
  public:
-  // Makes the body's folder, out/NAME, if there is an `out`. Errors: kUsage and kContent for
-  // columns that the model does not have; kSystem.
-  // shared: what the logs of all bodies have in common; it must outlive them.
+  // Makes the body's folder, out/NAME, if there is an `out`. shared: data of all bodies' logs; it
+  // must outlive them. Errors: kUsage and kContent for columns that the model does not have;
+  // kSystem.
   static Result<BodyLog> create(const SceneFile& file, const SceneWorld& world, std::size_t body,
                                 SharedLooks& shared);
 
@@ -85,7 +85,7 @@ class BodyLog {
   // says so.
   Result<bool> observe(const SceneWorld& world);
   void give_up(const StepReport& step, double time);
-  // Puts the files in their places.
+  // Renames the files from their temporary names.
   Status finish(const SceneWorld& world);
 
   void add_notes(const std::vector<std::string>& notes) { report_.notes = notes; }

@@ -12,7 +12,7 @@ namespace tremolo {
 // its first step.
 int inspect_world_command(const SceneFile& file, bool json);
 
-// A scene with one table a body: each is in a world of its own.
+// For a scene with one table per body; each body is in a world of its own.
 int inspect_bodies_command(const std::vector<RunOptions>& bodies, const std::string& path,
                            bool json);
 

@@ -35,12 +35,12 @@
 namespace tremolo {
 namespace {
 
-constexpr std::size_t kTold = 12;  // bodies whose lines a run prints
+constexpr std::size_t kShown = 12;  // bodies whose lines a run prints
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// How a run of a world ended.
+// The end of a run of a world.
 struct WorldEnding : SceneEnding {
   double seconds = 0.0;    // of the steps: processor time, with several threads by the clock
   std::int64_t steps = 0;  // that this run made
@@ -173,7 +173,7 @@ void add_spring_warnings(const Scene& scene, const SceneWorld& world, Warnings& 
   }
 }
 
-// Bodies whose first mode the step does not follow, one warning a model.
+// Adds a warning per model about bodies whose first mode the step does not resolve.
 void add_step_warnings(const Scene& scene, const SceneWorld& world, Warnings& warnings) {
   std::vector<const Model*> seen;
   for (std::size_t i = 0; i < world.size(); ++i) {
@@ -235,7 +235,7 @@ Json world_json(const SceneFile& file, const SceneWorld& world, const std::vecto
   return json;
 }
 
-// What a run of the scene writes.
+// Lists the files that a run of the scene writes.
 RunOutputs outputs_of(const SceneFile& file) {
   const std::string& out = file.outputs.out;
   RunOutputs outputs;
@@ -269,8 +269,8 @@ void tell_end(const std::vector<BodyLog>& logs, WorldEnding& ending) {
   }
 }
 
-// Steps the world to the end of its time. clock: s, of the steps. sound: null where nobody listens.
-// An orbit or a step that breaks off ends the run.
+// Steps the world to the end of its time. clock: s, of the steps. sound: null without --wav. An
+// orbit or a step that fails ends the run.
 Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
                                  std::vector<BodyLog>& logs, WorldSound* sound, double (*clock)()) {
   const Interruption interruption;
@@ -297,9 +297,9 @@ Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
   return ending;
 }
 
-// Bodies with the same notes are told once.
+// Prints each note once, for the first body that has it.
 void take_notes(const SceneFile& file, const SceneWorld& world, std::vector<BodyLog>& logs) {
-  std::vector<std::string> told;
+  std::vector<std::string> printed;
   for (std::size_t i = 0; i < logs.size(); ++i) {
     const ContactBody& body = world.body(i);
     std::vector<std::string> notes =
@@ -310,8 +310,8 @@ void take_notes(const SceneFile& file, const SceneWorld& world, std::vector<Body
           "is, without energy",
           world.begins_within(i)));
     for (const std::string& note : notes) {
-      if (std::find(told.begin(), told.end(), note) != told.end()) continue;
-      told.push_back(note);
+      if (std::find(printed.begin(), printed.end(), note) != printed.end()) continue;
+      printed.push_back(note);
       tell("{}: note: {}\n", file.scene.bodies[i].name, note);
     }
     logs[i].add_notes(notes);
@@ -320,8 +320,8 @@ void take_notes(const SceneFile& file, const SceneWorld& world, std::vector<Body
 
 void print_bodies(const SceneFile& file, const SceneWorld& world,
                   const std::vector<BodyLog>& logs) {
-  const std::size_t told = std::min(logs.size(), kTold);
-  for (std::size_t i = 0; i < told; ++i) {
+  const std::size_t shown = std::min(logs.size(), kShown);
+  for (std::size_t i = 0; i < shown; ++i) {
     const BodyReport& report = logs[i].report();
     const EnergyAccount& account = report.account;
     tell("  {} ({}, {}): energy {:.6g} -> {:.6g} J; ", file.scene.bodies[i].name,
@@ -350,7 +350,7 @@ void print_bodies(const SceneFile& file, const SceneWorld& world,
     tell(
         "  {} times a contact point went through what it met within a step: say a shorter --step\n",
         passed);
-  if (told < logs.size()) tell("  and {} bodies more, of which --json tells\n", logs.size() - told);
+  if (shown < logs.size()) tell("  and {} more bodies; --json lists all\n", logs.size() - shown);
 }
 
 Status begin_where_saved(const SceneFile& file, SceneWorld& world) {
@@ -379,8 +379,8 @@ struct WorldRun {
   std::vector<std::string> written;
 };
 
-// The world of the scene, with as many steps a sample of --wav as its modes need where nobody named
-// a step: `file` is told.
+// Creates the world. If --wav is given without a step, the step of `file` is divided so that its
+// modes are accurate.
 Result<SceneWorld> make_world(SceneFile& file) {
   Result<SceneWorld> world = SceneWorld::create(file.scene);
   if (!world || file.outputs.wav.empty() || file.outputs.sound_steps > 0) return world;
@@ -397,16 +397,16 @@ Result<WorldRun> run_world(SceneFile file, unsigned threads) {
   if (!world) return error_of_file(file.path, value_error(world.error()));
   if (Status s = world->set_threads(threads); !s) return s.error();
   if (Status s = begin_where_saved(file, *world); !s) return s.error();
-  const auto told = [&](std::size_t i, const Error& error) {
+  const auto of_body = [&](std::size_t i, const Error& error) {
     return Error{error.kind, file.path + ": body '" + world->name(i) + "': " + error.message};
   };
   for (std::size_t i = 0; i < world->size(); ++i)
-    if (Status s = check_columns(file, *world, i); !s) return told(i, s.error());
+    if (Status s = check_columns(file, *world, i); !s) return of_body(i, s.error());
   std::vector<BodyLog> logs;
   SharedLooks shared;
   for (std::size_t i = 0; i < world->size(); ++i) {
     Result<BodyLog> log = BodyLog::create(file, *world, i, shared);
-    if (!log) return told(i, log.error());
+    if (!log) return of_body(i, log.error());
     logs.push_back(std::move(*log));
   }
   take_notes(file, *world, logs);

@@ -12,18 +12,19 @@
 
 namespace tremolo {
 
-// The flags of a command line over what the scene says. told: whether a flag, as "--step", was
-// given. Those of a method are for every body. Errors: kUsage for a flag that a world does not
-// take, or that names what is not there; kContent for a value out of range.
-Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& told,
+// Applies command-line flags, which override the scene; those of a method apply to every body.
+// given: whether a flag, such as "--step", is on the command line. Errors: kUsage for a flag that
+// does not apply to a world or names something that does not exist; kContent for a value out of
+// range.
+Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
                    SceneFile& file);
 
 // The files that a run of the scene reads; of the scene alone: those that its parts name.
 std::vector<NamedFile> inputs_of(const Scene& scene);
 std::vector<NamedFile> inputs_of(const SceneFile& file);
 
-// Runs the scene. threads: that step its bodies, 0: one a core. json: one object on stdout, also
-// when the run failed. The exit code; errors are printed on stderr.
+// Runs the scene. threads: that step its bodies, 0: one per core. json: one object on stdout, also
+// when the run failed. Returns the exit code; errors are printed on stderr.
 int run_world_command(const SceneFile& file, unsigned threads, bool json);
 
 }  // namespace tremolo

@@ -12,13 +12,13 @@
 
 namespace tremolo {
 
-Status apply_output_flags(const RunOptions& flags, const std::function<bool(const char*)>& told,
+Status apply_output_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
                           SceneOutputs& outputs) {
-  if (told("--out")) outputs.out = flags.out;
-  if (told("--every")) outputs.every = flags.every;
-  if (told("--surfaces")) outputs.surfaces = flags.surfaces;
-  if (told("--surface-format")) outputs.surface_format = flags.surface_format;
-  if (told("--plot")) outputs.plot = flags.plot;
+  if (given("--out")) outputs.out = flags.out;
+  if (given("--every")) outputs.every = flags.every;
+  if (given("--surfaces")) outputs.surfaces = flags.surfaces;
+  if (given("--surface-format")) outputs.surface_format = flags.surface_format;
+  if (given("--plot")) outputs.plot = flags.plot;
   if ((outputs.surfaces > 0 || outputs.plot) && outputs.out.empty())
     return usage_error("--surfaces and --plot need --out DIR");
   if (outputs.every < 1) return content_error("--every must be at least 1");
@@ -26,9 +26,9 @@ Status apply_output_flags(const RunOptions& flags, const std::function<bool(cons
   return Success{};
 }
 
-Status check_times(const std::function<bool(const char*)>& told, double step, double duration) {
+Status check_times(const std::function<bool(const char*)>& given, double step, double duration) {
   for (const auto& [flag, value] : {std::pair{"--step", step}, {"--duration", duration}})
-    if (told(flag) && !(value > 0.0 && std::isfinite(value)))
+    if (given(flag) && !(value > 0.0 && std::isfinite(value)))
       return content_error(fmt::format("{} must be positive and finite (s)", flag));
   if (duration < 0.5 * step)
     return content_error(

@@ -1,4 +1,4 @@
-// What runs of all kinds of scenes share: flags of what is written, and how a run ends.
+// Output flags and the end of a run, common to all kinds of scenes.
 #pragma once
 
 #include <functional>
@@ -14,16 +14,16 @@
 
 namespace tremolo {
 
-// Puts the flags that were `told` in the place of what the scene says. Errors (kUsage, kContent):
-// surfaces or a plot without a folder, counts out of range.
-Status apply_output_flags(const RunOptions& flags, const std::function<bool(const char*)>& told,
+// Flags that are `given` override the scene's outputs. Errors (kUsage, kContent): surfaces or a
+// plot without a folder, counts out of range.
+Status apply_output_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
                           SceneOutputs& outputs);
 
 // Errors (kContent): --step or --duration (s), where given, is not positive and finite; the
 // duration is shorter than half a step.
-Status check_times(const std::function<bool(const char*)>& told, double step, double duration);
+Status check_times(const std::function<bool(const char*)>& given, double step, double duration);
 
-// How the run of a scene ended. signal: the one that interrupted it; 0: none.
+// The end of the run of a scene. signal: the one that interrupted it; 0: none.
 struct SceneEnding {
   int exit_code = 0;
   int signal = 0;
@@ -33,9 +33,9 @@ struct SceneEnding {
   bool interrupted(int now, double time);
 };
 
-// Writes report.json into the run's folder, removes what earlier runs left there, tells why the run
-// ended early, prints the JSON if the user asked for it, and raises the signal again. written: the
-// paths of all other files of the run. Returns the program's exit code.
+// Writes report.json into the run's folder, removes files of earlier runs there, prints why the run
+// ended early, prints the JSON if requested, and raises the signal again. written: the paths of all
+// other files of the run. Returns the program's exit code.
 int end_scene_run(const SceneOutputs& outputs, const RunOutputs& files,
                   std::vector<std::string> written, const nlohmann::ordered_json& json,
                   const SceneEnding& ending, bool print);

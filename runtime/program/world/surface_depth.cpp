@@ -11,13 +11,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-// The velocity of a place that goes with the collider, m/s.
+// Velocity of a point fixed to the collider, m/s.
 Vector3d velocity_at(const PlacedCollider& collider, const Vector3d& x, double h) {
   const Vector3d local = collider.end.rotation.conjugate() * (x - collider.end.position);
   return (collider.end * local - collider.start * local) / h;
 }
 
-// Where the points of the body are now, m, world.
+// A sphere around the contact points of a body, m, world.
 struct Ball {
   Vector3d centre;
   double radius;

@@ -1,5 +1,5 @@
-// What contact between points does not see: how deep the drawn surface of a body is behind
-// colliders and the shapes of other bodies, and with which part of its speed the body rebounds.
+// Measurements that contact between points does not give: the depth of a body's drawn surface
+// behind colliders and the shapes of other bodies, and the speed ratio of a rebound.
 #pragma once
 
 #include <cstddef>
@@ -29,9 +29,9 @@ class NearBodies {
 // Measures the vertices of the drawn surface of one body.
 class SurfaceDepth {
  public:
-  // The deepest vertex at present, m; 0 where none is behind anything. Bodies that do not feel
-  // contact, or that a joint lets pass, are not looked at. near: what is known of the world as it
-  // is; it is shared by all who measure.
+  // The depth of the deepest vertex, m; 0 if none is inside anything. Ignores bodies that do not
+  // feel contact and pairs that a joint lets pass. near: a cache for the world's present state,
+  // shared by all bodies.
   double measure(const SceneWorld& world, std::size_t body, NearBodies& near);
   double measure(const SceneWorld& world, std::size_t body) {
     NearBodies near;
@@ -42,7 +42,7 @@ class SurfaceDepth {
   double behind_body(const ContactBody& other, const Eigen::Vector3d& x);
 
   std::vector<double> positions_;
-  Eigen::VectorXd displacement_;  // of the points of a body that is looked at
+  Eigen::VectorXd displacement_;  // of the contact points of the other body
 };
 
 // The ratio of the normal speeds, relative to the collider, with which the centre of mass of a free

@@ -14,22 +14,22 @@
 namespace tremolo {
 namespace {
 
-Status apply_to_body(const RunOptions& flags, const std::function<bool(const char*)>& told,
+Status apply_to_body(const RunOptions& flags, const std::function<bool(const char*)>& given,
                      SceneBody& body) {
   IntegratorOptions& options = body.options;
-  if (told("--integrator")) body.integrator = flags.integrator;
-  if (told("--modes")) body.model_options.modes = flags.modes;
-  if (told("--linear")) body.model_options.linear = flags.linear;
-  if (told("--hull")) body.model_options.hull = flags.hull;
-  if (told("--alpha")) {
+  if (given("--integrator")) body.integrator = flags.integrator;
+  if (given("--modes")) body.model_options.modes = flags.modes;
+  if (given("--linear")) body.model_options.linear = flags.linear;
+  if (given("--hull")) body.model_options.hull = flags.hull;
+  if (given("--alpha")) {
     options.alpha = flags.alpha;
     body.alphas.clear();
   }
-  if (told("--beta")) {
+  if (given("--beta")) {
     options.beta = flags.beta;
     body.betas.clear();
   }
-  if (told("--damping-ratio")) {
+  if (given("--damping-ratio")) {
     const Result<RayleighDamping> damping = parse_damping_ratios(flags.damping_ratio);
     if (!damping) return damping.error();
     options.alpha = damping->alpha;
@@ -37,51 +37,51 @@ Status apply_to_body(const RunOptions& flags, const std::function<bool(const cha
     body.alphas.clear();
     body.betas.clear();
   }
-  if (told("--newmark-beta")) options.newmark_beta = flags.newmark_beta;
-  if (told("--newmark-gamma")) options.newmark_gamma = flags.newmark_gamma;
-  if (told("--tolerance")) options.tolerance = flags.tolerance;
-  if (told("--max-iterations")) options.max_iterations = flags.max_iterations;
-  if (told("--probe")) body.columns.probes = flags.probes;
-  if (told("--coordinate")) body.columns.coordinates = flags.coordinates;
-  if (told("--velocities")) body.columns.velocities = flags.velocities;
-  if (told("--split")) {
+  if (given("--newmark-beta")) options.newmark_beta = flags.newmark_beta;
+  if (given("--newmark-gamma")) options.newmark_gamma = flags.newmark_gamma;
+  if (given("--tolerance")) options.tolerance = flags.tolerance;
+  if (given("--max-iterations")) options.max_iterations = flags.max_iterations;
+  if (given("--probe")) body.columns.probes = flags.probes;
+  if (given("--coordinate")) body.columns.coordinates = flags.coordinates;
+  if (given("--velocities")) body.columns.velocities = flags.velocities;
+  if (given("--split")) {
     const double safety = options.split.safety;
     if (Status s = take(options.split, parse_split(flags.split)); !s) return s;
     options.split.safety = safety;
   }
-  if (told("--safety")) options.split.safety = flags.safety;
+  if (given("--safety")) options.split.safety = flags.safety;
   return Success{};
 }
 
 }  // namespace
 
-Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& told,
+Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
                    SceneFile& file) {
   for (const char* flag : {"--load", "--signal", "--at", "--force", "--scale", "--deflect",
                            "--start", "--frequency", "--sweep", "--load-duration", "--rescale"})
-    if (told(flag))
-      return usage_error(
-          fmt::format("{} is of one body: say it in the scene, where {} has a table of its own",
-                      flag, file.scene.bodies.size() == 1 ? "the body" : "each body"));
+    if (given(flag))
+      return usage_error(fmt::format(
+          "{} applies only to one body: set it in the scene, where {} has its own table", flag,
+          file.scene.bodies.size() == 1 ? "the body" : "each body"));
   const auto names = integrator_names();
-  if (told("--integrator") &&
+  if (given("--integrator") &&
       std::find(names.begin(), names.end(), flags.integrator) == names.end())
     return usage_error(fmt::format("--integrator: unknown integrator '{}'; there are {}",
                                    flags.integrator, fmt::join(names, ", ")));
   for (SceneBody& body : file.scene.bodies)
-    if (Status s = apply_to_body(flags, told, body); !s) return s;
-  if (told("--step")) file.scene.step = flags.step;
-  if (told("--duration")) file.scene.duration = flags.duration;
+    if (Status s = apply_to_body(flags, given, body); !s) return s;
+  if (given("--step")) file.scene.step = flags.step;
+  if (given("--duration")) file.scene.duration = flags.duration;
   SceneOutputs& outputs = file.outputs;
-  if (told("--wav")) outputs.wav = flags.wav;
-  if (told("--listen")) outputs.listen = flags.listen;
-  if (!outputs.wav.empty() && !told("--step")) {
+  if (given("--wav")) outputs.wav = flags.wav;
+  if (given("--listen")) outputs.listen = flags.listen;
+  if (!outputs.wav.empty() && !given("--step")) {
     file.scene.step = kSoundStep;
     outputs.sound_steps = 0;
   }
   if (Status s = check_sound(outputs.wav, file.scene.step); !s) return s;
-  if (Status s = apply_output_flags(flags, told, outputs); !s) return s;
-  if (Status s = check_times(told, file.scene.step, file.scene.duration); !s) return s;
+  if (Status s = apply_output_flags(flags, given, outputs); !s) return s;
+  if (Status s = check_times(given, file.scene.step, file.scene.duration); !s) return s;
   return check_scene(file.scene);
 }
 

@@ -1,4 +1,4 @@
-// The sound of a scene with [[bodies]]: what each of them sounds like, at equal distances.
+// The sound of a scene with [[bodies]]: the sum over the bodies, all at equal distance.
 #pragma once
 
 #include <cstddef>
@@ -15,18 +15,17 @@ namespace tremolo {
 // The least number of steps a sample with which each body's modes keep their frequencies
 // (steps_a_sample()). The world's step is that of the samples.
 int steps_a_sample(const SceneWorld& world);
-// The warnings about a step that shifts modes, one a model. rate: samples a second.
+// The warnings about a step that shifts modes, one per model. rate: samples per second.
 std::vector<std::string> sound_warnings(const SceneWorld& world, double rate);
 
 class WorldSound {
  public:
   // listen: of --listen, "BODY:SELECTOR", where BODY is a body's name or that of its copies, or a
-  // selector alone, which every body is asked for; empty: the default load of those that have one.
-  // steps: a sample. Errors: those of Ear::create with the body's name; kContent if no body is
-  // heard.
+  // selector alone, for all bodies; empty: the default load of bodies that have one. steps: per
+  // sample. Errors: those of Ear::create with the body's name; kContent if no body is heard.
   static Result<WorldSound> create(const std::string& listen, const SceneWorld& world, int steps);
 
-  // Takes the start and then every step. What moves as a whole makes no sound by that.
+  // Call it at the start and after every step. Rigid motion makes no sound.
   void add(const SceneWorld& world);
 
   // As SoundTrack::write.

@@ -15,12 +15,12 @@ namespace {
 using Eigen::Matrix4d;
 using Eigen::Vector3d;
 
-constexpr double kMargin = 1.12;                  // of the picture around what is framed
-constexpr double kNearest = 1e-3;                 // of the distance: what is nearer is not drawn
+constexpr double kMargin = 1.12;   // size of the picture over that of the framed points
+constexpr double kNearest = 1e-3;  // of the distance: closer points are not drawn
 constexpr int kLeastSide = 16, kMostSide = 8192;  // pixels
 constexpr double kDegreeOfCamera = std::numbers::pi / 180.0;
 
-// The numbers of a list A,B,C; empty if it is none.
+// The numbers of a list A,B,C; empty if the text is not such a list.
 std::vector<double> numbers_of(const std::string& text) {
   std::vector<double> numbers;
   const char* at = text.data();
@@ -36,7 +36,7 @@ std::vector<double> numbers_of(const std::string& text) {
   }
 }
 
-// How the points lie in the picture from the camera's place: the tangents of their directions.
+// The range of the points in the picture, as tangents of their directions from the eye.
 struct SeenRange {
   double low_x = std::numeric_limits<double>::infinity(), high_x = -low_x;
   double low_y = low_x, high_y = -low_x;
@@ -65,7 +65,7 @@ Vector3d up_direction(UpAxis up) {
 CameraAxes axes_of(const Camera& camera) {
   const Vector3d up = up_direction(camera.up);
   const Vector3d front = camera.up == UpAxis::kZ ? Vector3d(-Vector3d::UnitY()) : Vector3d::UnitZ();
-  const Vector3d side = up.cross(front);  // to the right of who looks at the front
+  const Vector3d side = up.cross(front);  // to the right of a viewer of the front
   const double a = camera.azimuth, e = camera.elevation;
   const Vector3d out = std::cos(a) * front + std::sin(a) * side;
   CameraAxes axes;
@@ -124,8 +124,8 @@ void frame_points(std::span<const double> points, double aspect, Camera& camera)
   // On the side to which the target is shifted there is less room.
   const double wide = tall * aspect * (1.0 - std::abs(camera.shift));
   camera.distance = size / std::tan(0.5 * camera.view_angle);
-  // Centre what is seen, then come so near that it fills the picture; each changes the other a
-  // little.
+  // Centre the points, then reduce the distance until they fill the picture; each changes the other
+  // a little.
   for (int pass = 0; pass < 20; ++pass) {
     const SeenRange seen = seen_from(axes, eye_of(camera), points);
     camera.target += camera.distance * (0.5 * (seen.low_x + seen.high_x) * axes.right +

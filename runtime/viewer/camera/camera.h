@@ -1,9 +1,9 @@
-// Where the picture is taken from.
+// The camera of a picture.
 //
-// A camera looks at `target` from `distance` metres away, in the direction that azimuth and
-// elevation name: at both zero it stands towards -y of a world with z up (towards +z of one with y
-// up, that is in front), a positive azimuth walks it counter-clockwise seen from above, a positive
-// elevation lifts it.
+// A camera is `distance` metres from `target`, in the direction given by azimuth and elevation. If
+// both are zero it is towards -y of a world with z up (towards +z of one with y up, that is in
+// front). A positive azimuth moves it counter-clockwise seen from above, a positive elevation moves
+// it up.
 #pragma once
 
 #include <optional>
@@ -47,8 +47,8 @@ Eigen::Vector3d eye_of(const Camera& camera);
 Eigen::Matrix4d clip_from_world(const Camera& camera, double aspect, const Eigen::Vector3d& centre,
                                 double radius);
 
-// The ray from the eye through a place of the picture; x and y count from the upper left corner in
-// parts of its width and height.
+// The ray from the eye through a point of the picture; x and y are measured from the upper left
+// corner as fractions of its width and height.
 struct CameraRay {
   Eigen::Vector3d origin, direction;
 };
@@ -58,8 +58,8 @@ CameraRay ray_through(const Camera& camera, double aspect, double x, double y);
 // as large as that allows. points: x y z x y z ..., m; of none the camera stays.
 void frame_points(std::span<const double> points, double aspect, Camera& camera);
 
-// --camera AZIMUTH,ELEVATION[,ZOOM]: degrees, and by how much the picture of the framed bodies is
-// enlarged. Errors: kUsage for what is no such list; kContent for an elevation beyond 90 degrees or
+// --camera AZIMUTH,ELEVATION[,ZOOM]: degrees, and the magnification relative to the framed picture.
+// Errors: kUsage for a text that is not such a list; kContent for an elevation beyond 90 degrees or
 // a zoom that is not positive.
 struct CameraWish {
   double azimuth = 0.0, elevation = 0.0;  // rad

@@ -1,4 +1,4 @@
-// What the user's hand did to a cloth, as hands of a scene.
+// A record of the user's grabs of a cloth, as hands of a scene.
 #pragma once
 
 #include <string>
@@ -12,15 +12,16 @@ namespace tremolo {
 
 class ClothHandRecord {
  public:
-  // Before a step of the world in which the particle is held, `way` m from where it was taken.
+  // Call this before a step of the world in which the particle is held, displaced by `way`, m, from
+  // its position when grabbed.
   void before_step(const ClothWorld& world, std::size_t cloth, std::size_t particle,
                    const Eigen::Vector3d& way);
-  // The hand has let go, at `time`, s.
+  // Ends the grab at `time`, s.
   void end(double time);
-  // The world has begun anew.
+  // Discards all records, when the world restarts.
   void clear();
 
-  // In a world that begins alike they do the same.
+  // In a world with the same start they give the same motion.
   const std::vector<ClothHand>& hands() const { return hands_; }
 
  private:
@@ -28,8 +29,8 @@ class ClothHandRecord {
   bool holds_ = false;
 };
 
-// The scene that was viewed, with its method and step of now, and the hands behind its own ones;
-// every path as seen from `path`. Written whole or not at all. Errors: kSystem.
+// Writes the viewed scene with its present method and step, and with these hands after its own;
+// paths are relative to that of the file. Written whole or not at all. Errors: kSystem.
 Status write_recorded_cloth(const std::string& path, const ClothFile& file, const ClothScene& now,
                             const std::vector<ClothHand>& hands);
 

@@ -184,12 +184,12 @@ std::vector<std::string> ClothScenes::chosen() const {
 }
 
 Status ClothScenes::choose(std::size_t scene, std::string_view method) {
-  if (records_) return usage_error("the method stays as it is while a hand is recorded");
+  if (records_) return usage_error("the method cannot be changed while a hand is recorded");
   return shown_[scene].world.set_method(method, step_size());
 }
 
 Status ClothScenes::set_step_size(double step) {
-  if (records_) return usage_error("the step stays as it is while a hand is recorded");
+  if (records_) return usage_error("the step cannot be changed while a hand is recorded");
   for (const Shown& shown : shown_) {
     const auto limit = shown.world.stability_limit_of(shown.world.scene().integrator, step);
     if (!limit) return limit.error();
@@ -201,7 +201,7 @@ Status ClothScenes::set_step_size(double step) {
 
 Status ClothScenes::record_hand() {
   if (shown_.size() > 1)
-    return usage_error("--record-hand is of one scene, not of two side by side");
+    return usage_error("--record-hand applies only to one scene, not to two side by side");
   records_ = true;
   return Success{};
 }

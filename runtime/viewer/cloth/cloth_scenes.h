@@ -15,7 +15,8 @@
 
 namespace tremolo {
 
-// True of a scene file with [[cloths]]; false also of what cannot be read, which others tell.
+// True for a scene file with [[cloths]]; also false for an unreadable file, which other readers
+// report.
 bool is_cloth_file(const std::string& file);
 
 // The scene with the command line's flags over it. Errors: those of parse_cloths() and
@@ -31,8 +32,8 @@ class ClothScenes : public MovingSurfaces {
     Eigen::Vector3d aside = Eigen::Vector3d::Zero();
   };
 
-  // At least one; they are shown one beside the other. Errors: those of ClothWorld::create;
-  // kContent where their steps differ.
+  // At least one file; scenes are shown side by side. Errors: those of ClothWorld::create; kContent
+  // if their steps differ.
   static Result<ClothScenes> create(std::vector<ClothFile> files);
 
   const std::vector<Shown>& shown() const { return shown_; }
@@ -65,7 +66,8 @@ class ClothScenes : public MovingSurfaces {
   Status write_hand(const std::string& path) override;
 
  private:
-  // begun: where the particle was, of the scene, m; the hand is `way` from there.
+  // begun: position of the particle when it was grabbed, in the scene, m; way: the hand's
+  // displacement.
   struct Hand {
     std::size_t scene = 0, cloth = 0, particle = 0;
     Eigen::Vector3d begun = Eigen::Vector3d::Zero(), way = Eigen::Vector3d::Zero();

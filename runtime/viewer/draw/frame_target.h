@@ -1,4 +1,4 @@
-// What a picture is drawn into: light at four samples a pixel, then their means.
+// The target of a picture: linear light at four samples per pixel, averaged at the end.
 #pragma once
 
 #include "common/result.h"
@@ -14,7 +14,7 @@ class FrameTarget {
   Status resize(const PictureSize& size);
   const PictureSize& size() const { return size_; }
 
-  void begin() const;    // what is drawn from now on goes into it
+  void begin() const;    // makes it the target of drawing
   void resolve() const;  // light() then has it
   GLuint light() const { return light_.name(); }
 

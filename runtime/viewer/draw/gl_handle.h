@@ -23,7 +23,7 @@ class GlHandle {
   GlHandle& operator=(const GlHandle&) = delete;
   ~GlHandle();
 
-  // A new object of the kind, but for kProgram.
+  // Creates an object of any kind except kProgram.
   static GlHandle make(GlKind kind);
 
   GLuint name() const { return name_; }

@@ -1,4 +1,4 @@
-// Triangles that lie with the graphics card.
+// Triangles in the graphics card's memory.
 #pragma once
 
 #include <cstdint>
@@ -15,14 +15,14 @@ namespace tremolo {
 class GpuMesh {
  public:
   GpuMesh() = default;
-  // triangles: three indices each. rest: where the vertices lie at rest, x y z ..., m; what is
-  // drawn is by how much they have moved from there.
+  // triangles: three indices each. rest: positions of the vertices at rest, x y z ..., m;
+  // Paint::kMoved shows the distance from them.
   GpuMesh(std::span<const std::uint32_t> triangles, std::span<const float> rest);
   explicit GpuMesh(const TriangleShape& shape);
 
-  // Where the vertices are now and their unit normals, x y z ..., as many as at rest.
+  // positions: of all vertices now, x y z ..., m; normals: their unit normals.
   void move(std::span<const float> positions, std::span<const float> normals);
-  // One a vertex: r g b a, of which light is linear; u v.
+  // colours: r g b a of each vertex, linear light. uvs: u v of each vertex.
   void paint(std::span<const float> colours);
   void unfold(std::span<const float> uvs);
 

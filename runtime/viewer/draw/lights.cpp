@@ -30,7 +30,7 @@ std::vector<StudioLight> studio_lights(const LightCounts& counts, const Vector3d
     const Vector3d direction = (lamp + kLampAngle * radius * off).normalized();
     lights.push_back({direction.cast<float>(), kLampBrightness / static_cast<float>(counts.lamps)});
   }
-  double level = 0.0;  // what ground gets that sees all of the sky
+  double level = 0.0;  // light on ground that sees all of the sky
   for (int i = 0; i < counts.sky; ++i) {
     const double height = (i + 0.5) / counts.sky, level_out = std::sqrt(1.0 - height * height);
     const Vector3d direction = level_out * std::cos(kGolden * i) * right +
@@ -67,7 +67,7 @@ void ShadowMaps::make(int count, int side) {
     glTexParameteri(GL_TEXTURE_2D_ARRAY, filter, GL_LINEAR);
   for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
     glTexParameteri(GL_TEXTURE_2D_ARRAY, wrap, GL_CLAMP_TO_BORDER);
-  // What is outside of the map is in the light.
+  // Points outside the map are lit.
   const float lit[4] = {1.0f, 1.0f, 1.0f, 1.0f};
   glTexParameterfv(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_BORDER_COLOR, lit);
   glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);

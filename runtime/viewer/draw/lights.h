@@ -1,4 +1,4 @@
-// The lights of the studio: directions, and the maps of depths that tell what each sees.
+// The lights of the studio: their directions, and depth maps for their shadows.
 #pragma once
 
 #include <vector>
@@ -9,12 +9,11 @@
 
 namespace tremolo {
 
-// lamps: directions near each other that are one soft lamp, at least one. sky: directions spread
-// over the sky. More of both give softer shadows and cost a pass over all triangles each. side: of
-// a lamp's map, in texels; those of the sky are a third of it, which blurs what each of them adds.
+// Numbers of lights. More of either kind give softer shadows; each costs a pass over all triangles.
 struct LightCounts {
-  int lamps = 12, sky = 36;
-  int side = 1024;
+  int lamps = 12;   // directions close together, which form one soft lamp; at least 1
+  int sky = 36;     // directions spread over the sky
+  int side = 1024;  // of a lamp's map, texels; sky maps have a third of it, for softer shadows
 
   int all() const { return lamps + sky; }
   int sky_side() const { return side / 3; }
@@ -28,8 +27,8 @@ struct StudioLight {
   float brightness = 0.0f;
 };
 
-// up: of the world; right: to the right of the camera's first place, level. Lamps come first. At
-// most kMostLights (runtime/viewer/draw/shaders.h).
+// up: of the world; right: to the right of the camera's first position, horizontal. Lamps are
+// first. At most kMostLights (runtime/viewer/draw/shaders.h).
 std::vector<StudioLight> studio_lights(const LightCounts& counts, const Eigen::Vector3d& up,
                                        const Eigen::Vector3d& right);
 
@@ -37,13 +36,13 @@ std::vector<StudioLight> studio_lights(const LightCounts& counts, const Eigen::V
 Eigen::Matrix4f clip_of_light(const Eigen::Vector3f& direction, const Eigen::Vector3d& centre,
                               double radius);
 
-// Depth maps of one size, one a light.
+// Depth maps of one size, one per light.
 class ShadowMaps {
  public:
-  // With a context current. count: 0 makes one that nobody draws into.
+  // A context must be current. count: with 0 one map is made, which stays unused.
   void make(int count, int side);
   int count() const { return count_; }
-  // What is drawn now goes into this map, which is empty.
+  // Clears this map and selects it as the target of drawing.
   void begin(int map) const;
   GLuint texture() const { return texture_.name(); }
 

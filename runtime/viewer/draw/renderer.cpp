@@ -268,7 +268,7 @@ Status Renderer::draw(std::span<const DrawnThing> things, const ShownBall& ball,
     return Matrix4f(
         clip_from_world(camera, size.aspect(), ball.centre, reach * ball.radius).cast<float>());
   };
-  // The ground is behind or below all things and has depths of its own.
+  // The ground is behind or below all things and has its own depth range.
   if (!look.background && look.has_ground) {
     draw_ground(ball, camera, look, clip_within(kGroundReach));
     glClear(GL_DEPTH_BUFFER_BIT);

@@ -1,4 +1,4 @@
-// Things under the studio's lights -> a picture. Needs OpenGL 3.3.
+// Draws things under the studio's lights. Needs OpenGL 3.3.
 #pragma once
 
 #include <memory>
@@ -17,42 +17,40 @@
 
 namespace tremolo {
 
-// Where the colour of a thing comes from: one colour, a colour a vertex, an image, by how much its
-// vertices have moved, or by a number a vertex, the first of its colour.
+// The source of a thing's colour: one colour, a colour per vertex, an image, the displacement of
+// each vertex, or a number per vertex (the first component of its colour).
 enum class Paint { kOne = 0, kVertices = 1, kImage = 2, kMoved = 3, kNumber = 4 };
 
-// mesh: must live while it is drawn. pose: from the mesh's frame to the world. first, count: which
-// of its triangles. colour: linear light, r g b in 0 to 1. image: a texture's name. gloss: 0 to 1.
-// shadow: it throws one.
+// A range of a mesh's triangles with its pose and material.
 struct DrawnThing {
-  const GpuMesh* mesh = nullptr;
-  Eigen::Matrix4f pose = Eigen::Matrix4f::Identity();
-  std::size_t first = 0, count = 0;
+  const GpuMesh* mesh = nullptr;                       // must live while it is drawn
+  Eigen::Matrix4f pose = Eigen::Matrix4f::Identity();  // from the mesh's frame to the world
+  std::size_t first = 0, count = 0;                    // triangles
   Paint paint = Paint::kOne;
-  Eigen::Vector3f colour = Eigen::Vector3f::Constant(0.6f);
-  GLuint image = 0;
-  float gloss = 1.0f;
-  float glass = 1.0f;  // how much of it is seen; below 1 it hides nothing that comes behind it
-  bool shadow = true;
-  bool wire = true;     // if wires are asked for
-  bool on_top = false;  // nothing hides it; such things come last
+  Eigen::Vector3f colour = Eigen::Vector3f::Constant(0.6f);  // linear light, r g b in 0 to 1
+  GLuint image = 0;                                          // a texture's name
+  float gloss = 1.0f;                                        // 0 to 1
+  float glass = 1.0f;   // opacity; below 1 it hides nothing behind it
+  bool shadow = true;   // it casts one
+  bool wire = true;     // drawn when PictureLook::wire is set
+  bool on_top = false;  // nothing hides it; such things are last in the list
 };
 
-// light_azimuth: rad, as of a camera: the lamp stands to the upper right of one there. background:
-// one colour behind everything, and no ground; linear. Without one a studio: level ground at
-// `ground` (m along the up axis) that fades into the background.
+// The appearance of a picture.
 struct PictureLook {
   LightCounts lights;
-  double light_azimuth = 0.0;
+  double light_azimuth = 0.0;  // rad, as for a camera: the lamp is to the upper right of it
   bool wire = false;
-  int coarser = 1;    // pixels of the picture, along each side, that are drawn as one
-  float full = 1.0f;  // what kMoved (m) and kNumber paint red
+  int coarser = 1;    // pixels of the picture, along each side, per pixel that is drawn
+  float full = 1.0f;  // the value that kMoved (m) and kNumber show in red
+  // Linear colour behind everything, without a ground. Empty: the studio, whose level ground fades
+  // into the background.
   std::optional<Eigen::Vector3f> background;
-  double ground = 0.0;
+  double ground = 0.0;     // m, along the up axis
   bool has_ground = true;  // of the studio; a scene may have a floor of its own
 };
 
-// A ball that holds what throws shadows, m: it is what the maps of the lights cover.
+// A ball around everything that casts shadows, m: the region of the lights' maps.
 struct ShownBall {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double radius = 1.0;

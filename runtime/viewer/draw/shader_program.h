@@ -11,13 +11,12 @@ namespace tremolo {
 class ShaderProgram {
  public:
   ShaderProgram() = default;
-  // Errors (kSystem): what the driver's compiler says; `name` stands in front.
+  // Errors (kSystem): the messages of the driver's compiler, after `name`.
   static Result<ShaderProgram> create(const char* name, const char* vertex, const char* fragment);
 
   void use() const { glUseProgram(program_.name()); }
   GLuint name() const { return program_.name(); }
-  // Sets a uniform of the program in use. A name that the driver has left out, since nothing reads
-  // it, is passed over.
+  // Sets a uniform of the program in use. A name that the driver has removed as unused is ignored.
   void set(const char* uniform, int value) const { glUniform1i(place(uniform), value); }
   void set(const char* uniform, float value) const { glUniform1f(place(uniform), value); }
   void set(const char* uniform, const Eigen::Vector3f& value) const {

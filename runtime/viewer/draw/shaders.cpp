@@ -23,9 +23,9 @@ void main() {
 }
 )";
 
-// Each light is a direction with a map of depths seen along it: a few near each other are the lamp,
-// whose shadows are soft for that, all others are the sky, whose sum darkens what little of it is
-// seen from.
+// Each light is a direction with a depth map along it. A few close directions form the lamp, whose
+// shadows are therefore soft; all others form the sky, whose sum darkens points that see little of
+// it.
 const char* const kSurfaceFragmentShader = R"(#version 330 core
 const int kMost = 96;
 layout(std140) uniform Lights {
@@ -55,7 +55,7 @@ vec3 moved_colour(float share) {
   return mix(stops[low], stops[low + 1], at - float(low));
 }
 
-// What is brighter than 0.8 is bent so that it stays below 1.
+// Values above 0.8 are compressed so that they stay below 1.
 float bend(float x) { return x < 0.8 ? x : 1.0 - 0.2 * exp(-(x - 0.8) / 0.2); }
 
 float seen(int i, vec3 place) {
@@ -99,7 +99,7 @@ void main() {
     } else
       sky += reaches;
   }
-  // What the ground throws back.
+  // Light reflected by the ground.
   float below = 0.5 - 0.5 * dot(n, up);
   vec3 all = lamp_colour * lamp + sky_colour * (sky + 0.05) + vec3(0.17, 0.165, 0.16) * below;
   vec3 seen_colour = base * all + gloss * shine * lamp_colour;

@@ -9,7 +9,7 @@ inline constexpr int kMostLights = 96;
 // A surface under all lights. What its inputs mean is said at runtime/viewer/draw/renderer.cpp.
 extern const char* const kSurfaceVertexShader;
 extern const char* const kSurfaceFragmentShader;
-// The same surface from a light: depth alone.
+// The same surface seen from a light: depth only.
 extern const char* const kDepthVertexShader;
 extern const char* const kDepthFragmentShader;
 // A triangle over the whole picture: the background; and the picture's light as sRGB.

@@ -1,4 +1,4 @@
-// What the user's hand did, as hands of a scene.
+// A record of the user's grabs, as hands of a scene.
 #pragma once
 
 #include <vector>
@@ -13,13 +13,13 @@ class HandRecord {
  public:
   // Before and after each step of the world.
   void before_step(const LiveWorld& world);
-  // When the world has begun anew, nothing has been done yet.
+  // Discards all records, when the world restarts.
   void clear();
-  // The hand has let go, or does so now.
+  // Ends the grab at `time`, s, if one is active.
   void end(double time);
 
-  // Each holds a vertex with the springs that it had, and goes on straight lines through where it
-  // was at the end of each step: in a world that begins alike it does the same.
+  // Each hand holds a vertex with the same springs and moves on straight lines through its
+  // positions at the ends of the steps: in a world with the same start it gives the same motion.
   const std::vector<SceneHand>& hands() const { return hands_; }
 
  private:
@@ -27,9 +27,9 @@ class HandRecord {
   bool holds_ = false;
 };
 
-// The scene that was viewed, with its method and step of now, and the hands behind its own ones: a
-// world's file with every path as seen from `path`. Written whole or not at all. Errors: kContent
-// for a body that begins as no scene with [[bodies]] can say; kSystem.
+// Writes the viewed scene with its present methods and step, and with these hands after its own, as
+// a world's file; paths are relative to that of the file. Written whole or not at all. Errors:
+// kContent for a body whose start a scene with [[bodies]] cannot express; kSystem.
 Status write_recorded_scene(const std::string& path, const LiveWorld& world,
                             const std::vector<SceneHand>& hands);
 

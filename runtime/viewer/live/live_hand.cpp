@@ -13,14 +13,15 @@
 namespace tremolo {
 namespace {
 
-constexpr double kShareOfWay = 0.8;    // that the body goes under a slow pull
+constexpr double kShareOfWay =
+    0.8;  // of the hand's displacement that the body follows under a slow pull
 constexpr double kFreePull = 2.0;      // Hz, with which a free body swings about the hand
 constexpr double kDampingShare = 0.5;  // of the critical one
 
 }  // namespace
 
 HandSprings suitable_springs(const ContactBody& body, const VertexRows& place) {
-  // How far a force moves the vertex at rest, m/N, and how its inertia resists, 1/kg.
+  // Compliance of the vertex at rest, m/N; its inverse mass, 1/kg, is below.
   const Eigen::Matrix3d give =
       place.rows * body.model().lambda().cwiseInverse().asDiagonal() * place.rows.transpose();
   const double most = give.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
@@ -42,7 +43,7 @@ void LiveHand::make_holdable(SceneWorld& world) {
       // As the scene would if it had the hand.
       ContactOptions contact = world.scene().bodies[i].contact;
       contact.colliders = world.scene().bodies[i].feels_contact;
-      // Whoever cannot be held says so when somebody tries.
+      // For a body that cannot be grabbed the error is reported when the user tries.
       (void)body.set_contact(contact);
     }
     if (body.contact() != nullptr) body.reserve_contact(world.colliders(), 2);
@@ -85,7 +86,7 @@ Eigen::Vector3d LiveHand::held(const SceneWorld& world) const {
 }
 
 void LiveHand::before_step(SceneWorld& world) {
-  // The number is one that the body gave, and the place is finite.
+  // The number is valid, since the body returned it, and the point is finite.
   if (number_) (void)world.body(body_).move_hand(*number_, point());
 }
 

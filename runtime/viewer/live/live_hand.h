@@ -1,4 +1,4 @@
-// The user's hand: it pulls at what a ray has met, as a scene's hand would.
+// The user's hand: it pulls the point that a ray has hit, as a scene's hand would.
 #pragma once
 
 #include <cstddef>
@@ -11,9 +11,9 @@
 
 namespace tremolo {
 
-// Stiffness and damping that suit a vertex: so stiff that the body goes four fifths of the hand's
-// way where only the elastic force resists (of a free body: its mass, at 2 Hz), so damped that the
-// pull does not ring. N/m, N s/m.
+// Stiffness and damping that suit a vertex, N/m and N s/m. The body follows four fifths of the
+// hand's displacement where only the elastic force resists; a free body oscillates at 2 Hz about
+// the hand. The damping is half critical.
 struct HandSprings {
   double stiffness = 0.0, damping = 0.0;
 };
@@ -21,18 +21,17 @@ HandSprings suitable_springs(const ContactBody& body, const VertexRows& place);
 
 class LiveHand {
  public:
-  // Lets every body of the world be held that can be; `world` must not have made a step. Where one
-  // cannot the reason is told by take().
+  // Enables every body of the world to be grabbed, where possible; `world` must be before its first
+  // step. For a body that cannot be grabbed take() returns the reason.
   static void make_holdable(SceneWorld& world);
 
-  // Takes hold of the vertex that weighs most where the ray has hit, and draws from now on at
-  // firmness times the suitable springs. Errors: kUsage where the body takes no hand, or the vertex
-  // does not move.
+  // Grabs the vertex with the largest weight at the hit point, with springs `firmness` times the
+  // suitable ones. Errors: kUsage if the body cannot be grabbed or the vertex does not move.
   Status take(SceneWorld& world, const SceneWorld::Hit& hit, double firmness);
-  // Where the hand shall be at the end of the next step, m, world: from the vertex's place, by how
-  // far the user has moved since.
+  // way: displacement of the hand, from the vertex's position when it was grabbed to the end of the
+  // next step, m, world.
   void move(const Eigen::Vector3d& way) { way_ = way; }
-  // Before each step of the world.
+  // Call this before each step of the world.
   void before_step(SceneWorld& world);
   void let_go(SceneWorld& world);
 
@@ -40,11 +39,11 @@ class LiveHand {
   std::size_t body() const { return body_; }
   VertexId vertex() const { return vertex_; }
   HandSprings springs() const { return springs_; }
-  // Where it is and began, m, world.
+  // Present and initial position of the hand, m, world.
   Eigen::Vector3d point() const { return begun_ + way_; }
   const Eigen::Vector3d& begun() const { return begun_; }
   const Eigen::Vector3d& way() const { return way_; }
-  // Where the vertex is, m, world; while it holds.
+  // Position of the vertex, m, world; only while holds().
   Eigen::Vector3d held(const SceneWorld& world) const;
 
  private:

@@ -10,7 +10,7 @@
 namespace tremolo {
 namespace {
 
-// What the body's loads are at t = 0, r.
+// The body's loads at t = 0, r.
 Result<Eigen::VectorXd> push_at_start(const SceneBody& wanted, const ContactBody& body) {
   Eigen::VectorXd push = Eigen::VectorXd::Zero(body.model().modes());
   for (const SceneLoad& load : wanted.loads) {

@@ -1,4 +1,4 @@
-// A world that goes, its last two moments, and the user's hand in it.
+// A running world with its last two states and the user's hand.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ class LiveWorld {
   // Errors of SceneWorld::create, and of the bodies' starts.
   static Result<LiveWorld> create(const ViewedScene& viewed, ModelCache& models);
 
-  // Begins anew, with the methods and the step of now.
+  // Restarts with the present methods and step.
   Status begin_again(ModelCache& models);
 
   SceneWorld& world() { return *world_; }
@@ -27,17 +27,17 @@ class LiveWorld {
   LiveHand& hand() { return hand_; }
   const LiveHand& hand() const { return hand_; }
 
-  // One step of everything. A body whose step fails stands still from then on, and trouble() says
-  // why. Errors of look_at_world.
+  // Steps the world. A body whose step fails stays at rest from then on, and trouble() gives the
+  // reason. Errors of look_at_world.
   Status step();
-  // What the first body that failed said; empty if none has. code: its exit code.
+  // The message of the first body that failed; empty: none has. code: its exit code.
   const std::string& trouble() const { return trouble_; }
   int trouble_code() const { return trouble_code_; }
 
   // Moments before and after the last step; the same before the first.
   const WorldMoment& before() const { return moments_[1 - newest_]; }
   const WorldMoment& now() const { return moments_[newest_]; }
-  // The moment at t, s, between these two, or the nearer of them.
+  // The state at t, s, interpolated between these two; outside of them the nearer one.
   void at(double t, WorldMoment& out) const;
   // Looks again, where something has been changed from outside.
   Status refresh();

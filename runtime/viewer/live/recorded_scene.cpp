@@ -45,7 +45,7 @@ const char* signal_name(SignalKind kind) {
   }
 }
 
-// Table of a body that came without a scene, or from one without [[bodies]].
+// Table of a body that has no scene, or one without [[bodies]].
 Result<toml::table> table_of(const SceneBody& body, const std::string& start,
                              const fs::path& folder) {
   if (!start.empty() && start != "static")
@@ -80,11 +80,11 @@ Result<toml::table> table_of(const SceneBody& body, const std::string& start,
   return table;
 }
 
-// What may have changed since the scene was read.
+// Writes the keys that may have changed since the scene was read.
 void say_method(const LiveWorld& live, std::size_t i, toml::table& table) {
   const ContactBody& body = live.world().body(i);
   table.insert_or_assign("integrator", std::string(body.integrator().name()));
-  // What the scene changes in time stays as the scene says it.
+  // Values that the scene changes in time keep the scene's keys.
   const SceneBody& wanted = live.viewed().scene.bodies[i];
   if (wanted.alphas.empty()) table.insert_or_assign("alpha", body.alpha());
   if (wanted.betas.empty()) table.insert_or_assign("beta", body.beta());

@@ -16,7 +16,7 @@ std::vector<Keyframe>& keys_of(Motion& motion) {
   return std::get<KeyframeMotion>(motion.parts.front()).keys;
 }
 
-// Keys whose value is a file's name, seen from the folder of the scene.
+// True for keys whose value is a file name relative to the scene's folder.
 bool names_file(std::string_view key, const toml::node& node) {
   if (!node.is_string()) return false;
   for (const char* known : {"model", "file", "signal", "bone-weights", "gravity"})

@@ -1,4 +1,4 @@
-// Scene files that a viewer writes: the text that was viewed, with hands behind it.
+// Scene files that the viewer writes: the text of the viewed scene, with hands appended.
 #pragma once
 
 #include <filesystem>
@@ -12,8 +12,8 @@
 
 namespace tremolo {
 
-// A hand's motion through keys: straight lines, no turns. A key that lies between two at the same
-// place says nothing and is left out.
+// A hand's motion through keys: straight lines, no rotations. A key between two others at the same
+// position is redundant and left out.
 Motion hand_motion();
 void add_hand_key(Motion& motion, double time, const Eigen::Vector3d& way);
 toml::array hand_motion_table(const Motion& motion);

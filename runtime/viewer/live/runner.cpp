@@ -7,7 +7,7 @@
 namespace tremolo {
 namespace {
 
-constexpr double kMostBehind = 0.1;          // s of real time; what is more is given up
+constexpr double kMostBehind = 0.1;          // s of real time; more delay is dropped
 constexpr double kSampleEvery = 1.0 / 60.0;  // s of simulated time
 constexpr double kForget = 0.05;             // of the mean of step times, a step
 constexpr std::chrono::milliseconds kNap{2};
@@ -163,7 +163,7 @@ bool Runner::do_work() {
   }
   for (const Work& piece : work) piece(world_);
   if (work.empty()) return false;
-  // Only a moment that cannot be looked at fails, and it has been looked at before.
+  // An error is impossible here: the same query has succeeded before.
   (void)world_.refresh();
   if (records_ && world_.world().steps() == 0) record_.clear();
   publish(false);
@@ -232,7 +232,7 @@ void Runner::publish(bool stepped) {
   if (!stepped || now_.time + 1e-12 >= next_sample_ || world_.now().time < now_.time) take_sample();
   const std::lock_guard lock(mutex_);
   const Clock::time_point now = Clock::now();
-  // Begun anew, or at another step's multiple: the clock goes on from there.
+  // After a restart or a change of step size the clock continues from the world's time.
   if (!stepped && world_.now().time != now_.time) set_clock(world_.now().time, now);
   before_ = world_.before();
   now_ = world_.now();
@@ -277,7 +277,7 @@ void Runner::take_sample() {
   const std::lock_guard lock(mutex_);
   next_sample_ = sample.time + kSampleEvery * std::min(1.0, rate_);
   std::vector<EnergySample>& energies = report_.energies;
-  // Begun anew.
+  // After a restart.
   if (!energies.empty() && energies.back().time > sample.time + 1.0 * world_.world().step_size())
     energies.clear();
   if (energies.size() >= kEnergySamples) energies.erase(energies.begin());

@@ -1,4 +1,4 @@
-// The world on a thread of its own, kept at the pace of the clock.
+// The world on its own thread, kept at the pace of the clock.
 #pragma once
 
 #include <atomic>
@@ -24,19 +24,19 @@ struct EnergySample {
   double kinetic = 0.0, potential = 0.0, high = 0.0;
 };
 
-// What the thread tells. step_ms: of the last steps, by the clock, their mean. pace: simulated over
-// real time of the last second, wanted what was asked for; below it the world lags. lost: real
-// time, s, that could not be kept and was given up. energies: the last kEnergySamples looks.
-// latencies: ms from a mouse's event to a state that knows of it, the last ones.
+// Statistics of the thread.
 struct RunnerReport {
-  double time = 0.0;
+  double time = 0.0;  // s, simulated
   std::int64_t steps = 0;
-  double step_ms = 0.0, pace = 0.0, wanted = 1.0, lost = 0.0;
+  double step_ms = 0.0;  // mean elapsed time of the last steps
+  double pace = 0.0;     // simulated over real time of the last second
+  double wanted = 1.0;   // the requested pace; the world lags where `pace` is below it
+  double lost = 0.0;  // s of real time by which the world has fallen behind and does not catch up
   bool paused = false;
   std::int64_t contacts = 0;
   int active_contacts = 0;
-  std::vector<EnergySample> energies;
-  std::vector<double> latencies;
+  std::vector<EnergySample> energies;  // the last kEnergySamples
+  std::vector<double> latencies;     // ms from a mouse event to a state that includes it, the last
   std::vector<std::string> methods;  // of the bodies
   std::string trouble;
   bool holds = false;
@@ -54,32 +54,32 @@ class Runner {
   Runner(const Runner&) = delete;
   Runner& operator=(const Runner&) = delete;
 
-  // Done between two steps, in the order of the calls; what it changes is seen at once, also while
-  // the world is paused.
+  // Runs `work` between two steps, in the order of the calls. Its effect is shown at once, also
+  // while the world is paused.
   void post(Work work);
-  // Waits until what was posted is done.
+  // Waits until all posted work is done.
   void settle();
   void set_rate(double rate);
   void set_paused(bool paused);
   void step_once();
 
-  // Takes hold of what the ray meets; pressed() then says whether it did, until the next press. It
-  // did not where the ray passes by, or meets what cannot be held, which the report's trouble
-  // tells.
+  // Grabs the point that the ray hits; pressed() then returns whether it did, until the next press.
+  // It fails if the ray hits nothing, or a body that cannot be grabbed; the report's trouble gives
+  // the reason.
   void press(const CameraRay& ray, double firmness);
   std::optional<bool> pressed() const;  // empty: it is not yet known
   Eigen::Vector3d grabbed_at() const;   // m, world
-  // Where the hand shall be, from where it began; event: when the mouse said so.
+  // way: displacement of the hand since the grab, m, world; event: time of the mouse event.
   void pull(const Eigen::Vector3d& way, Clock::time_point event);
   void let_go();
 
-  // The world now, between its last two steps.
+  // Gets the world now, interpolated between its last two steps.
   void look(WorldMoment& moment) const;
   RunnerReport report() const;
   // Shown as the report's trouble.
   void complain(const std::string& trouble);
   std::string method_of(std::size_t body) const;
-  // Ends the thread and gives the world back.
+  // Ends the thread and returns the world.
   LiveWorld stop();
   const HandRecord& hand_record() const { return record_; }  // after stop()
 
@@ -108,8 +108,8 @@ class Runner {
   std::optional<bool> pressed_;
   Eigen::Vector3d grabbed_at_ = Eigen::Vector3d::Zero();
   std::optional<std::pair<Eigen::Vector3d, Clock::time_point>> pull_;
-  // These belong to the thread alone.
-  std::optional<Clock::time_point> answers_;  // the event that the step knows of
+  // Members that only the thread uses.
+  std::optional<Clock::time_point> answers_;  // the event that the step includes
   double next_sample_ = 0.0;
   Clock::time_point second_began_;
   double second_time_ = 0.0;

@@ -50,11 +50,12 @@ Result<std::vector<SceneLoad>> load_of(const RunOptions& options) {
 Result<SceneBody> body_of(const RunOptions& options) {
   if (!options.deflect.empty())
     return usage_error(
-        "--deflect is found by trial runs, which `tremolo run` makes: take the factor that it "
-        "tells as --scale");
+        "--deflect is found by trial runs, which `tremolo run` makes: give the factor that it "
+        "prints as --scale");
   if (!options.rescale.empty())
     return usage_error(
-        "--rescale is of `tremolo run` and `export`: write the model with `tremolo export MODEL "
+        "--rescale applies only to `tremolo run` and `export`: write the model with `tremolo "
+        "export MODEL "
         "--rescale ... --rescaled FILE` and view that");
   if (Status s = check_run(options); !s) return s.error();
   SceneBody body;
@@ -90,14 +91,14 @@ Result<ViewedScene> single_bodies(const std::string& text, const std::string& fi
   if (!bodies) return bodies.error();
   for (RunOptions& body : *bodies) {
     flags.onto(body);
-    // A flag wins over the scene's way to say the same.
+    // A flag overrides the scene's keys for the same quantity.
     if (flags.told("--load")) body.signal.clear();
     if (flags.told("--scale")) body.deflect.clear();
   }
   return scene_of(*bodies, file);
 }
 
-// Where the usual load is asked for of a model that has none, there is none.
+// The default load is dropped for a model without one.
 Result<ViewedScene> basis_file(const std::string& file, const ViewFlags& flags) {
   RunOptions options = flags.flags;
   options.model = file;

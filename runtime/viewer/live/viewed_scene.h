@@ -1,4 +1,4 @@
-// What the viewer was given: a basis file, a scene of single bodies or a world -> one scene.
+// Reads the viewer's input, a basis file, a scene of single bodies or a world, as one scene.
 #pragma once
 
 #include <functional>
@@ -26,21 +26,20 @@ struct ViewedScene {
   std::vector<NamedFile> inputs = {};
 };
 
-// The command line. flags: as they were parsed. told: which of them were given, by their long name.
-// onto: parses them onto what a scene says of a body.
+// The command line.
 struct ViewFlags {
-  RunOptions flags;
-  std::function<bool(const char*)> told;
-  std::function<void(RunOptions&)> onto;
+  RunOptions flags;                       // as parsed
+  std::function<bool(const char*)> told;  // whether a flag, by its long name, was given
+  std::function<void(RunOptions&)> onto;  // parses the flags over the scene's keys of a body
 };
 
-// A single body, of a basis file or of a scene without [[bodies]], keeps its load (a model without
-// a load of its own has none unless one is told); several of them must have one step. Errors: those
-// of scene files; kUsage for --deflect, and for what apply_flags() refuses of a world; kContent for
-// a value out of range.
+// A single body, of a basis file or of a scene without [[bodies]], keeps its load; without --load,
+// a model that has no default load has none. Several such bodies must have one step. Errors: those
+// of scene files; kUsage for --deflect, and as for apply_flags() for a world; kContent for a value
+// out of range.
 Result<ViewedScene> read_viewed_scene(const std::string& file, const ViewFlags& flags);
 
-// Models that were loaded, so that a world can be begun anew without reading them again.
+// A cache of loaded models, so that a world can restart without reading them again.
 class ModelCache {
  public:
   // As load_scene_model(). The cache must outlive the source.

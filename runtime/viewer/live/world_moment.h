@@ -1,4 +1,4 @@
-// A world at one moment, as much of it as a picture needs.
+// The state of a world at one time, as far as a picture needs it.
 #pragma once
 
 #include <vector>
@@ -10,15 +10,15 @@
 
 namespace tremolo {
 
-// A body's coordinates, kg^1/2 m, and where its mesh's frame is. positions, normals: only of a
-// body on bones, x y z ..., in the world, whose pose is then the world's.
+// Coordinates, kg^1/2 m, and pose of a body's mesh frame. positions, normals: only for a body on
+// bones, x y z ..., in the world; its pose is then the identity.
 struct BodyMoment {
   Eigen::VectorXd q;
   Pose pose;
   std::vector<float> positions, normals;
 };
 
-// A hand that holds: where what it holds is, and where it is itself, m, world.
+// A hand that holds a vertex: positions of the vertex and of the hand, m, world.
 struct HandMoment {
   bool holds = false;
   Eigen::Vector3d held = Eigen::Vector3d::Zero(), point = Eigen::Vector3d::Zero();
@@ -31,12 +31,12 @@ struct WorldMoment {
   std::vector<HandMoment> hands;  // the scene's, then the user's
 };
 
-// Writes over `moment` where the world's bodies and colliders are; hands are the caller's. Nothing
-// is allocated from the second call on. Errors of Body::surface.
+// Overwrites `moment` with the states of the world's bodies and colliders; the caller sets the
+// hands. Allocates nothing from the second call on. Errors of Body::surface.
 Status look_at_world(const SceneWorld& world, WorldMoment& moment);
 
-// share: 0 is `a`, 1 is `b`, which have the same bodies. Coordinates and places go straight, turns
-// along the shorter arc at even speed.
+// share: 0 is `a`, 1 is `b`, which have the same bodies. Coordinates and positions are interpolated
+// linearly, rotations along the shorter arc at constant speed.
 void between(const WorldMoment& a, const WorldMoment& b, double share, WorldMoment& out);
 
 }  // namespace tremolo

@@ -8,7 +8,7 @@
 namespace tremolo {
 namespace {
 
-// EGL's platform without surfaces; EGL_NO_DISPLAY where there is none.
+// EGL's platform without surfaces; EGL_NO_DISPLAY if it is missing.
 EGLDisplay surfaceless_display() {
   if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless") ||
       !epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_base"))

@@ -12,7 +12,7 @@ namespace tremolo {
 // pixel.
 class EglContext {
  public:
-  // Errors (kSystem) say what is missing: libEGL, a driver, OpenGL 3.3.
+  // Errors (kSystem) name the missing part: libEGL, a driver, OpenGL 3.3.
   static Result<std::unique_ptr<EglContext>> create();
   ~EglContext();
   EglContext(const EglContext&) = delete;

@@ -33,7 +33,7 @@ struct ShotList {
   float most_stressed = 0.0f;  // Pa
 };
 
-// Everything that draws; the context must go last.
+// The drawing objects; the context must be destroyed last.
 struct Studio {
   std::unique_ptr<EglContext> context;
   std::unique_ptr<Renderer> renderer;
@@ -84,7 +84,7 @@ class Photographer {
   }
 
  private:
-  // As far as no signal comes.
+  // Steps to t unless a signal arrives.
   Status go_to(double t, const Interruption& interruption) {
     // Within a billionth of a step of a node it is that node.
     const double slack = 1e-9 * live_.world().step_size();
@@ -99,7 +99,7 @@ class Photographer {
     return first_camera(setup_, *studio_.stage);
   }
 
-  // What is red: what was asked for, or the largest so far.
+  // The value shown in red: the requested one, or the largest so far.
   float full_colour(const Stage& stage, ShotList& shots) {
     moved_ = std::max(moved_, stage.most_moved());
     const bool stress = stage_look_.colour == ColourBy::kStress;
@@ -128,7 +128,7 @@ class Photographer {
     return Success{};
   }
 
-  // The target goes as the bodies' middle does.
+  // Moves the target with the middle of the bodies.
   void follow(Camera& camera) {
     const std::vector<double> points = studio_.stage->points();
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();

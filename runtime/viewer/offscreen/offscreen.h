@@ -6,8 +6,9 @@
 
 namespace tremolo {
 
-// Renders the frames and writes them. The exit code; errors are printed on stderr. A body whose
-// step fails stands still; the frames are all written, and the code is that of the step.
+// Renders the frames and writes them. Returns the exit code; errors are printed on stderr. A body
+// whose step fails stays at rest; all frames are still written, and the exit code is that of the
+// step.
 int offscreen_command(const ViewerOptions& options, const ViewedScene& viewed);
 
 }  // namespace tremolo

@@ -1,4 +1,4 @@
-// A framebuffer whose pixels can be had.
+// A framebuffer whose pixels can be read.
 #pragma once
 
 #include "common/result.h"
@@ -14,7 +14,7 @@ class PictureTarget {
   // Errors: kSystem for a size that the card does not take.
   static Result<PictureTarget> create(const PictureSize& size);
   GLuint framebuffer() const { return framebuffer_.name(); }
-  // What was drawn, from the upper left corner.
+  // Reads the picture, from the upper left corner.
   void read(Picture& picture) const;
 
  private:

@@ -1,4 +1,4 @@
-// What was drawn -> a picture.
+// Reads the pixels of a framebuffer.
 #pragma once
 
 #include <epoxy/gl.h>

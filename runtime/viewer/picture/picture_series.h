@@ -1,4 +1,4 @@
-// Where pictures go: a folder of PNGs, a film, or both.
+// Writes pictures to a folder of PNGs, to a film, or to both.
 #pragma once
 
 #include <optional>
@@ -12,21 +12,21 @@
 
 namespace tremolo {
 
-// "frame-000012.png", and whether a name is such a one.
+// "frame-000012.png", and the test of such a name.
 std::string picture_name(int number);
 bool is_picture_name(std::string_view name);
 
 class PictureSeries {
  public:
-  // folder: made if it is not there; empty: none. video: as of VideoFile; empty: none. Errors:
-  // kSystem where a folder cannot be made or written into; those of VideoFile.
+  // folder: created if need be; empty: none. video: as for VideoFile; empty: none. Errors: kSystem
+  // if a folder cannot be created or written to; those of VideoFile.
   static Result<PictureSeries> create(const std::string& folder, const std::string& video,
                                       double rate, int width, int height);
 
   // frame-000000.png, frame-000001.png ... Errors: those of write_png and VideoFile::add.
   Status add(const Picture& picture);
-  // Ends the film, of which there is none without a picture. Pictures of a longer series that this
-  // program wrote into the folder before are removed.
+  // Ends the film; without pictures there is none. Removes pictures of a longer series that this
+  // program wrote into the folder before.
   Status finish();
   // Files of pictures, in order; of a film at the end.
   const std::vector<std::string>& files() const { return files_; }

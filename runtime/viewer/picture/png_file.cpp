@@ -30,7 +30,7 @@ std::uint32_t crc_of(std::string_view bytes) {
   return ~crc;
 }
 
-// The chunk that names who wrote the file.
+// The chunk with the name of the writing program.
 std::string maker_chunk() {
   std::string chunk;
   append_number(chunk, static_cast<std::uint32_t>(kMaker.size() - 4));

@@ -15,11 +15,11 @@ struct Picture {
   std::vector<std::uint8_t> pixels;
 };
 
-// Written whole or not at all, with the text that is_our_png() looks for. Errors: kSystem if it
-// cannot be written.
+// Writes the file whole or not at all, with the text that is_our_png() checks. Errors: kSystem if
+// it cannot be written.
 Status write_png(const std::string& path, const Picture& picture);
 
-// Whether write_png() wrote the file: its text "Software" says so.
+// True if write_png() wrote the file, which its text "Software" shows.
 bool is_our_png(const std::string& path);
 
 // Any PNG as r g b. Errors: kSystem for a file that cannot be read, kContent for one that is no PNG

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What makes a film that browsers show, by the ending.
+// Encoder options for a film that browsers play, by file extension.
 std::vector<std::string> codec_of(const std::string& ending) {
   if (ending == ".mp4")
     return {"-c:v", "libx264", "-crf", "18", "-preset", "medium", "-movflags", "+faststart"};
@@ -31,7 +31,7 @@ std::vector<std::string> codec_of(const std::string& ending) {
   return {};
 }
 
-// Starts the words with `input` as standard input; 0 or what errno said.
+// Starts the command with `input` as standard input; returns 0 or an errno.
 int start_encoder(std::vector<std::string> words, int input, pid_t& child) {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -39,7 +39,8 @@ int start_encoder(std::vector<std::string> words, int input, pid_t& child) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
-  // A group of its own: Ctrl-C on the terminal is for this program, which then ends the film.
+  // It has its own process group: Ctrl-C on the terminal is for this program, which then ends the
+  // film.
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
@@ -66,7 +67,7 @@ Result<VideoFile> VideoFile::create(const std::string& path, double rate, int wi
   video.width_ = width;
   video.height_ = height;
   video.temporary_ = fmt::format("{}.partial-{}{}", path, ::getpid(), ending);
-  // Whether it can be written at all is found out before anything is rendered.
+  // Checks that the file can be written before anything is rendered.
   const int trial =
       ::open(video.temporary_.c_str(), O_CREAT | O_WRONLY | O_TRUNC | O_CLOEXEC, 0666);
   if (trial < 0) return system_error(path + ": cannot create: " + std::strerror(errno));
@@ -136,7 +137,7 @@ int VideoFile::end_encoder() {
 Status VideoFile::add(const Picture& picture) {
   if (picture.width != width_ || picture.height != height_)
     return system_error(path_ + ": a picture of another size came");
-  // Where ffmpeg has ended, writing must not end this process too.
+  // If ffmpeg has ended, writing to its pipe must not end this process.
   struct sigaction ignore {
   }, before{};
   ignore.sa_handler = SIG_IGN;

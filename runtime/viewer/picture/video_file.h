@@ -11,8 +11,8 @@
 
 namespace tremolo {
 
-// A film that is being written, under a temporary name beside its own, which it gets when finish()
-// has succeeded; the temporary file goes with the object. Pictures have an even width and height.
+// A film during writing. Its temporary file, next to the target, is renamed when finish() succeeds,
+// and else removed with the object. Pictures have an even width and height.
 class VideoFile {
  public:
   // path: *.mp4 (H.264) or *.webm (VP9). rate: pictures a second. Errors: kUsage for another
@@ -28,7 +28,7 @@ class VideoFile {
 
   // Errors: kSystem when ffmpeg does not take it.
   Status add(const Picture& picture);
-  // Waits for ffmpeg. Errors: kSystem if it failed; what it said went to stderr.
+  // Waits for ffmpeg. Errors: kSystem if it failed; its messages are on stderr.
   Status finish();
 
  private:

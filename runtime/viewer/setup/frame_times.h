@@ -1,4 +1,4 @@
-// What pictures cost.
+// Time per picture.
 #pragma once
 
 #include <algorithm>
@@ -8,10 +8,10 @@
 
 namespace tremolo {
 
-// Medians over the last pictures, ms: of posing (the engine's positions and normals, the boxes
-// around them, the panel) in processor time of this thread, and of drawing until the pixels are
-// there, the upload included, by the clock. The first picture, which makes what is made once, does
-// not count where there are more.
+// Medians over the last pictures, ms. Posing (the engine's positions and normals, their boxes, the
+// panel) is measured in processor time of this thread; drawing, from the upload to the finished
+// pixels, in elapsed time. The first picture, which also creates the resources, is left out if
+// there are more.
 class FrameTimes {
  public:
   using Clock = std::chrono::steady_clock;

@@ -18,7 +18,7 @@ std::vector<NamedFile> inputs_of_view(const ViewerOptions& options,
 
 Status check_view_outputs(const ViewerOptions& options, const std::vector<NamedFile>& inputs) {
   if (options.offscreen && !options.record_hand.empty())
-    return usage_error("--record-hand is of a window, not of --offscreen");
+    return usage_error("--record-hand applies only to a window, not to --offscreen");
   std::vector<std::string> outputs = {options.video, options.record_hand};
   if (!options.out.empty())
     for (std::string& path : files_like(options.out, is_picture_name))

@@ -1,4 +1,4 @@
-// What a view writes is kept apart from what it reads, before it begins.
+// Checks, before a view begins, that its outputs are not among its inputs.
 #pragma once
 
 #include <vector>
@@ -13,9 +13,9 @@ namespace tremolo {
 std::vector<NamedFile> inputs_of_view(const ViewerOptions& options,
                                       std::vector<NamedFile> of_scene);
 
-// Pictures that are there in --out, the film and the recorded hand. Errors: kUsage if one of them
-// is an input or another of them, for flags that do not go together; kSystem if one cannot be
-// written.
+// Checks the existing pictures in --out, the film and the recorded hand. Errors: kUsage if one of
+// them is an input or another of them, or for flags that exclude each other; kSystem if one cannot
+// be written.
 Status check_view_outputs(const ViewerOptions& options, const std::vector<NamedFile>& inputs);
 
 }  // namespace tremolo

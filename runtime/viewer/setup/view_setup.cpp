@@ -11,11 +11,11 @@
 namespace tremolo {
 namespace {
 
-// sRGB, one behind the other.
+// sRGB; bodies use them in turn.
 constexpr std::array<std::uint32_t, 8> kBodyColours = {0xb06a34, 0x3a7f9a, 0xa83e36, 0x6f8f45,
                                                        0x84609c, 0xc79a36, 0x45907f, 0x9c6474};
 constexpr double kDegree = std::numbers::pi / 180.0;
-// From where the sample models look well: from the right and above.
+// A good view of the sample models: from the right and above.
 constexpr CameraWish kUsualCamera{22.0 * kDegree, 17.0 * kDegree, 1.0};
 
 Result<UpAxis> up_of(const std::string& text, const Scene& scene) {
@@ -80,7 +80,7 @@ Result<std::vector<StageImage>> images_of(const std::vector<std::string>& texts)
   return images;
 }
 
-// A body on bones has none: its shape is not its strain's alone.
+// A body on bones has none: its shape does not depend on strain alone.
 Result<std::vector<std::optional<Material>>> solids_of(const Scene& scene, bool needed) {
   std::vector<std::optional<Material>> solids;
   bool known = false;
@@ -90,7 +90,7 @@ Result<std::vector<std::optional<Material>>> solids_of(const Scene& scene, bool 
   }
   if (needed && !known)
     return content_error(
-        "--colour stress: no body's stress can be told: its model's file must name one isotropic "
+        "--colour stress: no body's material is known: its model's file must name one isotropic "
         "material, and it must not be on bones");
   return solids;
 }

@@ -1,4 +1,4 @@
-// What window and off-screen pictures begin with alike.
+// The common start of window and off-screen pictures.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@
 
 namespace tremolo {
 
-// What the options say, checked, without a world or OpenGL.
+// The checked options; needs neither a world nor OpenGL.
 struct ViewSetup {
   PictureSize size;
   UpAxis up = UpAxis::kZ;
@@ -22,14 +22,15 @@ struct ViewSetup {
   std::optional<Eigen::Vector3f> background;  // none: the studio
   std::vector<Eigen::Vector3f> paints;        // of each body of the scene, linear light
   std::vector<StageImage> images;
-  std::vector<std::optional<Material>> solids;  // of each body, where its model's file tells it
+  std::vector<std::optional<Material>>
+      solids;  // of each body; empty if its model's file does not name it
 };
 
-// scene: its gravity says what is up unless the options do. Errors: kUsage, kContent, also for
-// --colour stress where no model tells its material; kSystem for an image that cannot be read.
+// scene: its gravity gives the up axis unless the options do. Errors: kUsage, kContent, also for
+// --colour stress if no model names its material; kSystem for an image that cannot be read.
 Result<ViewSetup> make_setup(const ViewerOptions& options, const Scene& scene);
 
-// Framed on what the stage was posed to last.
+// The camera that frames the stage's last pose.
 Camera first_camera(const ViewSetup& setup, const Stage& stage);
 
 // lights: of this kind of card, unless the options say how many. ground: its height, m.

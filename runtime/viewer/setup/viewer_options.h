@@ -1,4 +1,4 @@
-// What `tremolo view` is told.
+// Options of `tremolo view`.
 #pragma once
 
 #include <string>
@@ -9,11 +9,10 @@
 
 namespace tremolo {
 
-// The names are those of the flags. body: what a body is and how it is stepped, as `tremolo run`
-// takes it.
+// Fields are named after the flags. body: its model, load and integrator, as for `tremolo run`.
 struct ViewerOptions {
   std::string file;
-  std::string beside;  // of cloth: a second scene, shown beside the first
+  std::string beside;  // of cloth: a second scene, shown next to the first
   RunOptions body;
   bool offscreen = false;
   int frames = 1;
@@ -27,7 +26,7 @@ struct ViewerOptions {
   std::string background = "studio";
   std::string colour = "body";      // or moved, or stress
   double moved_full = 0.0;          // m; 0: the largest that was seen
-  double stress_full = 0.0;         // Pa; likewise
+  double stress_full = 0.0;         // Pa; 0: the largest that was seen
   std::vector<std::string> paints;  // "#rrggbb", or BODY=#rrggbb
   std::vector<std::string> textures;
   bool wire = false;

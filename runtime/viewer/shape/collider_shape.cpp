@@ -13,11 +13,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kSides = 48;  // of what is round
+constexpr int kSides = 48;  // of round shapes
 constexpr int kRings = 12;  // of a hemisphere
 
-// A point of the outline that is turned about z: its distance from the axis, its height, and the
-// normal there, (outwards, upwards).
+// A point of the outline of a body of revolution about z: its distance from the axis, its height,
+// and the normal there, (outwards, upwards).
 struct OutlinePoint {
   double radius = 0.0, height = 0.0;
   double out = 0.0, up = 0.0;
@@ -106,7 +106,7 @@ TriangleShape ball_shape(double radius) {
 }
 
 TriangleShape disc_shape(double radius) {
-  // Rings, so that what is computed at vertices is right near the middle of a large disc too.
+  // Rings make values at vertices accurate near the middle of a large disc.
   std::vector<OutlinePoint> outline;
   for (const double share : {0.0, 0.01, 0.03, 0.1, 0.3, 1.0})
     outline.push_back({share * radius, 0.0, 0.0, 1.0});

@@ -1,4 +1,4 @@
-// What a collider looks like, in its own frame.
+// Triangles of a collider, in its own frame.
 #pragma once
 
 #include "common/result.h"

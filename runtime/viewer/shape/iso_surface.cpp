@@ -12,7 +12,7 @@ namespace {
 using Eigen::Vector3d;
 
 // A cube is six tetrahedra around its diagonal from corner 0 to corner 7; corner bits are x, y, z.
-// Neighbouring cubes cut their common face alike.
+// Neighbouring cubes divide their common face in the same way.
 constexpr std::array<std::array<int, 4>, 6> kTetrahedra = {
     {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}}};
 
@@ -95,7 +95,7 @@ class Marcher {
                shape_.add(x, length > 0.0 ? Vector3d(gradient / length) : Vector3d::UnitZ());
   }
 
-  // Turned so that it faces the way of its normals.
+  // Adds a triangle, oriented by its normals.
   void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     const Eigen::Vector3f &x = shape_.positions[a], &y = shape_.positions[b];
     const Eigen::Vector3f& z = shape_.positions[c];
@@ -106,7 +106,7 @@ class Marcher {
 
   const DistanceGrid& grid_;
   int stride_ = 1;
-  std::array<int, 3> counts_{};  // nodes that are looked at
+  std::array<int, 3> counts_{};  // sampled nodes along each axis
   std::vector<double> values_;
   std::unordered_map<std::size_t, std::uint32_t> vertices_;  // by both ends of their edge
   TriangleShape shape_;

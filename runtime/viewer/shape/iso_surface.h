@@ -1,4 +1,4 @@
-// The surface of a grid of distances, for the eye.
+// The surface of a grid of distances, for display.
 #pragma once
 
 #include "common/distance/distance_grid.h"
@@ -6,9 +6,9 @@
 
 namespace tremolo {
 
-// Where the spline through the grid's values is zero, by marching tetrahedra on its nodes, of large
-// grids on every second, third ... so that at most kMostIsoCells are looked at along an axis.
-// Vertices lie where the values along an edge are zero on a straight line; normals are the spline's
+// The zero surface of the grid's spline, by marching tetrahedra on its nodes; on large grids on
+// every second, third ... node, so that at most kMostIsoCells cells are sampled along an axis.
+// Vertices are where the linear interpolant along an edge is zero; normals are the spline's
 // gradients. In the frame of the grid, m. Walls thinner than a cell may have holes.
 inline constexpr int kMostIsoCells = 96;
 TriangleShape iso_surface(const DistanceGrid& grid);

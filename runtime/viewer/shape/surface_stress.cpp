@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 
 constexpr double kFlat = 1e-12;      // twice an area over a side squared: no area
 constexpr float kThinnest = 0.01f;   // of the thickness' square
-constexpr std::size_t kDeepest = 8;  // what a maker's own provenance needs is 4
+constexpr std::size_t kDeepest = 8;  // tremolo-precompute writes 4
 
 // The triangle in its own plane: columns X1 - X0 and X2 - X0; a zero matrix where it is flat.
 Eigen::Matrix2d plane_edges(const Vector3d& a, const Vector3d& b) {
@@ -92,10 +92,11 @@ std::optional<Material> material_of_provenance(std::string_view provenance) {
       },
       false);
   if (deep || !json.is_object() || !json.contains("material")) return std::nullopt;
-  const nlohmann::json& told = json["material"];
-  const auto number = [&told](const char* key) {
-    return told.is_object() && told.contains(key) && told[key].is_number() ? told[key].get<double>()
-                                                                           : -1.0;
+  const nlohmann::json& entry = json["material"];
+  const auto number = [&entry](const char* key) {
+    return entry.is_object() && entry.contains(key) && entry[key].is_number()
+               ? entry[key].get<double>()
+               : -1.0;
   };
   Material material;
   material.young = number("young_pa");

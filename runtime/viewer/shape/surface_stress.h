@@ -1,14 +1,14 @@
-// The stress that is seen on a body: of a triangle of its free surface, from how the triangle has
-// been stretched alone.
+// The displayed stress of a body: of a triangle of its free surface, from the triangle's stretch
+// alone.
 //
 //     F = [x1 - x0, x2 - x0] [X1 - X0, X2 - X0]^-1 (3 x 2, X in the triangle's plane),
 //     C = F^T F,  E = (C - 1)/2,  S = Y/(1 - nu^2) ((1 - nu) E + nu tr(E) 1),
 //     sigma = F S F^T / J,  J = sqrt(det C (1 + 2 E33)),  E33 = -nu/(1 - nu) tr(E)
 //
-// Nothing pulls at a free surface, so that the stress normal to it is zero, S33 = 0 (plane stress):
-// that is where S and E33 come from (St. Venant-Kirchhoff, Young's modulus Y, Poisson's ratio nu).
-// What is told is von Mises' stress, sqrt(3/2 dev(sigma) : dev(sigma)), Pa. It is another one where
-// something does pull at the surface: where a body is held, loaded or touched.
+// No force acts on a free surface, so that the stress normal to it is zero, S33 = 0 (plane stress).
+// S and E33 follow from it (St. Venant-Kirchhoff, Young's modulus Y, Poisson's ratio nu). The
+// result is von Mises' stress, sqrt(3/2 dev(sigma) : dev(sigma)), Pa. It is not valid where a force
+// acts on the surface: at constraints, loads and contacts.
 #pragma once
 
 #include <optional>
@@ -31,9 +31,10 @@ class SurfaceStress {
   SurfaceStress(const std::vector<Eigen::Vector3d>& rest, std::span<const Triangle> triangles,
                 const Material& material);
 
-  // positions: x y z ... of the s vertices, m. out: s numbers, Pa: of each vertex the mean of its
-  // triangles by their area at rest. The largest is returned. Where a surface is stretched so far
-  // that the material's thickness would vanish (tr E near (1 - nu)/(2 nu)), a tenth is left of it.
+  // positions: x y z ... of the s vertices, m. out: s numbers, Pa: for each vertex the mean of its
+  // triangles, weighted by their area at rest. Returns the largest. If a surface is stretched so
+  // far that the material's thickness would vanish (tr E near (1 - nu)/(2 nu)), a tenth of the
+  // thickness is kept.
   float look(std::span<const float> positions, std::vector<float>& out) const;
 
  private:

@@ -8,8 +8,8 @@
 
 namespace tremolo {
 
-// positions, m, and unit normals: one a vertex. triangles: three indices each, counter-clockwise
-// from outside.
+// positions, m, and unit normals: one per vertex. triangles: three indices each, counter-clockwise
+// seen from outside.
 struct TriangleShape {
   std::vector<Eigen::Vector3f> positions;
   std::vector<Eigen::Vector3f> normals;

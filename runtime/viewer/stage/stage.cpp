@@ -23,7 +23,7 @@ constexpr std::array<float, 4> kMaterialShades = {1.0f, 0.55f, 1.35f, 0.3f};
 constexpr float kGlass = 0.22f;          // how much of it is seen
 constexpr std::size_t kMostHidden = 64;  // bodies that are looked for
 constexpr double kHandRadius = 0.012;    // of the world's size
-constexpr double kPlaneReach = 3.0;      // likewise: of a plane that is not the ground
+constexpr double kPlaneReach = 3.0;      // of the world's size, for a plane that is not the ground
 constexpr double kLevel = 0.9998;        // cosine of how far a ground may be out of level
 
 float linear_share(std::uint32_t value) {
@@ -134,7 +134,7 @@ void Stage::add_body(const Body& body, const Vector3f& colour,
   staged.model = body.model_pointer();
   staged.colour = colour;
   staged.own_frame = body.bones() == 0;
-  // Triangles of a material one behind the other.
+  // Sorts the triangles by material.
   std::vector<std::size_t> order(drawn.triangles.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto material = [render](std::size_t t) {
@@ -279,7 +279,8 @@ void Stage::enclose() {
   if (box.empty()) return;
   const Vector3d centre = 0.5 * (box.low + box.high);
   const double radius = std::max(0.505 * (box.high - box.low).norm(), 1e-9);
-  // A ball that changes from picture to picture would let the shadows' edges shiver.
+  // The ball does not shrink: a ball that changes with every picture would make the shadows' edges
+  // flicker.
   if (posed_ && (centre - ball_.centre).norm() + radius <= ball_.radius) return;
   ball_.radius = std::max(1.1 * radius, posed_ ? ball_.radius : 0.0);
   ball_.centre = centre;
@@ -320,7 +321,7 @@ void Stage::add_hands(std::vector<DrawnThing>& things) const {
       thing.pose.topRightCorner<3, 1>() = place.cast<float>();
       thing.colour = linear_colour(kHandColour);
       thing.shadow = thing.wire = false;
-      thing.on_top = true;  // what is held may lie inside
+      thing.on_top = true;  // the held vertex may be inside the body
       things.push_back(thing);
     }
   }
@@ -348,7 +349,7 @@ const std::vector<DrawnThing>& Stage::things(const StageLook& look, const Vector
       thing.first = range.first;
       thing.count = range.count;
       thing.colour = body.colour;
-      // Materials without an image or colours of their own are told apart by their brightness.
+      // Materials without an image or colours of their own differ by brightness.
       if (body.ranges.size() > 1)
         thing.colour *= kMaterialShades[range.material % kMaterialShades.size()];
       thing.paint = body.paint;
@@ -375,7 +376,7 @@ const std::vector<DrawnThing>& Stage::things(const StageLook& look, const Vector
     }
     things_.push_back(thing);
   }
-  // Glass shows what was drawn before it.
+  // Glass shows only things drawn before it.
   std::stable_partition(things_.begin(), things_.end(),
                         [](const DrawnThing& thing) { return thing.glass == 1.0f; });
   add_hands(things_);

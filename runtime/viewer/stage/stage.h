@@ -1,4 +1,4 @@
-// A world's bodies, colliders and hands as things that are drawn.
+// The bodies, colliders and hands of a world as drawn things.
 #pragma once
 
 #include <map>
@@ -25,9 +25,9 @@ struct StageImage {
   Picture picture;
 };
 
-// What bodies are coloured by: their own colours, how far each vertex has moved from its place at
-// rest in the body's frame, or von Mises' stress (runtime/viewer/shape/surface_stress.h). Bodies on
-// bones keep their own colours, and with kStress those whose material is not known.
+// The colours of bodies: their own, the distance of each vertex from its rest position in the
+// body's frame, or von Mises' stress (runtime/viewer/shape/surface_stress.h). Bodies on bones keep
+// their own colours, as do those of unknown material with kStress.
 enum class ColourBy { kBody, kMoved, kStress };
 
 struct StageLook {
@@ -37,38 +37,38 @@ struct StageLook {
 
 class Stage {
  public:
-  // With a context current, as long as it lives. world: as it is before its first step; its models
-  // must outlive the stage. paints: a body's colour, linear light. solids: a body's material, where
-  // it is known. Errors: kContent for an image whose material no body has, or for images where no
+  // A context must be current, as long as the stage lives. world: before its first step; its models
+  // must outlive the stage. paints: a colour per body, linear light. solids: a material per body,
+  // if it is known. Errors: kContent for an image whose material no body has, or for images if no
   // body has texture coordinates.
   static Result<std::unique_ptr<Stage>> create(const SceneWorld& world, UpAxis up,
                                                const std::vector<Eigen::Vector3f>& paints,
                                                const std::vector<StageImage>& images,
                                                const std::vector<std::optional<Material>>& solids);
 
-  // Where everything is at the moment: positions and normals, as the engine computes them. No
-  // OpenGL.
+  // Computes all positions and normals at the given time. Needs no OpenGL.
   void pose(const WorldMoment& moment);
-  // Hands them to the card, with the stresses if those are looked at.
+  // Uploads them to the card, with the stresses if those are shown.
   void upload(const StageLook& look);
-  // What is drawn, valid until the next call; after upload(). A collider between the eye (m, world)
-  // and the middle of a body is drawn as glass.
+  // The drawn things, valid until the next call; call it after upload(). A collider between the eye
+  // (m, world) and the middle of a body is drawn as glass.
   const std::vector<DrawnThing>& things(const StageLook& look, const Eigen::Vector3d& eye);
-  // Around all that throws shadows, of the last pose(); it does not shrink.
+  // The ball around everything that casts shadows in the last pose(); it does not shrink.
   const ShownBall& ball() const { return ball_; }
 
-  // All drawn vertices of the last pose(), x y z ..., m, world: of bodies; of a world without any
-  // they are none.
+  // All drawn vertices of bodies in the last pose(), x y z ..., m, world; empty for a world without
+  // bodies.
   std::vector<double> points() const;
-  // Along the up axis, m, and whether there is any: of a collider that is a level plane, else the
-  // lowest place of the first pose; none where a body is free and nothing catches it.
+  // The height of the ground along the up axis, m, and whether there is one: that of a collider
+  // that is a level plane, else of the lowest point in the first pose; none if a body is free and
+  // nothing stops it.
   double ground() const { return ground_; }
   bool has_ground() const { return has_ground_; }
   // The largest displacement of a vertex in its body's frame, m, of the last pose().
   float most_moved() const { return most_moved_; }
-  // The largest stress of a vertex, Pa, of the last upload() that looked at it.
+  // The largest stress of a vertex, Pa, in the last upload() that computed it.
   float most_stressed() const { return most_stressed_; }
-  // Whether the stress of at least one body can be told.
+  // True if the stress of at least one body can be computed.
   bool knows_stress() const;
 
  private:

@@ -1,4 +1,4 @@
-// Where a ray meets triangles.
+// Intersection of a ray with a triangle.
 #pragma once
 
 #include <optional>
@@ -10,8 +10,8 @@
 
 namespace tremolo {
 
-// How far along the ray's direction it meets the triangle, by Möller and Trumbore (1997); nothing
-// where it passes by. A ray along a common edge meets both triangles, whatever is rounded.
+// Distance along the ray's direction to the triangle, by Möller and Trumbore (1997); nothing if it
+// misses. A ray along a common edge meets both triangles, whatever is rounded.
 inline std::optional<double> meets(const CameraRay& ray, const Eigen::Vector3d& a,
                                    const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
   using Eigen::Vector3d;

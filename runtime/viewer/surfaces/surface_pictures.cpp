@@ -17,7 +17,7 @@ namespace {
 
 constexpr LightCounts kSurfaceLights{12, 36, 1024};
 
-// Everything that draws; the context must go last.
+// The drawing objects; the context must be destroyed last.
 struct SurfaceStudio {
   std::unique_ptr<EglContext> context;
   std::unique_ptr<Renderer> renderer;

@@ -6,7 +6,8 @@
 
 namespace tremolo {
 
-// What a scene of bodies would say to make_setup(): gravity, and a name for each sheet and ball.
+// A scene of bodies with the contents that make_setup() needs: gravity, and a name for each sheet
+// and ball.
 Scene names_of(const MovingSurfaces& scenes);
 
 // The camera of first_camera(), framed on points instead of a stage.

@@ -19,9 +19,10 @@ using Eigen::Vector3f;
 constexpr std::uint32_t kScenery = 0x9aa4b0, kTaken = 0xe8c020;  // sRGB
 constexpr double kTakenRadius = 0.012;                           // m
 constexpr double kPlane = 3.0;                                   // m, of a plane that is no ground
-// A wall is a plane that has no end: what is behind it is seen through it.
+// A wall is an unbounded plane, and transparent.
 constexpr float kGlassOfWalls = 0.22F;
-// Balls are drawn smaller, so that triangles between particles that lie on one do not cross it.
+// Balls are drawn smaller, so that they do not cross triangles between particles in contact with
+// them.
 constexpr double kUnder = 0.985;
 
 Eigen::Matrix4f shown_at(const Pose& pose) {
@@ -178,7 +179,7 @@ const std::vector<DrawnThing>& SurfaceStage::things() {
     }
     things_.push_back(thing);
   }
-  // Glass shows what was drawn before it.
+  // Glass shows only things drawn before it.
   std::stable_partition(things_.begin(), things_.end(),
                         [](const DrawnThing& thing) { return thing.glass == 1.0F; });
   if (!hand_) return things_;

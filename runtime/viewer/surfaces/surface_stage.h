@@ -1,4 +1,4 @@
-// Surfaces that move as things that are drawn.
+// Moving surfaces as drawn things.
 #pragma once
 
 #include <vector>
@@ -14,13 +14,13 @@ class SurfaceStage {
   SurfaceStage(const MovingSurfaces& scenes, const std::vector<Eigen::Vector3f>& paints,
                bool colliders);
 
-  // Where everything is now. No OpenGL.
+  // Computes all present positions. Needs no OpenGL.
   void pose(const MovingSurfaces& scenes);
-  // Hands it to the card.
+  // Uploads them to the card.
   void upload();
   // Valid until the next call; after upload().
   const std::vector<DrawnThing>& things();
-  // Around all that throws shadows, of the last pose(); it does not shrink.
+  // The ball around everything that casts shadows in the last pose(); it does not shrink.
   const ShownBall& ball() const { return ball_; }
   // All vertices of the last pose(), and the corners of boxes around balls; m, as shown.
   const std::vector<double>& points() const { return points_; }

@@ -26,11 +26,11 @@ using Eigen::Vector3d;
 
 constexpr LightCounts kSurfaceCard{8, 24, 1024}, kSurfaceSoftware{2, 6, 512};
 constexpr int kLeftButton = 0, kRightButton = 1, kMiddleButton = 2;  // as GLFW counts
-constexpr double kTurnOver = std::numbers::pi;  // rad for a way over the whole window
-constexpr double kNearer = 0.88;                // of the distance, a turn of the wheel
+constexpr double kTurnOver = std::numbers::pi;                       // rad per width of the window
+constexpr double kNearer = 0.88;  // of the distance, per notch of the wheel
 constexpr double kSteep = 0.495 * std::numbers::pi;
 constexpr double kBudget = 0.05;    // s of real time that the steps before a picture may take
-constexpr double kHiddenNap = 0.1;  // s between looks at a window that shows nothing
+constexpr double kHiddenNap = 0.1;  // s between checks of a hidden window
 
 double since(SurfaceClock::time_point then) {
   return std::chrono::duration<double>(SurfaceClock::now() - then).count();
@@ -148,7 +148,7 @@ class SurfaceViewer {
     }
   }
 
-  // A key that is held down makes steps and does nothing else again.
+  // A held key repeats steps and no other command.
   void press_key(int key, bool again) {
     if (again && key != GLFW_KEY_PERIOD) return;
     if (key == GLFW_KEY_ESCAPE) window_->close();
@@ -166,7 +166,7 @@ class SurfaceViewer {
     set_clock();
   }
 
-  // Why the user's last wish was refused stands in the panel until the next one.
+  // The panel shows the reason of a refusal until the next request.
   void tell_if_refused(const Status& status) {
     refused_ = status ? std::string() : status.error().message;
     set_clock();
@@ -174,7 +174,7 @@ class SurfaceViewer {
 
   void set_step(double step) { tell_if_refused(scenes_.set_step_size(step)); }
 
-  // The first scene's next one; of those that are refused the one behind is the next.
+  // Selects the next method of the first scene, skipping methods that are refused.
   void choose_next() {
     const auto names = scenes_.methods();
     if (wanted_.empty()) wanted_ = scenes_.chosen().front();
@@ -192,7 +192,7 @@ class SurfaceViewer {
     tell("tremolo: {}\n", trouble_);
   }
 
-  // What cannot be kept of the clock's pace is given up.
+  // Steps up to the clock's time; time beyond the budget is dropped.
   void follow_clock() {
     if (paused_ || !trouble_.empty()) {
       set_clock();
@@ -261,7 +261,7 @@ class SurfaceViewer {
   const ViewerOptions& options_;
   const ViewSetup& setup_;
   MovingSurfaces& scenes_;
-  std::unique_ptr<GlfwWindow> window_;  // first: its context goes last
+  std::unique_ptr<GlfwWindow> window_;  // first: its context is destroyed last
   std::unique_ptr<Renderer> renderer_;
   std::unique_ptr<SurfaceStage> stage_;
   Camera camera_;
@@ -295,7 +295,7 @@ Result<int> show_surfaces(const ViewerOptions& options, MovingSurfaces& scenes) 
 
 Status refuse_body_flags(const ViewerOptions& options, const std::string& kind) {
   if (!options.textures.empty())
-    return usage_error("--texture is of bodies with a basis, not of " + kind);
+    return usage_error("--texture applies only to bodies with a basis, not to " + kind);
   if (!options.offscreen && !(options.out.empty() && options.video.empty()))
     return usage_error("a window of " + kind +
                        " is not recorded: --offscreen writes --out and --video");

@@ -20,7 +20,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// How many of the element's six edges are quadratic, over six.
+// The fraction of the element's six edges that are quadratic.
 float quadratic_share(const TetModel& model, const TetModelElement& element,
                       std::span<const std::uint8_t> degrees) {
   int quadratic = 0;

@@ -13,8 +13,8 @@
 
 namespace tremolo {
 
-// True of a scene file whose bodies are of kind "tets"; false also of what cannot be read, which
-// others tell.
+// True for a scene file whose bodies are of kind "tets"; also false for an unreadable file, which
+// other readers report.
 bool is_tets_file(const std::string& file);
 
 class TetsScenes : public MovingSurfaces {
@@ -33,7 +33,7 @@ class TetsScenes : public MovingSurfaces {
   double time() const override { return scene_.step * static_cast<double>(steps_); }
   double step_size() const override { return scene_.step; }
   std::int64_t steps() const override { return steps_; }
-  // kSolver: bodies whose step could not be made, and those that they touch, are as they were.
+  // kSolver: bodies whose step failed, and those in contact with them, keep their state.
   Status step() override;
   Status begin_again() override;
   std::vector<std::string> told() const override;
@@ -43,7 +43,7 @@ class TetsScenes : public MovingSurfaces {
   void move_to(const Eigen::Vector3d& point) override;
   void let_go() override;
   std::optional<Eigen::Vector3d> hand() const override;
-  // Where the vertex that is held is, m.
+  // Position of the grabbed vertex, m.
   std::optional<Eigen::Vector3d> held() const;
 
  private:

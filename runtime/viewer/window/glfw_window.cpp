@@ -14,7 +14,7 @@ namespace {
 std::string glfw_trouble() {
   const char* text = nullptr;
   glfwGetError(&text);
-  return text == nullptr ? "no reason is told" : text;
+  return text == nullptr ? "GLFW gives no reason" : text;
 }
 
 GlfwWindow* window_of(GLFWwindow* window) {

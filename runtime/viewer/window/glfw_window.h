@@ -12,8 +12,8 @@ struct GLFWwindow;
 
 namespace tremolo {
 
-// What the window is told by the user, as it comes; places in parts of the window from its upper
-// left corner. What the panel takes is not told.
+// Callbacks for input events, except those that the panel handles. Positions as fractions of the
+// window from its upper left corner.
 struct WindowEvents {
   std::function<void(int button, bool down, bool shift)> button;
   std::function<void(double x, double y)> move;
@@ -36,7 +36,7 @@ class GlfwWindow {
   void close();
   // Waits `seconds` for an event at most.
   void poll(double seconds);
-  // In pixels; one side is 0 of a window that shows nothing.
+  // In pixels; one side is 0 if the window shows nothing.
   PictureSize pixels() const;
   void begin_panel();
   void draw_panel();

@@ -8,8 +8,8 @@ namespace tremolo {
 namespace {
 
 constexpr int kLeft = 0, kRight = 1, kMiddle = 2;  // as GLFW counts
-constexpr double kTurn = std::numbers::pi;         // rad for a way over the whole window
-constexpr double kWheel = 0.88;                    // of the distance, a turn
+constexpr double kTurn = std::numbers::pi;         // rad per width of the window
+constexpr double kWheel = 0.88;                    // of the distance, per notch
 constexpr double kSteepest = 0.495 * std::numbers::pi;
 
 }  // namespace

@@ -1,13 +1,13 @@
-// What the mouse does to camera and bodies.
+// Mouse control of the camera and of pulled bodies.
 #pragma once
 
 #include "runtime/viewer/live/runner.h"
 
 namespace tremolo {
 
-// Left on a body pulls it, in the plane through where it was taken that faces the camera; left
-// beside the bodies and right turn the camera about its target, middle and shift shift it, the
-// wheel goes nearer.
+// The left button on a body pulls it, in the plane through the grabbed point that faces the camera.
+// The left button elsewhere and the right button rotate the camera about its target, the middle
+// button and shift move it, the wheel zooms.
 class Mouse {
  public:
   Mouse(Runner& runner, Camera& camera) : runner_(runner), camera_(camera) {}
@@ -16,9 +16,9 @@ class Mouse {
   void button(int button, bool down, bool shift, double aspect);
   void move(double x, double y, double aspect);
   void wheel(double turns);
-  // Once a picture: whether the last press has met a body.
+  // Call it once per picture: it finds whether the last press has hit a body.
   void update(double aspect);
-  // The hand's stiffness, times the suitable one.
+  // The hand's stiffness relative to the suitable one.
   double firmness = 1.0;
   bool pulls() const { return drag_ == Drag::kPull; }
 

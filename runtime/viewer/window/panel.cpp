@@ -66,7 +66,7 @@ void build_damping(PanelState& state, Runner& runner) {
 void build_method(PanelState& state, Runner& runner, const std::vector<ModeFacts>& modes) {
   if (!ImGui::CollapsingHeader("Method", ImGuiTreeNodeFlags_DefaultOpen)) return;
   if (state.records_hand) {
-    ImGui::TextWrapped("stays as it is while a hand is recorded");
+    ImGui::TextWrapped("cannot be changed while a hand is recorded");
     return;
   }
   if (modes.size() > 1 && ImGui::BeginCombo("body", modes[state.body].name.c_str())) {

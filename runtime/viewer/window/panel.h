@@ -1,4 +1,4 @@
-// The panel: what the user sets and reads beside the bodies.
+// The panel with the user's settings and the readouts.
 #pragma once
 
 #include <array>
@@ -13,15 +13,16 @@ namespace tremolo {
 
 inline constexpr float kPanelWidth = 330.0f;  // pixels
 
-// Facts of a body, found once. full: how much of each coordinate moves the drawn surface by a sixth
-// of its size, kg^1/2 m. hz: frequencies.
+// Facts of a body, computed once.
 struct ModeFacts {
   std::string name;
-  std::vector<double> full, hz;
+  // Amount of each coordinate that moves the drawn surface by a sixth of its size, kg^1/2 m.
+  std::vector<double> full;
+  std::vector<double> hz;  // frequencies
 };
 std::vector<ModeFacts> mode_facts(const SceneWorld& world);
 
-// A mode that is shown to and fro while the world is paused.
+// A mode shown oscillating while the world is paused.
 struct Swing {
   std::size_t body = 0;
   int mode = 0;
@@ -29,13 +30,13 @@ struct Swing {
   double began = 0.0;  // s
 };
 
-// What the panel sets. A wish is fulfilled by who draws the panel, and then taken back.
+// Settings of the panel. Whoever draws the panel fulfils the `wants_` requests and clears them.
 struct PanelState {
   std::size_t body = 0;
   float rate = 1.0f;
   float alpha = 0.0f, log_beta = -7.0f;
   std::array<float, 3> gravity{};
-  // False: the scene's own changes with time.
+  // False: the scene changes the value with time.
   bool gravity_is_ours = true, damping_is_ours = true;
   float step_ms = 3.0f;
   float firmness = 1.0f;
@@ -51,16 +52,16 @@ struct PanelState {
   bool wants_reset = false, wants_frame = false, wants_record = false;
 };
 
-// What it shows of the pictures.
+// Readouts about the pictures.
 struct PictureCosts {
   double prepare_ms = 0.0, panel_ms = 0.0, draw_ms = 0.0, pictures_per_s = 0.0;
-  float full = 0.0f;  // what is red: m or Pa
+  float full = 0.0f;  // the value shown in red: m or Pa
 };
 
-// Begins with what the world has.
+// The settings of the world at its start.
 PanelState first_panel(const LiveWorld& live, double rate);
 
-// One frame of it, between ImGui's NewFrame and Render. moment: what is shown.
+// Builds one frame, between ImGui's NewFrame and Render. moment: the state shown.
 void build_panel(PanelState& state, Runner& runner, const std::vector<ModeFacts>& modes,
                  const WorldMoment& moment, const PictureCosts& costs);
 

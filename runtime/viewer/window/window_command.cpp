@@ -28,14 +28,14 @@ using Clock = Runner::Clock;
 
 constexpr LightCounts kCardLights{8, 24, 1024}, kSoftwareLights{2, 6, 512};
 constexpr double kSwingHz = 0.8;     // of a mode that is shown
-constexpr double kHiddenWait = 0.1;  // s between looks at a window that shows nothing
+constexpr double kHiddenWait = 0.1;  // s between checks of a hidden window
 
 double seconds_since(Clock::time_point then) {
   return std::chrono::duration<double>(Clock::now() - then).count();
 }
 
-// A film or a folder of what the window shows, at an even pace: where pictures come slower they
-// stand longer.
+// Records the window as a film or a folder of pictures at constant rate: a slow picture is
+// repeated.
 class WindowRecording {
  public:
   Status begin(const std::string& folder, const std::string& film, double rate,
@@ -131,7 +131,7 @@ class Viewer {
     return recording_.end();
   }
 
-  // Writes what was recorded and tells what was measured.
+  // Writes the recording and prints the measurements.
   Status finish() {
     const RunnerReport report = runner_->report();
     const LiveWorld live = runner_->stop();
@@ -173,7 +173,7 @@ class Viewer {
          .key = [this](int key, bool again) { press_key(key, again); }});
   }
 
-  // A key that is held down makes steps and does nothing else again.
+  // A held key repeats steps and no other command.
   void press_key(int key, bool again) {
     if (again && key != GLFW_KEY_PERIOD) return;
     if (key == GLFW_KEY_ESCAPE) window_->close();
@@ -222,7 +222,7 @@ class Viewer {
     panel_.record_trouble = s ? "" : s.error().message;
   }
 
-  // A mode that swings takes the body's place.
+  // Shows an oscillating mode instead of the body's state.
   void apply_swing() {
     if (!panel_.swing) return;
     const Swing& swing = *panel_.swing;
@@ -333,7 +333,7 @@ class Viewer {
   const ViewerOptions& options_;
   const ViewSetup& setup_;
   ModelCache& models_;
-  std::unique_ptr<GlfwWindow> window_;  // first: its context goes last
+  std::unique_ptr<GlfwWindow> window_;  // first: its context is destroyed last
   std::unique_ptr<Renderer> renderer_;
   std::unique_ptr<Stage> stage_;
   std::optional<Runner> runner_;

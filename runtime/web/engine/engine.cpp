@@ -1,1 +1,1 @@
-// Nothing of its own: the module is what the linker takes from the library for its exports.
+// This file is empty: the module consists of the library functions that the linker exports.

@@ -1,11 +1,12 @@
-// Starts the engine, a WebAssembly module: its functions, those of runtime/tremolo.h, each with _ before its name, and
-// its memory. wasmBinary: the module's bytes; without, `file` is read from beside this one.
+// Starts the engine, a WebAssembly module: the functions of runtime/tremolo.h, each with _ before
+// its name, and its memory. wasmBinary: the module's bytes; without it, `file` is read from this
+// file's folder.
 export default async function createEngine({ wasmBinary, file = './engine.wasm' } = {}) {
   let memory = null;
   const leave = (code) => {
     throw new Error(`the engine gave up (${code})`);
   };
-  // It sees no files and no environment, prints nothing, and knows the time since it began.
+  // It has no files, no environment and no output, and only the time since its start.
   const kNoSuchFunction = 52; // WASI's ENOSYS
   const system = {
     proc_exit: leave,
@@ -25,7 +26,7 @@ export default async function createEngine({ wasmBinary, file = './engine.wasm' 
   const { exports } = started.instance;
   memory = exports.memory;
   exports._initialize?.();
-  // Its memory moves when it grows: a view is made when it is asked for.
+  // Growing the memory moves it: a view is created for each use.
   const engine = { get HEAPU8() { return new Uint8Array(memory.buffer); } };
   for (const [name, value] of Object.entries(exports))
     if (typeof value === 'function') engine[`_${name}`] = value;

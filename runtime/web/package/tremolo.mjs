@@ -18,10 +18,10 @@ export class TremoloError extends Error {
 const kVectors = new Uint8Array([0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0,
   10, 8, 1, 6, 0, 65, 0, 253, 15, 11]);
 
-// wasmBinary: the bytes of a module; without, it is read from beside this one: engine.wasm, or
-// engine-plain.wasm where there are no vectors (SIMD), or with `full` engine-full.wasm. Only that
-// has driven and free bodies, gravity, bones, colliders, bodies against bodies, joints and saved
-// states; what needs it here says `full` in its comment.
+// wasmBinary: the bytes of a module; without it, one is read from this file's folder: engine.wasm,
+// or engine-plain.wasm without vectors (SIMD), or with `full` engine-full.wasm. Only that has
+// driven and free bodies, gravity, bones, colliders, contact between bodies, joints and saved
+// states; functions that need it say `full` in their comments.
 export async function loadTremolo({ wasmBinary, full = false } = {}) {
   const core = WebAssembly.validate(kVectors) ? './engine.wasm' : './engine-plain.wasm';
   return new Tremolo(await createEngine({ wasmBinary, file: full ? './engine-full.wasm' : core }));
@@ -39,7 +39,7 @@ class Scratch {
     this.held.push(at);
     return at;
   }
-  // The engine's memory moves when it grows: views are made anew.
+  // Growing the engine's memory moves it, so a view is created for each use.
   doubles(values) {
     const at = this.bytes(8 * values.length);
     new Float64Array(this.engine.HEAPU8.buffer, at, values.length).set(values);
@@ -57,7 +57,7 @@ class Scratch {
   }
 }
 
-// What a module lacks throws when it is called, and says where it is.
+// A function that the module lacks throws when it is called, and names the module that has it.
 const absent = new Proxy({}, {
   get(none, name) {
     if (typeof name !== 'string' || !name.startsWith('_tremolo_')) return undefined;
@@ -83,7 +83,7 @@ export class Tremolo {
     if (status !== 0) throw new TremoloError(status, this.string(this.engine._tremolo_last_error()));
   }
 
-  // Calls work(scratch) and gives its memory back.
+  // Calls work(scratch) and frees its memory.
   with(work) {
     const scratch = new Scratch(this.engine);
     try {
@@ -93,7 +93,7 @@ export class Tremolo {
     }
   }
 
-  // What call(pointer, length) writes: an array of the type.
+  // Returns an array of the type, filled by call(pointer, length).
   read(Type, length, call) {
     return this.with((scratch) => {
       const at = scratch.bytes(Type.BYTES_PER_ELEMENT * length);
@@ -239,7 +239,7 @@ export class Model {
     return new Body(this, handle);
   }
 
-  // Its bodies keep what they need.
+  // Bodies keep the data of the model that they need.
   release() {
     this.tremolo.engine._tremolo_model_release(this.handle);
     this.handle = 0;
@@ -343,7 +343,7 @@ export class Body {
     this.callWith('_tremolo_body_set_motion', velocity, spin);
   }
 
-  // What a ray meets first, or null.
+  // The first hit of a ray, or null.
   pick(origin, direction) {
     return this.tremolo.with((s) => {
       const at = s.bytes(72);
@@ -370,7 +370,7 @@ export class Body {
     });
   }
 
-  // A hand at a place that pick() found; returns its number.
+  // A hand at a point that pick() found; returns its number.
   grab({ triangle, weights }, stiffness, damping = 0) {
     const number = this.tremolo.read(BigUint64Array, 1, (at) =>
       this.tremolo.with((s) => this.tremolo.engine._tremolo_body_grab_at(
@@ -395,7 +395,7 @@ export class Body {
   }
 
   // full. One step among colliders: [{collider, position, quaternion, nextPosition, nextQuaternion,
-  // friction, restitution}]; without a next pose it stands.
+  // friction, restitution}]; a collider without a next pose is at rest.
   stepAmong(placed) {
     this.tremolo.with((s) => {
       const { engine } = this.tremolo;

@@ -1,8 +1,9 @@
-// The page: a body under the reader's hand. Steps are made in real time between two pictures, as
-// many as the time since the last one asks for; the picture lies between the last two states.
+// The page: a body that the reader can pull. Steps are made in real time between two pictures, as
+// many as the time since the last one requires; the picture is interpolated between the last two
+// states.
 const kFirst = 'horse';
 const kShown = 10; // seconds of energy in the plot
-const kBudget = 12; // ms of a frame that steps may take; what is over is told as lag
+const kBudget = 12;  // ms of a frame that steps may take; the excess is shown as lag
 
 const get = (id) => document.getElementById(id);
 const canvas = get('scene');
@@ -25,7 +26,7 @@ for (const name of tremolo.integrators) get('integrator').add(new Option(name, n
 get('integrator').value = 'ep4';
 for (const name of tremoloModelNames) get('model').add(new Option(name, name));
 
-// The bytes of a sample model: in the page, or in a file beside it.
+// The bytes of a sample model, from the page or from a file in its folder.
 function bytesOf(name) {
   if (tremoloModels[name]) return Promise.resolve(tremoloModels[name]);
   return new Promise((resolve, reject) => {
@@ -92,7 +93,7 @@ async function choose(name) {
   }
 }
 
-// How much a place gives: m a newton, and 1/kg, the mean over the directions.
+// Compliance of a vertex, m/N, and its inverse mass, 1/kg, both means over the directions.
 function give(vertex) {
   const { shapes, lambda } = page;
   const n = 3 * page.model.vertices;
@@ -183,11 +184,12 @@ function tell() {
   curve(1, '#1f4e9c');
   const energy = page.energies.at(-1)?.[1] ?? 0;
   const lag = page.lag > 0 ? `, ${(1e3 * page.lag).toFixed(0)} ms behind` : '';
-  get('told').textContent = `t = ${end.toFixed(2)} s, energy ${energy.toPrecision(4)} J (kinetic pale), ` +
-    `${(1e3 * page.stepCost).toFixed(0)} µs a step${lag}`;
+  get('readout').textContent =
+      `t = ${end.toFixed(2)} s, energy ${energy.toPrecision(4)} J (kinetic pale), ` +
+      `${(1e3 * page.stepCost).toFixed(0)} µs a step${lag}`;
 }
 
-// Pulling: the hand holds on to the place under the pointer, at its distance from the eye.
+// Pulling: the hand holds the point under the pointer, at its distance from the eye.
 const pointers = new Map();
 function rayOf(event) {
   const box = canvas.getBoundingClientRect();

@@ -5,7 +5,8 @@
 // X, U: rest and shapes; T_b: the pose of bone b, of most bodies the only one, w_b: its weight.
 // Normals are the same to first order in q. The live page and recorded motions share this file.
 const kWidth = 2048; // of the textures, texels
-const kMostModes = 192, kMostBones = 24; // what 256 vectors of uniforms, which WebGL 2 promises, hold
+const kMostModes = 192,
+      kMostBones = 24;  // fit in 256 vectors of uniforms, which WebGL 2 guarantees
 
 const kVertex = `#version 300 es
 precision highp float;
@@ -150,7 +151,7 @@ export function normalFields({ rest, shapes, corners, modes, groups }) {
   return { base: base.map((x) => x / most), change: change.map((x) => x / most) };
 }
 
-// The rotation x y z w and the place of a pose as a matrix, column behind column.
+// The rotation x y z w and the position of a pose as a matrix, column by column.
 export function poseMatrix([px, py, pz], [x, y, z, w]) {
   return [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0,
     2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0,
@@ -177,8 +178,8 @@ export class Renderer {
     this.zoom = 1;
     this.bodies = [];
     this.prepare();
-    // A browser may take the context away, when the graphics card is reset or too many pages want
-    // one; what was shown is made anew when it comes back.
+    // The browser may take the context away, when the graphics card is reset or too many pages use
+    // one; the picture is drawn again when the context returns.
     canvas.addEventListener('webglcontextlost', (event) => {
       event.preventDefault();
       this.lost = true;
@@ -258,10 +259,10 @@ export class Renderer {
     return body;
   }
 
-  // What is drawn from now on. Of each: rest: 3 s; shapes: modes x 3 s; corners: 3 t; colour; of
-  // some groups (normalFields), of bodies on bones their number and weights, s x bones. scenery: it
-  // is not looked at. bounds: what is looked at, [low, high]; else the bodies. floor: its height; else
-  // the floor is below the lowest place, unless scenery takes its place.
+  // Sets the bodies to draw. Of each: rest: 3 s; shapes: modes x 3 s; corners: 3 t; colour; of some
+  // groups (normalFields), of bodies on bones their number and weights, s x bones. scenery: the
+  // camera ignores it. bounds: the region in view, [low, high]; else that of the bodies. floor: its
+  // height; else the floor is below the lowest point, unless scenery replaces it.
   show(list, bounds, floor) {
     const { gl } = this;
     for (const old of this.bodies) {
@@ -296,7 +297,7 @@ export class Renderer {
       this.centre[1] - far * Math.cos(b) * Math.cos(a), this.centre[2] + far * Math.sin(b)];
   }
 
-  // The world's ray through a place of the canvas, both from 0 to 1.
+  // The ray in the world through a point of the canvas, both coordinates from 0 to 1.
   ray(x, y) {
     const eye = this.eye(), z = unit(minus(eye, this.centre));
     const right = unit(cross([0, 0, 1], z)), up = cross(z, right);
@@ -339,7 +340,7 @@ export class Renderer {
     gl.uniform1i(at('uColour'), heat ? 1 : 0);
     gl.uniform1i(at('uFields'), 0);
     gl.uniform1i(at('uRest'), 1);
-    // The shadows, each place of the floor once.
+    // The shadows, drawn once for each point of the floor.
     if (this.hasFloor) {
       gl.enable(gl.STENCIL_TEST);
       gl.stencilFunc(gl.EQUAL, 0, 255);

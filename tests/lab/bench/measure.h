@@ -43,10 +43,10 @@ std::vector<Entry> measure_errors(const Scene& scene, const Reference& reference
                                   const std::string& integrator, const std::vector<double>& steps,
                                   const Store& store);
 
-// Microseconds a step of each integrator, of processor time: the smallest of five or more windows
-// of steps after the load has ended (or after 0.3 s), each from the same state; the methods take
-// turns, so that a noisy time hits all. Nothing else is done meanwhile. Not-a-number where a step
-// did not converge. Throws a Failure as measure_errors.
+// Processor time per step of each integrator, microseconds: the smallest of five or more windows of
+// steps after the load has ended (or after 0.3 s), each from the same state; the methods take
+// turns, so that a noisy period affects all. Nothing else is done meanwhile. Not-a-number where a
+// step did not converge. Throws a Failure as measure_errors.
 std::vector<double> measure_times(const Scene& scene, const std::vector<std::string>& integrators,
                                   double step, const Store& store);
 

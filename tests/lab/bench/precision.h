@@ -1,4 +1,4 @@
-// Run time against error: the measurements and what is computed from them.
+// Run time against error: the measurements and quantities computed from them.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@
 namespace tremolo::bench {
 
 // entries: for each usable scene with a reference, each integrator, each step (from long to short),
-// in that order. references: one a scene.
+// in that order. references: one per scene.
 struct Precision {
   std::vector<Subject> subjects;
   std::vector<Scene> scenes;
@@ -24,7 +24,7 @@ struct Precision {
   bool measured(std::size_t scene) const {
     return scenes[scene].usable() && references[scene].trouble.empty();
   }
-  // The entries of one curve, one a step; empty if the scene was not measured.
+  // The entries of one curve, one per step; empty if the scene was not measured.
   std::span<const Entry> curve(std::size_t scene, const std::string& integrator) const;
 };
 
@@ -48,7 +48,7 @@ std::optional<Cost> cost_of_error(std::span<const Entry> curve, double target, d
 std::vector<double> cost_ratios(const Precision& precision, const std::string& method,
                                 const std::string& other, double target);
 
-// A method's standing at one target. slowdown: median, over the scenes it reaches, of its cost over
+// A method's rank at one target. slowdown: median, over the scenes it reaches, of its cost over
 // that of the best. wins: scenes where it is the best.
 struct Standing {
   std::string integrator;

@@ -10,9 +10,9 @@
 
 namespace tremolo::bench {
 
-// Survives: the energy of the free motion stays within kSurvives of what it was when the load had
-// ended. Grows, decays: reaches the end with more or less than that. Dies: the solver gives up or
-// the energy bound is left (exit codes 4 and 5).
+// Survives: the energy of the free motion stays within kSurvives of that at the end of the load.
+// Grows, decays: reaches the end with more or less than that. Dies: the solver gives up or the
+// energy bound is left (exit codes 4 and 5).
 enum class Outcome { kSurvives, kGrows, kDecays, kDies };
 inline constexpr double kSurvives = 0.10;
 

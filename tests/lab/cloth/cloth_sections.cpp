@@ -186,7 +186,8 @@ std::vector<Criterion> add_cloth_sections(Report& report, unsigned threads) {
   run_cases(cases, threads);
   report.section("Cloth: every integrator on one sheet");
   report.paragraph(fmt::format(
-      "16 x 16 particles over 0.75 m of 0.2 kg/m^2, held by two corners and let go from the level, "
+      "16 x 16 particles over 0.75 m of 0.2 kg/m^2, fixed at two corners and released from the "
+      "level, "
       "for half a second; shear a third, bend a hundredth of the structural stiffness, {:g} N s/m "
       "of damping. Errors are the largest root mean square of the particles' distances, over "
       "frames of 1/30 s, from rk4 at 1/{} s.",

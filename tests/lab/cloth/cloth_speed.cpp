@@ -100,7 +100,7 @@ std::vector<Criterion> add_cloth_speed(Report& report) {
   for (const SpeedCase& known : cases) {
     const SpeedRow row = measure_speed(known);
     const double middle = median(row.each);
-    const char* energies = known.account ? "told" : "not asked for";
+    const char* energies = known.account ? "computed" : "not requested";
     tell("tremolo: {} of {} particles, {}, energies {}: {:.4g} ms a step\n", known.method,
          known.edge * known.edge, solver_name(known.solver), energies, 1e3 * middle);
     const std::size_t particles = known.edge * known.edge;
@@ -117,7 +117,7 @@ std::vector<Criterion> add_cloth_speed(Report& report) {
   }
   report.section("Cloth: what a step costs");
   report.paragraph(
-      "Hanging sheets from the moment on at which they are let go; structural springs with h "
+      "Hanging sheets from their release on; structural springs with h "
       "omega_max = 30 at 1/60 s; Newton to 1e-6 of the load; processor time of one thread. "
       "symplectic-euler and rk4 take four fifths of what they stand.");
   report.table(table, "What a step costs.", "cloth-speed.csv");

@@ -47,8 +47,8 @@ struct Entry {
   double error = 0.0;
   double undamped = 0.0;  // the method's error without damping
 
-  // A method that does not stand the undamped motion is not asked, nor is imexv-thesis, which is of
-  // first order in its damping by definition.
+  // A method that is unstable without damping is not judged, nor is imexv-thesis, which is of first
+  // order in its damping by definition.
   bool judged() const;
   bool holds() const { return !judged() || error <= undamped * (1.0 + kExcessShare) + kExcess; }
 };

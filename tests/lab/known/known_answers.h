@@ -1,5 +1,5 @@
-// The experiments whose answer others know, as a part of a report: the chain of Fermi, Pasta, Ulam
-// and Tsingou, linear resonance, the pendulum, what one step keeps, the trend of the energy.
+// Experiments with known answers, as a part of a report: the chain of Fermi, Pasta, Ulam and
+// Tsingou, linear resonance, the pendulum, invariants of one step, the trend of the energy.
 #pragma once
 
 #include <string>
@@ -19,9 +19,9 @@ struct Experiments {
   bool long_form = false;
 };
 
-// Adds the five sections below to the report, with known-*.csv. Returns what was promised and
-// measured; the page shows the same list section by section. Throws a Failure: kSystem if a file
-// cannot be written, those of PublishedTable and of the store.
+// Adds the five sections below to the report, with known-*.csv. Returns the criteria with their
+// measurements; the page shows the same list section by section. Throws a Failure: kSystem if a
+// file cannot be written, those of PublishedTable and of the store.
 std::vector<Criterion> add_known_answers(const Experiments& experiments);
 
 // One section each, in its own file.

@@ -14,11 +14,12 @@
 
 namespace tremolo {
 
-// Collects what a report says and writes its CSV files in between. In texts, `code` is between
-// backticks; nothing is read as HTML. What cannot be written is a Failure (kSystem).
+// Collects the contents of a report and writes its CSV files in between. In texts, `code` is
+// between backticks; nothing is parsed as HTML. A file that cannot be written is a Failure
+// (kSystem).
 class Report {
  public:
-  // directory: where all files go; it exists.
+  // directory: of all files; it exists.
   Report(std::string directory, std::string title, std::string subtitle);
 
   void section(std::string title);      // begins one
@@ -35,7 +36,7 @@ class Report {
   // Cell charts, with the legend of the first.
   void figure(const std::vector<CellChart>& charts, std::string_view caption);
   void criteria(const std::vector<Criterion>& criteria);  // each with its verdict
-  void last_section_first();                              // for what is known last and read first
+  void last_section_first();                              // for results known last and read first
 
   const nlohmann::ordered_json& json() const { return json_; }
   // Writes report.json and index.html; returns the path of the page.

@@ -15,13 +15,13 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kVersion = 1;                // of the long run and what it stores
+constexpr int kVersion = 1;                // of the long run and its stored results
 constexpr double kLongTime = 10000.0;      // s
 constexpr double kShortTime = 200.0;       // s
 constexpr std::int64_t kSampleEvery = 10;  // steps of 3 ms: H costs an evaluation
 constexpr std::int64_t kWindow = 1167;     // samples, 35.01 s
-// So small that what is measured is the method's and not its solver's: at the default tolerance
-// ep4's high band gains a part in eighty over 10 000 s (a row of its own shows it).
+// So small that the error is the method's and not its solver's: at the default tolerance ep4's high
+// band gains a part in eighty over 10 000 s (a row shows it).
 constexpr double kLongTolerance = 1e-12;
 constexpr double kDriftBound = 1e-9;
 constexpr double kHighBandBound = 0.005;

@@ -13,7 +13,7 @@
 
 namespace tremolo::reproduce {
 
-// label: of the method, with what makes it another run of the same method.
+// label: of the method, with the difference from other runs of the same method.
 struct LabelledRun {
   std::string label;
   LongRunSpec spec;
@@ -32,7 +32,7 @@ Fit high_band_trend(const LabelledRun& run);
 // "+0.123 %"
 std::string percent(double value);
 
-// The thesis's row, then one a run.
+// The thesis's row, then one per run.
 Table total_energy_table(const std::vector<LabelledRun>& runs, const thesis::Thesis& thesis);
 Table high_band_table(const std::vector<LabelledRun>& runs, const thesis::Thesis& thesis);
 

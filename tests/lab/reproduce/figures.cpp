@@ -10,11 +10,11 @@
 namespace tremolo::reproduce {
 namespace {
 
-constexpr const char* kOverlay = "#333333";  // ep4, dashed over what the thesis shows
+constexpr const char* kOverlay = "#333333";  // ep4, dashed over the thesis's curve
 constexpr double kAlpha = thesis::kAlpha;
 constexpr std::array<const char*, 3> kStepMethods = {"imexv", "newmark", "ep4"};  // experiment 4
 
-// alphas: the rows of panels. note: what must be said about the thesis's own figure.
+// alphas: the rows of panels. note: a remark about the thesis's own figure.
 struct EnergyFigure {
   std::string number;
   std::string model;
@@ -130,8 +130,8 @@ void add_rows(Table& table, const std::string& panel, const Orbit& orbit) {
     table.rows.push_back({panel, cell(orbit.total.t[i], 7), cell(orbit.total.y[i], 7)});
 }
 
-// The chart of one method with ep4 over it; their values go into `series`. The chart of imexv
-// brings ep4's.
+// The chart of one method with ep4 over it; their values are added to `series`. The chart of imexv
+// adds ep4's.
 Chart method_chart(const EnergyFigure& figure, const std::string& method, double alpha,
                    const Orbits& orbits, Table& series) {
   const RunName run{figure.model, method, figure.load, alpha};

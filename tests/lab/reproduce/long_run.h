@@ -73,7 +73,7 @@ LongRun start_long_run(const LongRunSpec& spec);
 
 bool is_over(const LongRunSpec& spec, const LongRun& run);
 
-// One segment more, or what is left of it. A run that breaks off is over, no error.
+// Runs one more segment, or the rest. A run that ends early is finished, not an error.
 void advance(const LongRunSpec& spec, LongRun& run);
 
 // Runs to the end. `checkpoint` stores the state, with `key`, and is written about every 20 s; a

@@ -26,7 +26,7 @@ using Json = nlohmann::json;
 constexpr double kBeamSine = 2.6085;
 constexpr double kTowerSine = 2.17;
 
-constexpr int kOrbitVersion = 1;   // of run_orbit and what it stores
+constexpr int kOrbitVersion = 1;   // of run_orbit and its stored results
 constexpr int kTimingVersion = 1;  // of time_orbit
 constexpr int kRepetitions = 3;
 

@@ -1,5 +1,5 @@
-// The sections of the report that `tremolo reproduce` writes, and their tables. Sections throw a
-// Failure: those of the runs and the store, kSystem for what cannot be written.
+// The sections of the report of `tremolo reproduce`, and their tables. Sections throw a Failure:
+// those of the runs and the store, kSystem for a file that cannot be written.
 #pragma once
 
 #include <string>
@@ -28,7 +28,7 @@ Table modes_table(const Session& session);
 // Table 3: seconds reached.
 Table reached_table(const Session& session, const Orbits& orbits);
 
-// Loads times 3 and 10: the seconds reached; and one row for each run with what else was measured.
+// Loads times 3 and 10: the seconds reached, and a row for each run with the other measurements.
 Table strong_reached_table(const Session& session, const Orbits& orbits);
 Table strong_runs_table(const Session& session, const Orbits& orbits);
 

@@ -13,8 +13,8 @@ namespace tremolo {
 // Location of the files, relative to the top of the repository.
 inline constexpr const char* kPublishedDirectory = "assets/published";
 
-// Reads one file: comments from # to the end of a line, a line of column names, then a record a
-// line. All functions throw a Failure that names file and line: kContent for what is damaged.
+// Reads one file: comments from # to the end of a line, a line of column names, then a record per
+// line. All functions throw a Failure with file and line: kContent for damaged files.
 class PublishedTable {
  public:
   // columns: the line of names, with commas. Throws kSystem if the file cannot be read.

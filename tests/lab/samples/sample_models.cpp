@@ -35,7 +35,7 @@ std::string path_of(const std::string& directory, std::string_view name) {
   return (std::filesystem::path(directory) / fmt::format("{}.tremolo", name)).string();
 }
 
-// Names that are none of the six.
+// Names other than the six.
 std::vector<std::string> own_ones(const std::vector<std::string>& names) {
   std::vector<std::string> own;
   for (const std::string& name : names)

@@ -54,8 +54,8 @@ struct Thesis {
   double total_change = 0.0;
   double high_band_change = 0.0;
 
-  // nullptr for what the thesis does not have. After read_thesis every model of kModels and every
-  // combination of kModels, kLoads and kAlphas is there.
+  // nullptr for a model that is not in the thesis. After read_thesis every model of kModels and
+  // every combination of kModels, kLoads and kAlphas exists.
   const Modes* modes_of(std::string_view model) const;
   const Run* run(std::string_view model, SignalKind load, double alpha) const;
 };

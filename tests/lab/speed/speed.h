@@ -12,8 +12,8 @@
 
 namespace tremolo::bench {
 
-// One measured figure. value, baseline and limit have one unit; what was not measured or does not
-// apply is not-a-number or empty.
+// One measured figure. value, baseline and limit have one unit; one that was not measured or does
+// not apply is not-a-number or empty.
 struct SpeedRow {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::string what;             // "force + tangent + energy, r = 30"
@@ -40,14 +40,14 @@ inline SpeedRow microseconds(std::string what, double seconds, double baseline =
 
 struct SpeedSection {
   std::string title;
-  std::string text;  // what is measured and how
+  std::string text;  // the measured quantity and the method
   std::vector<SpeedRow> rows;
   std::vector<Criterion> criteria;
 };
 
 // The peak rates of one core of this machine, measured in loops that do nothing else.
 struct MachineProbe {
-  std::string vectors;            // "AVX-512", "AVX2", "plain": what the kernels use
+  std::string vectors;            // the kernels' instructions: "AVX-512", "AVX2", "plain"
   double gflops = 0.0;            // double multiply-adds, two operations each, 1e9/s
   double gflops_f32 = 0.0;        // the same in float
   double l2_bandwidth = 0.0;      // read, working set 512 KiB, 1e9 bytes/s
@@ -56,8 +56,8 @@ struct MachineProbe {
 };
 MachineProbe probe_machine();
 
-// Smallest processor time of one call of each, s: `calls` calls a window, `windows` windows. They
-// take turns, so that a noisy time hits all.
+// Smallest processor time of one call of each, s: `calls` calls per window, `windows` windows. They
+// take turns, so that a noisy period affects all.
 using Work = std::function<void()>;
 std::vector<double> by_turns(const std::vector<Work>& works, int calls, int windows);
 

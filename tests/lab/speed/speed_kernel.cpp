@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-// Random coefficients: what is timed does not depend on their values.
+// Random coefficients: the time does not depend on their values.
 Potential random_potential(std::size_t r) {
   std::mt19937_64 generator(r);
   std::normal_distribution<double> normal;

@@ -47,7 +47,7 @@ BasisData dense_data(std::size_t r) {
   return data;
 }
 
-// Work that evaluates `want` of a model that outlives it.
+// Evaluation of `want` for a model that outlives it.
 Work evaluation(const Model& model, unsigned want) {
   const Potential& potential = model.potential();
   return [&potential, want, q = Eigen::VectorXd::Constant(model.modes(), 1e-3).eval(),

@@ -51,7 +51,7 @@ struct TextbookRunner {
   }
 };
 
-// Pushed for 0.3 s so that the loaded vertex goes some 5 % of the size: the default load does.
+// A push of 0.3 s that moves the loaded vertex by some 5 % of the size, as the default load does.
 State shaken_state(const Model::Pointer& model) {
   Body body = or_fail(Body::create(model, "ep4", {.step = kStep}));
   or_fail(body.add_default_load(Signal{.kind = SignalKind::kSquare, .duration = 0.3}));
@@ -103,7 +103,7 @@ constexpr Method kMethods[] = {{"newmark", true},        {"ep4", true},     {"im
                                {"imexv-adaptive", true}, {"verlet", false}, {"verlet4", false}};
 constexpr std::size_t kNewmark = 0, kEp4 = 1, kVerlet = 4;  // in kMethods
 
-// One model and what was measured with it. rows: one a method, in their order.
+// One model and its measurements. rows: one per method, in their order.
 struct StepTest {
   std::string suffix;  // ", heart, r = 30"
   Eigen::Index modes = 0;

@@ -41,7 +41,7 @@ Surface make_surface(int around, int along, Eigen::Index r) {
   return surface;
 }
 
-// One caller's buffers, and what is timed. old_way: a row of doubles at a time.
+// One caller's buffers, and the timed work. old_way: one row of doubles at a time.
 struct Caller {
   const Surface* surface = nullptr;
   const SurfaceBasis* basis = nullptr;

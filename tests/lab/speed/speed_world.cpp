@@ -190,7 +190,7 @@ void measure_detail(const Model::Pointer& model, SpeedSection& section) {
       seconds[0] / kBodies, seconds[1] / kBodies, "imexv-linear, f32 lanes, against all modes"));
 }
 
-// The row of a surface that moved, with what memory and arithmetic allow.
+// The row of a moving surface, with the limits of memory and arithmetic.
 SpeedRow moved_surface(const Model& model, double seconds, double baseline,
                        const MachineProbe& probe) {
   const auto size = static_cast<double>(3 * model.drawn().rest.size());

@@ -20,8 +20,8 @@ namespace {
 
 using CoreName = char* (*)();
 
-// nullptr: there is none. An OpenBLAS that has not recognised the processor is opened once more:
-// what is compared with the textbook would look too good.
+// nullptr: there is none. An OpenBLAS that has not recognised the processor is loaded once more:
+// otherwise the comparison with the textbook would look too good.
 void* open_blas(const char* library) {
   constexpr const char* kVariable = "OPENBLAS_CORETYPE";
   void* handle = ::dlopen(library, RTLD_NOW | RTLD_LOCAL);  // stays open: the process is short
@@ -73,7 +73,7 @@ struct MatrixVector {
 
 namespace {
 
-// Hess V and grad V of what `potential` is made of, at q: probes from which the tables are read.
+// Hess V and grad V of the parts of `potential`, at q: probes from which the tables are read.
 struct Probe {
   const Potential& potential;
   PotentialWorkspace workspace = potential.make_workspace();
@@ -87,9 +87,8 @@ struct Probe {
 
 }  // namespace
 
-// The tables are read off the potential by evaluating its tangent, a quadratic polynomial in q, at
-// 0,
-// +-e_i and e_i + e_j: what the textbook multiplies is then known to be the same polynomial.
+// The tables are read from the potential by evaluating its tangent, a quadratic polynomial in q, at
+// 0, +-e_i and e_i + e_j: the textbook then certainly multiplies the same polynomial.
 Textbook::Textbook(const Potential& potential) : r_(potential.size()) {
   const std::size_t r = r_;
   const Index pairs = pair_count(r);

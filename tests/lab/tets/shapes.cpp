@@ -76,7 +76,7 @@ TetsSurface boundary_places(const TetMesh& mesh) {
   return points;
 }
 
-// Stem and cap are what is left of a box of cells.
+// Stem and cap are cut out of a box of cells.
 TetMesh mushroom_mesh(int cells) {
   const int across = 3 * cells;
   const TetMesh box =

@@ -1,4 +1,4 @@
-// Bodies of tetrahedra as a part of a report: what adaptive edges save, and what they cost.
+// Bodies of tetrahedra as a part of a report: benefit and cost of adaptive edges.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace tremolo::tets {
 
-// Adds the section with tets.csv; the runs are in the store. Returns what was promised and
-// measured. Throws a Failure.
+// Adds the section with tets.csv; the runs are in the store. Returns the criteria with their
+// measurements. Throws a Failure.
 std::vector<Criterion> add_tets_section(Report& report, const Store& store);
 
 }  // namespace tremolo::tets

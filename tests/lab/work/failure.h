@@ -1,5 +1,5 @@
-// Errors of the laboratory: a part that cannot go on throws a Failure; main prints its message and
-// returns its exit code.
+// Errors of the laboratory: a part that cannot continue throws a Failure; main prints its message
+// and returns its exit code.
 #pragma once
 
 #include <stdexcept>

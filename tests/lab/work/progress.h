@@ -13,25 +13,25 @@
 
 namespace tremolo {
 
-// wanted: number of threads, 0 for all cores.
+// wanted: requested number of threads, 0 for all cores.
 inline unsigned thread_count(unsigned wanted) {
   return wanted > 0 ? wanted : std::max(1u, std::thread::hardware_concurrency());
 }
 
 // Calls work(i) for each i below count. A line every ten seconds and at the end says "what:
-// finished of count". What a piece throws is thrown here once the threads have stopped.
+// finished of count". An exception of a piece is rethrown once the threads have stopped.
 template <class Work>
 void for_all(const std::string& what, std::size_t count, unsigned threads, const Work& work) {
   std::mutex mutex;
   std::size_t finished = 0;
-  auto told = std::chrono::steady_clock::now();
+  auto last_report = std::chrono::steady_clock::now();
   parallel_for(count, threads, [&](std::size_t i) {
     work(i);
     const std::lock_guard lock(mutex);
     ++finished;
     const auto now = std::chrono::steady_clock::now();
-    if (finished < count && now - told < std::chrono::seconds(10)) return;
-    told = now;
+    if (finished < count && now - last_report < std::chrono::seconds(10)) return;
+    last_report = now;
     tell("tremolo: {}: {} of {}\n", what, finished, count);
   });
 }

@@ -1,5 +1,5 @@
 // Results that survive an interruption: one small file for each piece of work, so that a second
-// start skips what has been done.
+// start skips finished pieces.
 #pragma once
 
 #include <functional>
@@ -45,8 +45,8 @@ class Store {
 };
 
 // The two archives of `fields`. Members may be numbers, texts, vectors of numbers, an optional
-// double, or structs with `fields` of their own. A double that is not finite comes back as
-// not-a-number, of an optional as empty.
+// double, or structs with their own `fields`. A double that is not finite is read back as
+// not-a-number, an optional as empty.
 struct FieldWriter {
   nlohmann::json json = nlohmann::json::object();
 

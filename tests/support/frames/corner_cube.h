@@ -1,4 +1,4 @@
-// A cube whose corners are all of its mass, for what the size of a body means in contact.
+// A cube whose mass is in its corners, for the effect of a body's size in contact.
 #pragma once
 
 #include <gtest/gtest.h>

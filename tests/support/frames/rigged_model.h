@@ -1,5 +1,5 @@
-// A bar of tetrahedra that can hang on bones, and its mass as points, by which what bones do to it
-// is known otherwise.
+// A bar of tetrahedra that can be attached to bones, and its mass as points, which gives the effect
+// of the bones by other means.
 #pragma once
 
 #include <cmath>

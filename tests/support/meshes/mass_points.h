@@ -1,7 +1,7 @@
-// The mass of a tetrahedral mesh as many points, for tests of what the project integrates in
-// closed form: Gauss points of a cube that is mapped onto each tetrahedron, exact for polynomials
-// of degree six and more, and the fields at them by the nodal shape functions, l (2l - 1) and
-// 4 l l' for order 2, instead of the project's Bernstein polynomials.
+// The mass of a tetrahedral mesh as many points, for tests of closed-form integrals: Gauss points
+// of a cube that is mapped onto each tetrahedron, exact for polynomials of degree six and more, and
+// the fields at them by the nodal shape functions, l (2l - 1) and 4 l l' for order 2, instead of
+// the project's Bernstein polynomials.
 #pragma once
 
 #include <array>

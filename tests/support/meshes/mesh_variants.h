@@ -14,7 +14,7 @@
 
 namespace tremolo::testing {
 
-// files: {name, bytes}; the first is the one to read. sets: the node sets that must come out.
+// files: {name, bytes}; the first is the one to read. sets: the expected node sets.
 struct MeshVariant {
   std::string name;
   std::vector<std::pair<std::string, std::string>> files;

@@ -44,8 +44,8 @@ inline TetMesh random_box(Random& random) {
   return renumbered(mesh, random_permutation(mesh.vertices.size(), random));
 }
 
-// An even permutation of the corners keeps the orientation, an odd one turns it round. Returns how
-// many were turned round.
+// An even permutation of the corners keeps the orientation, an odd one reverses it. Returns the
+// number of reversed elements.
 inline std::size_t shuffle_corners(TetMesh& mesh, bool keep_orientation, Random& random) {
   std::size_t turned = 0;
   for (Tetrahedron& tet : mesh.tetrahedra) {

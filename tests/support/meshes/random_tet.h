@@ -77,7 +77,7 @@ inline Eigen::Vector3d torque_of(const NodeVectors& x, const NodeVectors& f) {
   return sum;
 }
 
-// sum |x_i x f_i|: what a torque is measured against.
+// sum |x_i x f_i|: the scale for torques.
 inline double torque_scale(const NodeVectors& x, const NodeVectors& f) {
   double sum = 0.0;
   for (Eigen::Index i = 0; i < x.cols(); ++i)

@@ -1,4 +1,4 @@
-// Text decks: Abaqus, Nastran, TetGen and VegaFEM, and what Gmsh and meshio write of them.
+// Text decks: Abaqus, Nastran, TetGen and VegaFEM, in the forms of Gmsh and meshio.
 #pragma once
 
 #include "tests/support/meshes/forms/form_mesh.h"
@@ -24,7 +24,7 @@ inline std::string inp_elements(const FormBar& bar, int half, const std::string&
   return text;
 }
 
-// Ten ids on a line, each with a comma behind it, as Gmsh writes sets.
+// Ten ids on a line, each followed by a comma, as Gmsh writes sets.
 inline std::string inp_list(const std::vector<std::size_t>& ids) {
   std::string text;
   for (std::size_t n = 0; n < ids.size(); ++n)
@@ -56,8 +56,8 @@ inline std::string inp_of_meshio() {
          "*NSET, NSET=foot\n" + joined(bar.foot, ",", 1) + "\n";
 }
 
-// As Abaqus/CAE writes: a part in its own place, an instance, sections, sets of the assembly, and a
-// step behind it all.
+// The form of Abaqus/CAE: a part at its own position, an instance, sections, sets of the assembly,
+// and a step at the end.
 inline std::string inp_of_cae() {
   const FormBar bar;
   const std::size_t low = bar.tets_of_half(0).size();
@@ -84,7 +84,7 @@ inline std::string inp_of_cae() {
          " 1e+06, 0.3\n** STEP: one\n*Step, name=one, nlgeom=NO\n*Static\n1., 1.\n*End Step\n";
 }
 
-// Ten nodes: Abaqus breaks the line behind the ninth or wherever the writer likes.
+// Ten nodes: Abaqus breaks the line after the ninth; other writers break it anywhere.
 inline std::string inp_quadratic() {
   const QuadraticBar bar;
   std::string text = "*HEADING\nten nodes\n" + inp_nodes(bar.mesh, {0, 0, 0}, "*NODE, NSET=ALL") +
