@@ -39,7 +39,7 @@ for basis in '1 2' '3 6' '5 15' '10 30'; do
       --gravity "0,-$(gravity "$load"),0" --compare "$out/basis_$r.tremolo"
     off=$(field "reduced_${r}_$load" error_of_largest)
     what="load $load: shape, $k modes, $r coordinates, off full"
-    if [ "$r" = 30 ]; then off_full "$what" "$off" 0.5; else told "$what" "$(percent "$off")"; fi
+    if [ "$r" = 30 ]; then off_full "$what" "$off" 0.5; else shown "$what" "$(percent "$off")"; fi
   done
 done
 finish

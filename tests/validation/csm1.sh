@@ -35,6 +35,6 @@ for basis in '1 2' '3 6' '5 15'; do
     --gravity 0,-2,0 --probe "$wide_end" --compare "$out/basis_$r.tremolo" --json
   off=$(field "reduced_$r" error_of_largest)
   what="shape, $k modes, $r coordinates, off full"
-  if [ "$r" = 15 ]; then off_full "$what" "$off" 0.1; else told "$what" "$(percent "$off")"; fi
+  if [ "$r" = 15 ]; then off_full "$what" "$off" 0.1; else shown "$what" "$(percent "$off")"; fi
 done
 finish

@@ -35,7 +35,7 @@ for model in full:u reduced:r; do
   for row in 'u_x mean:x:1' 'u_x amplitude:x:2' 'u_y mean:y:1' 'u_y amplitude:y:2' 'frequency:y:3'; do
     IFS=: read -r name axis column <<<"$row"
     within "$name, $what" "$(average "${model}_$axis" "$column")" "$(published "$name")" $bound
-    [ $model = reduced ] || told "$name, single oscillations" "$(range "full_$axis" "$column")"
+    [ $model = reduced ] || shown "$name, single oscillations" "$(range "full_$axis" "$column")"
   done
 done
 off_full "shape, $k modes, $r coordinates, off full" "$(field both error_of_largest)" 1

@@ -42,7 +42,7 @@ reduced() {
       --load-force "0,$(force "$load"),0" --compare "$out/${mesh}_$r.tremolo"
     off=$(field "reduced_${mesh}_${r}_$load" error_of_largest)
     what="${prefix}P = $load: shape, $k modes, $r coordinates, off full"
-    if [ "$r" = 15 ]; then off_full "$what" "$off" 0.2; else told "$what" "$(percent "$off")"; fi
+    if [ "$r" = 15 ]; then off_full "$what" "$off" 0.2; else shown "$what" "$(percent "$off")"; fi
   done
 }
 reduced '' "strip_$((n / 2))" "$loads" 1 2

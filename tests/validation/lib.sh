@@ -95,11 +95,11 @@ at_most() {
 # elements it has no criterion: their lowest modes include the strips' torsions, which linear
 # elements lock out, and as many coordinates bend less.
 off_full() {
-  if [ "${ORDER:-1}" = 1 ]; then at_most "$@"; else told "$1" "$(percent "$2")"; fi
+  if [ "${ORDER:-1}" = 1 ]; then at_most "$@"; else shown "$1" "$(percent "$2")"; fi
 }
 
-# told WHAT TEXT: a row without a criterion.
-told() { printf '%s\t%s\t%s\t\t\t\ttold\n' "$case_name" "$1" "$2" >>"$rows"; }
+# shown WHAT TEXT: a row without a criterion.
+shown() { printf '%s\t%s\t%s\t\t\t\tshown\n' "$case_name" "$1" "$2" >>"$rows"; }
 
 percent() { calc "100 * $1" | awk '{ printf "%.2g %%\n", $1 }'; }
 
@@ -116,7 +116,7 @@ orderly() {
   elif [ -n "${smooth-}" ]; then
     between "$1" "$2" 3.3 4.2
   else
-    told "$1" "$2"
+    shown "$1" "$2"
   fi
 }
 

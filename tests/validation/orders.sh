@@ -36,11 +36,11 @@ compare() {
     $1 == body && $2 == 1 { d1 = d2; t1 = t2; e1 = e2; d2 = $4; t2 = $5; e2 = size($6) }
     $1 == body && $2 == 2 { n++; d[n] = $4; t[n] = $5; e[n] = size($6) }
     END { m = n > 2 ? n - 1 : n; print d[m], t[m], e[m], line(d[m], d1, d2), line(t[m], t1, t2) }' "$points")
-  told "$1: linear, as many unknowns" "$(percent "$equal_size") off"
-  told "$1: linear, as much time" "$(percent "$equal_time") off"
+  shown "$1: linear, as many unknowns" "$(percent "$equal_size") off"
+  shown "$1: linear, as much time" "$(percent "$equal_time") off"
   if [ "$1" = CSM3 ]; then
     # The published value is for one oscillation, and oscillations differ by 0.3 %.
-    told "$1: quadratic, $unknowns unknowns, $time s" "$(percent "$off") off"
+    shown "$1: quadratic, $unknowns unknowns, $time s" "$(percent "$off") off"
   else
     bound=$equal_size
     [ -n "$short" ] || bound=$(calc "$equal_size < $equal_time ? $equal_size : $equal_time")

@@ -37,10 +37,10 @@ study() {
   shift 4
   for n in "${levels[@]}"; do
     lowest "$body" "${mesh}_$n" "$n" 1 "$unit" "$expected" "$@"
-    told "$body, $n cells, linear" "$(percent "($first / $expected - 1)") off"
+    shown "$body, $n cells, linear" "$(percent "($first / $expected - 1)") off"
     lowest "$body" "${mesh}_$n" "$n" 2 "$unit" "$expected" "$@"
     [ "$n" = "${levels[-1]}" ] ||
-      told "$body, $n cells, quadratic" "$(percent "($first / $expected - 1)") off"
+      shown "$body, $n cells, quadratic" "$(percent "($first / $expected - 1)") off"
   done
   within "$body, $n cells, quadratic" "$first" "$expected" "$bound"
 }
