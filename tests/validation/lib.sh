@@ -99,7 +99,7 @@ off_full() {
 }
 
 # shown WHAT TEXT: a row without a criterion.
-shown() { printf '%s\t%s\t%s\t\t\t\tshown\n' "$case_name" "$1" "$2" >>"$rows"; }
+shown() { printf '%s\t%s\t%s\t\t\t\ttold\n' "$case_name" "$1" "$2" >>"$rows"; }
 
 percent() { calc "100 * $1" | awk '{ printf "%.2g %%\n", $1 }'; }
 
