@@ -1,5 +1,5 @@
 # A room is a folder at the top level with one or more targets. Its headers are included as
-# "room/header.h", from the tree and from an installed package alike.
+# "room/header.h", from the tree and from an installed package.
 function(tremolo_room target alias)
   add_library(tremolo::${alias} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${alias} OUTPUT_NAME tremolo_${alias})

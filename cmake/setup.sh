@@ -1,4 +1,4 @@
-# Shared by ./demo and ./check: what must be installed, and how the build is made.
+# Functions of ./demo and ./check: the packages they need, and the build.
 # Source it from the top of the repository.
 
 say() { printf '\n== %s\n' "$*"; }
@@ -12,13 +12,13 @@ packages_build="g++ cmake make ninja-build pkg-config libeigen3-dev libxxhash-de
 packages_mesher="libcgal-dev"  # of tremolo-mesh alone
 # Of tremolo-view alone; the last two draw without a graphics card.
 packages_view="libglfw3-dev libimgui-dev libepoxy-dev libegl-dev libpng-dev libegl-mesa0 libgl1-mesa-dri"
-# gnuplot-nox draws pictures of `tremolo plot`. The three behind it hold surfaces for tests/corpus:
-# 52 MB to load.
+# gnuplot-nox draws pictures of `tremolo plot`. The next three contain surfaces for tests/corpus:
+# 52 MB to download.
 # Xvfb and xdotool are a display and a mouse for the window of tremolo-view, ffmpeg makes its films.
 packages_test="libgtest-dev gnuplot-nox libcgal-demo assimp-testmodels glmark2-data xvfb xdotool ffmpeg"
 packages_fuzz="clang libclang-rt-14-dev"  # the fuzzers of ./check --full
-# Programs that read what `tremolo export` writes: ./check --full. Blender asks for numpy. Whoever has node or
-# npm keeps his own.
+# Programs that read the files of `tremolo export`: ./check --full. Blender needs numpy. An installed node or
+# npm is kept.
 packages_readers="python3-vtk9 blender python3-numpy"
 # The engine in a page: ./demo --live, ./check --full.
 packages_web="emscripten node-acorn"
@@ -26,10 +26,10 @@ packages_browser="chromium"
 command -v node >/dev/null || packages_readers="$packages_readers nodejs"
 command -v npm >/dev/null || packages_readers="$packages_readers npm"
 
-# apt_get WORD...: apt-get as root, of whose errors is told only what is left. Another program that holds a lock
-# of apt's, as unattended-upgrades or a second terminal does, is waited for and told.
+# apt_get WORD...: apt-get as root, which prints only its errors. It waits, and says so, while another program
+# holds a lock of apt (unattended-upgrades, or a second terminal).
 apt_get() {
-  local errors told= root=()
+  local errors reported= root=()
   [ "$(id -u)" = 0 ] || root=(sudo)
   errors=$(mktemp)
   until "${root[@]}" env LC_ALL=C DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=0 -q=2 "$@" \
@@ -39,8 +39,8 @@ apt_get() {
       rm -f "$errors"
       return 1
     fi
-    [ -n "$told" ] || say "another program holds apt ($(grep -m 1 -E 'lock' "$errors")): waiting for it"
-    told=yes
+    [ -n "$reported" ] || say "another program holds apt ($(grep -m 1 -E 'lock' "$errors")): waiting for it"
+    reported=yes
     sleep 2
   done
   rm -f "$errors"
@@ -108,7 +108,7 @@ precompute() {
     -o "$out" 2>"$log" || { cat "$log" >&2; give_up "the precompute of $name failed"; }
 }
 
-# make_collider MESH: the distances of its boundary on a grid, likewise.
+# make_collider MESH: makes the file of distances of its boundary, unless it is newer.
 make_collider() {
   local mesh=assets/meshes/$1.msh out=build/models/$1.collider
   mkdir -p build/models
@@ -117,8 +117,8 @@ make_collider() {
     { cat "build/models/$1.collider.log" >&2; give_up "the collider of $1 failed"; }
 }
 
-# make_tets MESH: the file of tetrahedra for a body of kind "tets", likewise; the surface that a recipe draws
-# for it is made on the way.
+# make_tets MESH: makes the file of tetrahedra for a body of kind "tets", unless it is newer. A recipe first draws
+# its surface.
 make_tets() {
   local mesh=assets/meshes/${1%%-*}.msh config=assets/models/$1-tets.toml out=build/models/$1.tets source
   local recipe=assets/recipes/${1%%-*}.awk
@@ -132,5 +132,5 @@ make_tets() {
     { cat "build/models/$1.tets.log" >&2; give_up "the file of tetrahedra of $1 failed"; }
 }
 
-# MPI refuses to start more ranks than cores, or as root, unless told that it may.
+# MPI refuses to start more ranks than cores, or as root, without permission.
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
