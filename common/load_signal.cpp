@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "common/decimal.h"
+#include "common/text.h"
 
 namespace tremolo {
 namespace {

@@ -6,7 +6,9 @@
 // first R coordinates are a prefix: leaving trailing coordinates out means reading less.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
+#include <utility>
 
 namespace tremolo {
 
@@ -91,6 +93,18 @@ constexpr int orderings(std::size_t i, std::size_t j, std::size_t k, std::size_t
     count /= static_cast<int>(run);
   }
   return count;
+}
+
+}  // namespace tremolo
+
+namespace tremolo {
+
+// The integer types of the code and their uses (docs/architecture.md, "Errors, output and integers
+// in code").
+
+// Returns true if `number`, from a file or a user, is an index into `count` things.
+constexpr bool is_index(std::integral auto number, std::size_t count) {
+  return std::cmp_greater_equal(number, 0) && std::cmp_less(number, count);
 }
 
 }  // namespace tremolo

@@ -1,6 +1,8 @@
 // A value or an error, and the exit codes that errors become.
 #pragma once
 
+#include <cerrno>
+#include <cstring>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -79,6 +81,13 @@ Status take(Target& target, Result<Value> result) {
   else
     target.assign(result->begin(), result->end());
   return Success{};
+}
+
+// The error of the last failed system call, from errno: "WHAT: why". ENOMEM has the message of
+// every other lack of memory.
+inline Error os_error(const std::string& what) {
+  const int number = errno;
+  return system_error(what + ": " + (number == ENOMEM ? "out of memory" : std::strerror(number)));
 }
 
 }  // namespace tremolo

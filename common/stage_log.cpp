@@ -5,7 +5,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "common/printable.h"
+#include "common/text.h"
 
 namespace tremolo {
 namespace {

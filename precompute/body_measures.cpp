@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "common/format_text.h"
+#include "common/text.h"
 #include "precompute/problem/material_rules.h"
 #include "precompute/soundness.h"
 

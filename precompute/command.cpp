@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <iostream>
 
-#include "common/printable.h"
+#include "common/text.h"
 #include "formats/basis/basis_writer.h"
 #include "formats/basis/selector_reader.h"
 #include "formats/file/atomic_file.h"

@@ -7,7 +7,6 @@
 #include "precompute/command.h"
 #include "precompute/ranks/session.h"
 #include "precompute/reference/reference_options.h"
-#include "precompute/reference/world/world_run.h"
 #include "precompute/system/blas_room.h"
 #include "precompute/system/blas_threads.h"
 #include "precompute/system/petsc.h"

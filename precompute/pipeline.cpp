@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "common/format_text.h"
+#include "common/text.h"
 #include "precompute/body_measures.h"
 #include "precompute/pipeline_stages.h"
 #include "precompute/problem/model_geometry.h"

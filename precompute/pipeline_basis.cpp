@@ -1,8 +1,8 @@
 // Stages "target", "basis" and "coefficients".
 #include <utility>
 
-#include "common/format_text.h"
 #include "common/packed_index.h"
+#include "common/text.h"
 #include "precompute/body_measures.h"
 #include "precompute/dense/dense_decompositions.h"
 #include "precompute/pipeline_stages.h"

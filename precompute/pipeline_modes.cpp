@@ -1,6 +1,6 @@
 // Stages "matrices", "modes", "derivatives" and "certificate".
-#include "common/format_text.h"
-#include "common/hertz.h"
+#include "common/text.h"
+#include "common/units.h"
 #include "precompute/body_measures.h"
 #include "precompute/dense/lanes.h"
 #include "precompute/modes/block_lanczos.h"

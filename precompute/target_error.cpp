@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "common/format_text.h"
+#include "common/text.h"
 #include "precompute/system/failure.h"
 #include "precompute/system/petsc.h"
 

@@ -4,7 +4,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "common/format_text.h"
+#include "common/text.h"
 #include "precompute/ranks/halo.h"
 #include "precompute/reduction/coefficients.h"
 #include "precompute/reference/full/full_order_solver.h"

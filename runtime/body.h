@@ -19,7 +19,7 @@
 #include "runtime/energy_bound.h"
 #include "runtime/frames/driven_frame.h"
 #include "runtime/frames/free_frame.h"
-#include "runtime/frames/point_force.h"
+#include "runtime/frames/step_coupling.h"
 #include "runtime/integrator.h"
 #include "runtime/load.h"
 #include "runtime/model.h"

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <string>
 
-#include "common/mesh/vertex_lookup.h"
-#include "common/number_text.h"
+#include "common/mesh/surface_mesh.h"
+#include "common/text.h"
 #include "runtime/body.h"
 
 namespace tremolo {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "common/number_text.h"
+#include "common/text.h"
 #include "runtime/body.h"
 
 namespace tremolo {

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "runtime/skeleton/bone_inertia.h"
+#include "runtime/skeleton/bone_weights.h"
 
 namespace tremolo {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "common/number_text.h"
+#include "common/text.h"
 
 namespace tremolo {
 

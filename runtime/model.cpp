@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "common/hash.h"
-#include "common/mesh/vertex_lookup.h"
-#include "common/number_text.h"
+#include "common/mesh/surface_mesh.h"
 #include "common/packed_index.h"
+#include "common/text.h"
 #include "formats/basis/basis_layout.h"
 #include "formats/basis/basis_reader.h"
 #include "runtime/display/interior_rows.h"

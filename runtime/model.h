@@ -16,7 +16,7 @@
 #include "formats/basis/basis_data.h"
 #include "runtime/display/surface_tree.h"
 #include "runtime/kernels/potential.h"
-#include "runtime/values/vertex_rows.h"
+#include "runtime/values/state.h"
 
 namespace tremolo {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/restore_state.h"
 #include "common/result.h"
+#include "common/state_stream.h"
 #include "formats/saved/saved_file.h"
 
 namespace tremolo {

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <string>
 
-#include "common/number_text.h"
+#include "common/text.h"
 
 namespace tremolo {
 namespace {

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <string_view>
 
 #include <Eigen/Core>
 
 #include "common/mesh/tet_mesh.h"
+#include "common/result.h"
 
 namespace tremolo {
 
@@ -28,5 +30,11 @@ Recipe bridge_recipe();
 Recipe horse_recipe();
 Recipe tower_recipe();
 Recipe heart_recipe();
+
+// "beam basket bridge horse tower heart"
+std::string recipe_names();
+
+// kUsage for an unknown name.
+Result<Recipe> find_recipe(std::string_view name);
 
 }  // namespace tremolo

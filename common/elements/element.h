@@ -17,6 +17,7 @@
 
 #include <Eigen/Core>
 
+#include "common/elements/elasticity.h"
 #include "common/mesh/edge_points.h"
 
 namespace tremolo {
@@ -59,5 +60,62 @@ constexpr double weight_share(int order) {
 // negative, those of order 2 continue linearly from the nearest point inside, so that a surface
 // that is a little outside of the mesh does not swing.
 std::array<double, kMostNodes> polynomials_at(int order, const std::array<double, 4>& lambda);
+
+// The displacement gradient of one element and the conjugate stress (element.h): a field has one
+// coefficient for order 1 and four for order 2, and a sample point combines them.
+
+// The coefficients G_a of one element: 1 (order 1) or 4.
+struct GradientField {
+  int count = 1;
+  std::array<Eigen::Matrix3d, 4> at;
+
+  Eigen::Matrix3d operator()(const SamplePoint& point) const;
+};
+
+// Returns the gradient of a field with the control values control(0), control(1), .. of the
+// element's nodes; of positions in space it is the deformation gradient F.
+template <class Control>
+GradientField gradient_field(const ElementGeometry& element, int order, const Control& control) {
+  const Eigen::Matrix<double, 4, 3> gradients = element.gradients.transpose();
+  GradientField field;
+  field.count = order == 1 ? 1 : 4;
+  Eigen::Matrix<double, 3, 4> around;
+  for (int a = 0; a < field.count; ++a) {
+    for (int b = 0; b < 4; ++b) around.col(b) = control(field.count == 1 ? b : kNodeAt[a][b]);
+    field.at[a] = around * gradients;
+    if (field.count > 1) field.at[a] *= 2.0;
+  }
+  return field;
+}
+
+// Forces on the nodes of an element, N, one column a node.
+using NodeForces = NodeGradients;
+
+// Sum over samples of weight times first Piola-Kirchhoff stress, J, which is conjugate to the
+// coefficients G_a: add() one sample, forces() on the nodes at the end.
+struct PiolaField {
+  int count = 1;
+  std::array<Eigen::Matrix3d, 4> at;
+
+  explicit PiolaField(int order);
+  void add(const SamplePoint& point, const Eigen::Matrix3d& weighted);
+  NodeForces forces(const ElementGeometry& element) const;
+};
+
+// The stiffness of one element at rest (docs/theory.md, section "Elements"):
+//   K = sum_s share_s V B_s^T C B_s,
+// where B_s maps the control values of the nodes to the strain at sample point s, and the four
+// points of order 2 make the sum exact. The precompute assembles these blocks, the engine turns
+// them with each element: there is one source for both.
+
+// The geometry of the tetrahedron with these corners, m. Its volume is positive where det[x1-x0,
+// x2-x0, x3-x0] is; a flat one has no gradients (infinite), which check_mesh has refused.
+ElementGeometry element_geometry(const std::array<Eigen::Vector3d, 4>& corners);
+
+// Rows and columns 3*node + axis, N/m.
+using ElementStiffness = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
+                                       3 * kMostNodes, 3 * kMostNodes>;
+ElementStiffness rest_stiffness(const ElementGeometry& geometry, const Elasticity& elasticity,
+                                int order);
 
 }  // namespace tremolo

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <vector>
 
-#include "common/mesh/mesh_parts.h"
+#include "common/mesh/mesh_check.h"
 
 namespace tremolo {
 namespace {

@@ -1,6 +1,7 @@
-// Points in the cells of a grid, found by their position.
+// What lies near each other, and sets of what belongs together.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <unordered_map>
 #include <vector>
@@ -9,8 +10,9 @@
 
 namespace tremolo {
 
-// Cells are as wide as the largest distance of a query, so that only the 27 around a point matter.
-// Ids count the points in the order of their addition.
+// Points in the cells of a grid, found by their position. Cells are as wide as the largest distance
+// of a query, so that only the 27 around a point matter. Ids count the points in the order of their
+// addition.
 class PointCells {
  public:
   explicit PointCells(double width) : width_(width) {}
@@ -59,5 +61,22 @@ class PointCells {
   std::vector<Eigen::Vector3d> points_;
   std::unordered_map<std::uint64_t, std::vector<std::int32_t>> ids_;
 };
+
+// The smallest number of the set, if sets are joined by join_sets() only; halves the path to it.
+template <class Id>
+Id root_of(std::vector<Id>& parent, Id id) {
+  while (parent[id] != id) {
+    parent[id] = parent[parent[id]];
+    id = parent[id];
+  }
+  return id;
+}
+
+template <class Id>
+void join_sets(std::vector<Id>& parent, Id a, Id b) {
+  a = root_of(parent, a);
+  b = root_of(parent, b);
+  parent[std::max(a, b)] = std::min(a, b);
+}
 
 }  // namespace tremolo

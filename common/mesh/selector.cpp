@@ -8,7 +8,7 @@
 #include <sstream>
 #include <utility>
 
-#include "common/index.h"
+#include "common/packed_index.h"
 
 namespace tremolo {
 namespace {

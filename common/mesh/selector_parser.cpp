@@ -9,9 +9,8 @@
 #include <type_traits>
 #include <utility>
 
-#include "common/decimal.h"
-#include "common/format_text.h"
 #include "common/mesh/selector.h"
+#include "common/text.h"
 
 namespace tremolo {
 namespace {

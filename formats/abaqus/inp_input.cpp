@@ -1,8 +1,7 @@
-#include "formats/abaqus/inp_input.h"
-
 #include <vector>
 
-#include "common/format_text.h"
+#include "common/text.h"
+#include "formats/abaqus/inp_model.h"
 
 namespace tremolo {
 namespace {

@@ -6,8 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "common/format_text.h"
-#include "formats/abaqus/inp_input.h"
+#include "common/text.h"
 #include "formats/abaqus/inp_model.h"
 
 namespace tremolo {

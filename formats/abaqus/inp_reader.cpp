@@ -3,11 +3,11 @@
 #include <optional>
 #include <utility>
 
-#include "common/format_text.h"
-#include "formats/file/text_scanner.h"
+#include "common/text.h"
 #include "formats/abaqus/inp_model.h"
+#include "formats/file/scanner.h"
 #include "formats/mesh/mesh_builder.h"
-#include "formats/mesh/mesh_formats.h"
+#include "formats/mesh/mesh_reader.h"
 
 namespace tremolo {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "common/inertia_integrals.h"
+#include "common/energy.h"
 #include "common/mesh/render_surface.h"
 #include "common/mesh/surface_mesh.h"
 #include "common/mesh/tet_mesh.h"

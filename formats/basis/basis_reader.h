@@ -13,7 +13,6 @@
 #include "common/result.h"
 #include "formats/basis/basis_data.h"
 #include "formats/basis/basis_layout.h"
-#include "formats/basis/basis_sections.h"
 #include "formats/sections/section_file.h"
 
 namespace tremolo {

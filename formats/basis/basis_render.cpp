@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/index.h"
+#include "common/packed_index.h"
 #include "formats/basis/basis_reader.h"
 #include "formats/surface/flat_rig.h"
 

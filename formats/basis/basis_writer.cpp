@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "formats/basis/basis_sections.h"
+#include "formats/basis/basis_layout.h"
 #include "formats/basis/compact_values.h"
 #include "formats/sections/section_writer.h"
 #include "formats/surface/flat_rig.h"

@@ -5,9 +5,9 @@
 #include <utility>
 #include <variant>
 
-#include "common/index.h"
-#include "formats/file/text_scanner.h"
-#include "formats/file/whole_file.h"
+#include "common/packed_index.h"
+#include "formats/file/input_file.h"
+#include "formats/file/scanner.h"
 
 namespace tremolo {
 namespace {

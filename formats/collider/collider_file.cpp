@@ -4,7 +4,6 @@
 #include <array>
 #include <utility>
 
-#include "formats/collider/collider_layout.h"
 #include "formats/sections/section_file.h"
 #include "formats/sections/section_writer.h"
 

@@ -14,9 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "formats/file/os_error.h"
+#include "common/result.h"
 #include "formats/file/output_guard.h"
-#include "formats/file/partial_file.h"
 
 namespace tremolo {
 

@@ -19,7 +19,7 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
-#include "formats/file/mapped_file.h"
+#include "formats/file/input_file.h"
 
 namespace tremolo {
 

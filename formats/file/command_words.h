@@ -9,8 +9,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "common/printable.h"
 #include "common/result.h"
+#include "common/text.h"
 #include "formats/file/standard_streams.h"
 
 namespace tremolo {

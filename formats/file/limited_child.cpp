@@ -16,8 +16,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "common/number_text.h"
-#include "formats/file/os_error.h"
+#include "common/result.h"
+#include "common/text.h"
 
 namespace tremolo {
 namespace {

@@ -15,10 +15,9 @@
 #include <unordered_set>
 #include <utility>
 
+#include "common/result.h"
 #include "formats/file/atomic_file.h"
-#include "formats/file/mapped_file.h"
-#include "formats/file/os_error.h"
-#include "formats/file/partial_file.h"
+#include "formats/file/input_file.h"
 
 namespace tremolo {
 namespace {

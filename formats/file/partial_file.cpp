@@ -1,5 +1,3 @@
-#include "formats/file/partial_file.h"
-
 #include <algorithm>
 #include <cerrno>
 #include <fcntl.h>
@@ -11,6 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 #include <vector>
+
+#include "formats/file/atomic_file.h"
 
 namespace tremolo {
 namespace {

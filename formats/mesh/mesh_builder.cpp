@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "formats/mesh/cut_cells.h"
+#include "formats/mesh/mesh_cells.h"
 
 namespace tremolo {
 

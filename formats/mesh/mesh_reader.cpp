@@ -3,10 +3,9 @@
 #include <filesystem>
 #include <string_view>
 
-#include "common/format_text.h"
-#include "formats/file/text_scanner.h"
-#include "formats/file/whole_file.h"
-#include "formats/mesh/mesh_formats.h"
+#include "common/text.h"
+#include "formats/file/input_file.h"
+#include "formats/file/scanner.h"
 
 namespace tremolo {
 namespace {

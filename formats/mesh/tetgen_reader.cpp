@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <string>
 
-#include "formats/file/text_scanner.h"
-#include "formats/file/whole_file.h"
+#include "formats/file/input_file.h"
+#include "formats/file/scanner.h"
 #include "formats/mesh/mesh_builder.h"
-#include "formats/mesh/mesh_formats.h"
+#include "formats/mesh/mesh_reader.h"
 
 namespace tremolo {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "formats/msh/msh_versions.h"
+#include "formats/msh/msh_input.h"
 
 namespace tremolo {
 namespace {

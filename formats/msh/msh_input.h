@@ -3,12 +3,17 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <set>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "common/result.h"
-#include "formats/file/byte_scanner.h"
-#include "formats/file/text_scanner.h"
+#include "formats/file/scanner.h"
+#include "formats/mesh/mesh_builder.h"
 
 namespace tremolo {
 
@@ -65,5 +70,48 @@ class MshInput {
   bool swap_ = false;
   bool in_bytes_ = false;
 };
+
+// A group of dimension 0 to 3 with a tag; its set holds the vertices of all its elements. Its name
+// is its physical name, or "point 7", "curve 7", "surface 7", "volume 7" without one, with "
+// (unnamed)" appended if another group has that name.
+class MshGroups {
+ public:
+  // The body of $PhysicalNames.
+  bool read_names(MshInput& input);
+  // Signs of tags are orientations and do not matter; tag 0 is no group.
+  void add(int dimension, std::int64_t tag, std::span<const VertexId> vertices);
+  // The name of a group.
+  std::string name(int dimension, std::int64_t tag) const;
+  // volume_of_tet: the tag of each tetrahedron's volume group, 0 for none: the regions. Keeps none
+  // of the members: large sets shall not be in memory twice.
+  void give_to(MeshBuilder& builder, std::span<const std::int64_t> volume_of_tet);
+
+ private:
+  using Key = std::pair<int, std::int64_t>;
+  std::map<Key, std::string> names_;
+  std::set<std::string> given_;
+  std::map<Key, std::vector<VertexId>> members_;
+};
+
+// Dimension of the cells of an MSH element type.
+int msh_dimension(std::int64_t type);
+
+// The sections of an MSH file that differ between the versions. The input is positioned after the
+// section's name; the Status gives the error with its position.
+
+// Version 2: groups are tags of the elements. volume_of_tet: the tag of each tetrahedron kept, the
+// first if it has several, 0 without one.
+Status read_msh2_nodes(MshInput& input, MeshBuilder& builder);
+Status read_msh2_elements(MshInput& input, MeshBuilder& builder, MshGroups& groups,
+                          std::vector<std::int64_t>& volume_of_tet);
+
+// Version 4.1: groups are tags of the entities, {dimension, tag} -> physical tags.
+using MshEntities = std::map<std::pair<int, std::int64_t>, std::vector<std::int64_t>>;
+// partitioned: the section is $PartitionedEntities, whose entities are parts of those in $Entities
+// and have the groups of the whole.
+Status read_msh4_entities(MshInput& input, bool partitioned, MshEntities& entities);
+Status read_msh4_nodes(MshInput& input, MeshBuilder& builder);
+Status read_msh4_elements(MshInput& input, const MshEntities& entities, MeshBuilder& builder,
+                          MshGroups& groups, std::vector<std::int64_t>& volume_of_tet);
 
 }  // namespace tremolo

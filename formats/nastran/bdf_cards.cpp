@@ -4,9 +4,8 @@
 #include <charconv>
 #include <utility>
 
-#include "common/decimal.h"
-#include "common/format_text.h"
-#include "formats/file/text_scanner.h"
+#include "common/text.h"
+#include "formats/file/scanner.h"
 
 namespace tremolo {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
-#include "formats/file/text_scanner.h"
+#include "formats/file/scanner.h"
 #include "formats/mesh/mesh_builder.h"
-#include "formats/mesh/mesh_formats.h"
+#include "formats/mesh/mesh_reader.h"
 #include "formats/nastran/bdf_cards.h"
 
 namespace tremolo {

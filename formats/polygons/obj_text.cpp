@@ -1,5 +1,3 @@
-#include "formats/polygons/obj_text.h"
-
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -9,7 +7,8 @@
 #include <unordered_map>
 #include <utility>
 
-#include "formats/file/text_scanner.h"
+#include "formats/file/scanner.h"
+#include "formats/polygons/polygon_mesh.h"
 
 namespace tremolo {
 namespace {

@@ -1,12 +1,11 @@
-#include "formats/polygons/off_polygons.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
 
-#include "common/decimal.h"
+#include "common/text.h"
 #include "formats/polygons/off_text.h"
+#include "formats/polygons/polygon_mesh.h"
 
 namespace tremolo {
 namespace {

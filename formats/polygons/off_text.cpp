@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "formats/file/text_scanner.h"
+#include "formats/file/scanner.h"
 
 namespace tremolo {
 namespace {

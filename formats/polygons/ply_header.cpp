@@ -5,8 +5,8 @@
 #include <cstring>
 #include <optional>
 
-#include "common/decimal.h"
-#include "formats/file/text_scanner.h"
+#include "common/text.h"
+#include "formats/file/scanner.h"
 
 namespace tremolo {
 namespace {

@@ -1,5 +1,3 @@
-#include "formats/polygons/ply_text.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "formats/polygons/ply_header.h"
+#include "formats/polygons/polygon_mesh.h"
 
 namespace tremolo {
 namespace {

@@ -1,13 +1,11 @@
-#include "formats/polygons/stl_text.h"
-
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstdint>
 #include <utility>
 
-#include "formats/file/byte_scanner.h"
-#include "formats/file/text_scanner.h"
+#include "formats/file/scanner.h"
+#include "formats/polygons/polygon_mesh.h"
 
 namespace tremolo {
 namespace {

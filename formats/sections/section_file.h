@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/result.h"
-#include "formats/file/mapped_file.h"
+#include "formats/file/input_file.h"
 #include "formats/sections/section_layout.h"
 
 namespace tremolo {

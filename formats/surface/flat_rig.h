@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/mesh/surface_rig.h"
+#include "common/mesh/render_surface.h"
 
 namespace tremolo {
 

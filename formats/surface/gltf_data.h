@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -59,5 +60,14 @@ class GltfData {
   Open open_;
   std::map<std::int64_t, std::string> loaded_;
 };
+
+// glTF 2.0 as assimp 5.2.5 understands it: 32-bit floats, a node for each copy of a mesh. Converts
+// the file to simpler glTF; nothing if it is simple already, or is not glTF 2.0. Integers in
+// attributes and animations (KHR_mesh_quantization, and those of glTF itself) become floats,
+// EXT_mesh_gpu_instancing becomes nodes, a byte-order mark is removed. glb: the file is a .glb.
+// open: as for GltfData. Errors (kContent): a required extension that is not supported, with its
+// name and what to do; accessors that cannot be read.
+Result<std::optional<std::string>> plain_gltf(std::string_view bytes, bool glb,
+                                              const GltfData::Open& open);
 
 }  // namespace tremolo

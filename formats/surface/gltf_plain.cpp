@@ -1,5 +1,3 @@
-#include "formats/surface/gltf_plain.h"
-
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -7,8 +5,9 @@
 #include <vector>
 
 #include "formats/file/base64.h"
-#include "formats/file/text_scanner.h"
-#include "formats/polygons/unique_names.h"
+#include "formats/file/printable_text.h"
+#include "formats/file/scanner.h"
+#include "formats/surface/gltf_data.h"
 #include "formats/surface/surface_answer.h"
 
 namespace tremolo {

@@ -9,9 +9,8 @@
 
 #include <Eigen/Dense>
 
-#include "common/number_text.h"
-#include "formats/polygons/unique_names.h"
-#include "formats/surface/assimp_values.h"
+#include "common/text.h"
+#include "formats/file/printable_text.h"
 #include "formats/surface/surface_answer.h"
 
 namespace tremolo {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <unordered_set>
 
-#include "formats/file/byte_scanner.h"
+#include "formats/file/scanner.h"
 #include "formats/surface/flat_rig.h"
 
 namespace tremolo {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -23,5 +24,13 @@ std::vector<std::byte> encode_refusal(std::string_view message);
 // the result satisfies the conditions of render_surface.h, all numbers are finite, all names
 // printable and there is at least one triangle. Memory is bounded by the number of bytes.
 Result<SurfaceFile> decode_surface(std::span<const std::byte> bytes);
+
+// Reads a file of any of assimp's formats as a SurfaceFile. Runs in a child process: assimp may
+// crash, hang or use unlimited memory.
+
+// Coordinates are in the file's unit; metres_per_unit and unit are those of the file. bytes: limit
+// for the surface, since a scene may use one mesh any number of times. Errors: kContent, without
+// the path. May throw exceptions of assimp, and does not free assimp's memory.
+Result<SurfaceFile> import_surface(const std::string& path, std::uint64_t bytes);
 
 }  // namespace tremolo

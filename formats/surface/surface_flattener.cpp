@@ -8,8 +8,8 @@
 
 #include <Eigen/Dense>
 
-#include "common/number_text.h"
-#include "formats/polygons/surface_parts.h"
+#include "common/text.h"
+#include "formats/polygons/polygon_mesh.h"
 
 namespace tremolo {
 namespace {

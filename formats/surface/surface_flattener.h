@@ -13,9 +13,8 @@
 #include <Eigen/Core>
 
 #include "common/mesh/render_surface.h"
-#include "formats/polygons/surface_parts.h"
-#include "formats/polygons/unique_names.h"
-#include "formats/surface/assimp_values.h"
+#include "formats/file/printable_text.h"
+#include "formats/polygons/polygon_mesh.h"
 #include "formats/surface/scene_rig.h"
 
 struct aiMesh;

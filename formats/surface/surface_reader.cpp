@@ -8,13 +8,11 @@
 #include <string_view>
 #include <unistd.h>
 
-#include "common/format_text.h"
-#include "common/number_text.h"
+#include "common/result.h"
+#include "common/text.h"
 #include "formats/file/input_file.h"
 #include "formats/file/limited_child.h"
-#include "formats/file/os_error.h"
 #include "formats/surface/surface_answer.h"
-#include "formats/surface/surface_scene.h"
 
 namespace tremolo {
 namespace {

@@ -1,5 +1,3 @@
-#include "formats/surface/surface_scene.h"
-
 #include <array>
 #include <assimp/Importer.hpp>
 #include <assimp/config.h>
@@ -12,17 +10,11 @@
 #include <utility>
 #include <vector>
 
-#include "common/format_text.h"
-#include "common/number_text.h"
+#include "common/text.h"
 #include "formats/file/folder_files.h"
-#include "formats/file/whole_file.h"
-#include "formats/polygons/obj_text.h"
-#include "formats/polygons/off_polygons.h"
-#include "formats/polygons/ply_text.h"
-#include "formats/polygons/polygon_surface.h"
-#include "formats/polygons/stl_text.h"
-#include "formats/polygons/surface_parts.h"
-#include "formats/surface/gltf_plain.h"
+#include "formats/file/input_file.h"
+#include "formats/polygons/polygon_mesh.h"
+#include "formats/surface/gltf_data.h"
 #include "formats/surface/surface_answer.h"
 #include "formats/surface/surface_flattener.h"
 

@@ -1,5 +1,3 @@
-#include "formats/tets/tets_check.h"
-
 #include <cmath>
 
 #include "common/mesh/render_surface.h"

@@ -8,7 +8,6 @@
 
 #include "formats/sections/section_file.h"
 #include "formats/sections/section_writer.h"
-#include "formats/tets/tets_check.h"
 #include "formats/tets/tets_layout.h"
 
 namespace tremolo {

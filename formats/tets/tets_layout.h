@@ -4,9 +4,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "formats/sections/section_layout.h"
+#include "formats/tets/tets_file.h"
 
 namespace tremolo::tets_layout {
 
@@ -42,3 +44,18 @@ inline constexpr std::size_t kMaterialSize = 22;
 inline constexpr std::size_t kGridFrameSize = 4;
 
 }  // namespace tremolo::tets_layout
+
+namespace tremolo {
+
+// An error in the file, and the section that has it.
+struct TetsFault {
+  std::string_view section;
+  std::string problem;
+};
+
+// Everything but the grid, which DistanceGrid::create() checks. Nothing: all is well.
+std::optional<TetsFault> find_tets_fault(const TetMesh& mesh, const MaterialTable& materials,
+                                         std::span<const VertexId> held,
+                                         const TetsSurface& surface);
+
+}  // namespace tremolo

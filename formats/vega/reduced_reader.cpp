@@ -4,7 +4,7 @@
 
 #include "common/packed_index.h"
 #include "formats/basis/basis_layout.h"
-#include "formats/file/byte_scanner.h"
+#include "formats/file/scanner.h"
 #include "formats/vega/reduced_files.h"
 
 namespace tremolo {

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <utility>
 
-#include "formats/file/whole_file.h"
+#include "formats/file/input_file.h"
 
 namespace tremolo {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/result.h"
-#include "formats/file/text_scanner.h"
+#include "formats/file/scanner.h"
 
 namespace tremolo {
 

@@ -4,9 +4,8 @@
 #include <vector>
 
 #include "formats/mesh/mesh_builder.h"
-#include "formats/mesh/mesh_formats.h"
+#include "formats/mesh/mesh_reader.h"
 #include "formats/vega/veg_input.h"
-#include "formats/vega/veg_material.h"
 #include "formats/vega/veg_regions.h"
 
 namespace tremolo {

@@ -12,12 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "common/index.h"
-#include "formats/file/byte_scanner.h"
-#include "formats/file/text_scanner.h"
+#include "common/packed_index.h"
+#include "formats/file/scanner.h"
 #include "formats/mesh/mesh_builder.h"
-#include "formats/mesh/mesh_formats.h"
-#include "formats/vega/veg_material.h"
+#include "formats/mesh/mesh_reader.h"
 #include "formats/vega/veg_regions.h"
 
 namespace tremolo {

@@ -1,11 +1,10 @@
-#include "formats/vtk/vtk_attributes.h"
-
 #include <cstdint>
 #include <limits>
 #include <utility>
 
-#include "common/format_text.h"
+#include "common/text.h"
 #include "formats/vtk/vtk_cells.h"
+#include "formats/vtk/vtk_input.h"
 
 namespace tremolo {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "common/format_text.h"
-#include "common/index.h"
-#include "formats/file/text_scanner.h"
+#include "common/packed_index.h"
+#include "common/text.h"
+#include "formats/file/scanner.h"
 #include "formats/mesh/mesh_cells.h"
 
 namespace tremolo {

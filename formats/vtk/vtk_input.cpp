@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "common/format_text.h"
+#include "common/text.h"
 
 namespace tremolo {
 namespace {

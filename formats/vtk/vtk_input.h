@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "common/result.h"
-#include "formats/file/byte_scanner.h"
-#include "formats/file/text_scanner.h"
+#include "formats/file/scanner.h"
 
 namespace tremolo {
 
@@ -60,5 +59,20 @@ class VtkInput {
   std::string part_;
   Error error_;
 };
+
+// The cell array with region numbers (region_rank()); an empty name if there is none.
+struct VtkCellArray {
+  std::string name;
+  std::vector<double> values;
+};
+
+// Reads from POINT_DATA or CELL_DATA on; the input is positioned after `keyword`. Unreadable data
+// end it without an error, since the mesh is complete: `complaint` then gives the reason, and is
+// empty otherwise.
+VtkCellArray read_region_array(VtkInput& input, std::string keyword, std::string& complaint);
+
+// Skips the arrays of FIELD and the text of METADATA, whose keyword has been read.
+bool skip_vtk_field(VtkInput& input);
+void skip_vtk_metadata(VtkInput& input);
 
 }  // namespace tremolo

@@ -1,9 +1,8 @@
 #include <cstddef>
 
-#include "common/format_text.h"
-#include "common/index.h"
-#include "formats/mesh/mesh_formats.h"
-#include "formats/vtk/vtk_attributes.h"
+#include "common/packed_index.h"
+#include "common/text.h"
+#include "formats/mesh/mesh_reader.h"
 #include "formats/vtk/vtk_cells.h"
 #include "formats/vtk/vtk_input.h"
 

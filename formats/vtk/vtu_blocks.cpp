@@ -1,8 +1,8 @@
-#include "formats/vtk/vtu_blocks.h"
-
 #include <limits>
 #include <lz4.h>
 #include <zlib.h>
+
+#include "formats/vtk/vtu_data.h"
 
 namespace tremolo {
 namespace {

@@ -6,8 +6,7 @@
 #include <type_traits>
 
 #include "formats/file/base64.h"
-#include "formats/file/byte_scanner.h"
-#include "formats/file/text_scanner.h"
+#include "formats/file/scanner.h"
 
 namespace tremolo {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "formats/file/text_scanner.h"
-#include "formats/mesh/mesh_formats.h"
+#include "formats/file/scanner.h"
+#include "formats/mesh/mesh_reader.h"
 #include "formats/vtk/vtk_cells.h"
 #include "formats/vtk/vtu_data.h"
 

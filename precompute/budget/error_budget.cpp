@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "common/format_text.h"
+#include "common/text.h"
 #include "precompute/fem/control_values.h"
 #include "precompute/problem/element_order.h"
 #include "precompute/reference/comparison.h"

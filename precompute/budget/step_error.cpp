@@ -6,7 +6,7 @@
 #include <sstream>
 #include <sys/wait.h>
 
-#include "common/format_text.h"
+#include "common/text.h"
 #include "precompute/budget/error_budget.h"
 #include "precompute/system/child_program.h"
 #include "precompute/system/failure.h"

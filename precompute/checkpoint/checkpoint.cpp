@@ -5,7 +5,7 @@
 #include <map>
 
 #include "common/hash.h"
-#include "formats/file/partial_file.h"
+#include "formats/file/atomic_file.h"
 #include "precompute/ranks/rank_agreement.h"
 #include "precompute/system/failure.h"
 #include "precompute/system/petsc.h"

@@ -5,8 +5,8 @@
 #include <numeric>
 #include <random>
 
-#include "common/format_text.h"
 #include "common/parallel.h"
+#include "common/text.h"
 
 namespace tremolo {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "common/distance/distance_grid.h"
-#include "common/length_unit.h"
 #include "common/result.h"
+#include "common/units.h"
 #include "formats/file/command_words.h"
 #include "precompute/system/option_checks.h"
 

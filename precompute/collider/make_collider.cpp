@@ -7,12 +7,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/format_text.h"
 #include "common/hash.h"
-#include "common/length_unit.h"
 #include "common/mesh/mesh_check.h"
 #include "common/mesh/surface_mesh.h"
 #include "common/stage_log.h"
+#include "common/text.h"
+#include "common/units.h"
 #include "formats/collider/collider_file.h"
 #include "formats/file/atomic_file.h"
 #include "formats/file/output_guard.h"

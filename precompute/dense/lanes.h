@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "common/clones.h"
+#include "common/processor.h"
 
 namespace tremolo {
 

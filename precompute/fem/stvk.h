@@ -13,8 +13,6 @@
 
 #include "common/elements/elasticity.h"
 #include "common/elements/element.h"
-#include "common/elements/gradient_field.h"
-#include "common/elements/stiffness.h"
 #include "common/mesh/tet_mesh.h"
 
 namespace tremolo {
@@ -82,7 +80,7 @@ void add_third_derivative(const Solid& solid, const std::vector<int>& elements,
                           const std::array<Field, 3>& fields, const std::vector<int>& row_of_vertex,
                           double* out);
 
-// Returns the stiffness of an element at rest (stiffness.h).
+// Returns the stiffness of an element at rest (element.h).
 ElementStiffness rest_stiffness(const Solid& solid, std::size_t element);
 
 }  // namespace tremolo

@@ -16,21 +16,21 @@
 
 #include <CLI/CLI.hpp>
 
+#include "assets/recipes/recipe.h"
 #include "common/mesh/mesh_quality.h"
 #include "common/mesh/surface_mesh.h"
-#include "common/printable.h"
+#include "common/result.h"
+#include "common/text.h"
 #include "formats/file/atomic_file.h"
 #include "formats/file/command_words.h"
-#include "formats/file/os_error.h"
 #include "formats/file/output_guard.h"
 #include "formats/file/standard_streams.h"
-#include "formats/msh/msh_writer.h"
+#include "formats/mesh/mesh_reader.h"
 #include "formats/surface/surface_reader.h"
 #include "formats/surface/surface_writer.h"
 #include "precompute/mesher/cgal/cgal_mesher.h"
 #include "precompute/mesher/mesher_answer.h"
-#include "precompute/mesher/recipe_list.h"
-#include "precompute/mesher/surface_input.h"
+#include "precompute/mesher/surface_mesher.h"
 #include "precompute/mesher/surface_options.h"
 
 namespace tremolo {

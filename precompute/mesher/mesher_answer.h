@@ -1,4 +1,4 @@
-// The answer of tremolo-mesh to the program that started it, tremolo-precompute.
+// What tremolo-precompute and tremolo-mesh, which it starts, hand to each other.
 #pragma once
 
 #include <cstddef>
@@ -24,5 +24,15 @@ std::vector<std::byte> encode_answer(const Result<MesherAnswer>& answer);
 
 // The inverse of encode_answer(); kSystem for bytes that it did not write.
 Result<MesherAnswer> decode_answer(std::span<const std::byte> bytes);
+
+// Options for meshing a surface.
+struct SurfaceMeshOptions {
+  double size = 0;           // longest edge requested, m; 0: by the count
+  int tets = 0;              // requested number of tetrahedra; 0: 10 000, or more for thin walls
+  double error = 0;          // requested distance between the surfaces, m; 0: 0.3 % of the diagonal
+  double thicken = 0;        // m; above 0 the surface is a sheet of that thickness
+  bool fill_holes = false;   // close holes of any size
+  bool keep_crumbs = false;  // keep parts far smaller than the largest
+};
 
 }  // namespace tremolo

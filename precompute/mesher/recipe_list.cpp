@@ -1,6 +1,6 @@
-#include "precompute/mesher/recipe_list.h"
-
 #include <array>
+
+#include "assets/recipes/recipe.h"
 
 namespace tremolo {
 namespace {

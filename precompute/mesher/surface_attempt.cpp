@@ -1,16 +1,14 @@
-#include "precompute/mesher/surface_attempt.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
 
-#include "common/format_text.h"
 #include "common/mesh/mesh_quality.h"
-#include "precompute/mesher/cgal/cgal_mesher.h"
-#include "precompute/mesher/cgal/polyhedral_mesher.h"
 #include "common/mesh/point_cells.h"
+#include "common/text.h"
+#include "precompute/mesher/cgal/cgal_mesher.h"
 #include "precompute/mesher/surface/surface_geometry.h"
+#include "precompute/mesher/surface_plan.h"
 
 namespace tremolo {
 namespace {

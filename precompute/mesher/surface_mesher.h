@@ -8,8 +8,8 @@
 #include "common/mesh/render_surface.h"
 #include "common/mesh/tet_mesh.h"
 #include "common/result.h"
+#include "precompute/mesher/mesher_answer.h"
 #include "precompute/mesher/surface/surface_repair.h"
-#include "precompute/mesher/surface_mesh_options.h"
 
 namespace tremolo {
 
@@ -40,5 +40,10 @@ Result<MeshedSurface> mesh_surface(const RenderSurface& surface, const SurfaceMe
 
 // The report as lines for people.
 std::vector<std::string> describe(const SurfaceMeshReport& report);
+
+// A surface file as a tetrahedral mesh. unit: as for metres_per_unit(), or empty for the file's.
+// Errors as for read_surface(), metres_per_unit() and mesh_surface(), with the path.
+Result<MesherAnswer> load_surface(const std::string& path, const std::string& unit,
+                                  const SurfaceMeshOptions& options);
 
 }  // namespace tremolo

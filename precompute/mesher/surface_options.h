@@ -5,8 +5,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "common/length_unit.h"
-#include "precompute/mesher/surface_mesh_options.h"
+#include "common/units.h"
+#include "precompute/mesher/mesher_answer.h"
 #include "precompute/system/option_checks.h"
 
 namespace tremolo {

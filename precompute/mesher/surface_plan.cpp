@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/format_text.h"
+#include "common/text.h"
 #include "precompute/mesher/surface/surface_geometry.h"
 
 namespace tremolo {

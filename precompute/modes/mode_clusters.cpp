@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "common/format_text.h"
-#include "common/hertz.h"
+#include "common/text.h"
+#include "common/units.h"
 #include "precompute/dense/dense_decompositions.h"
 
 namespace tremolo {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "common/number_text.h"
+#include "common/text.h"
 #include "precompute/dense/dense_decompositions.h"
 #include "precompute/modes/block_lanczos.h"
 #include "precompute/modes/mode_clusters.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "formats/file/input_file.h"
-#include "formats/file/text_scanner.h"
+#include "formats/file/scanner.h"
 #include "precompute/system/failure.h"
 
 namespace tremolo {

@@ -4,7 +4,7 @@
 #include <iostream>
 #include <thread>
 
-#include "common/length_unit.h"
+#include "common/units.h"
 #include "precompute/mesher/surface_options.h"
 #include "precompute/problem/material_rules.h"
 #include "precompute/system/option_checks.h"

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/length_unit.h"
-#include "formats/file/os_error.h"
+#include "common/result.h"
+#include "common/units.h"
 #include "formats/surface/surface_reader.h"
 #include "precompute/system/child_program.h"
 #include "precompute/system/failure.h"

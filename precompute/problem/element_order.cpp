@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
-#include "common/format_text.h"
-#include "common/mesh/mesh_parts.h"
+#include "common/mesh/mesh_check.h"
+#include "common/text.h"
 #include "precompute/system/failure.h"
 
 namespace tremolo {

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <map>
 
-#include "common/number_text.h"
+#include "common/text.h"
 #include "formats/basis/selector_reader.h"
 #include "precompute/problem/material_rules.h"
 

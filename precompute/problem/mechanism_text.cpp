@@ -1,7 +1,7 @@
 // Messages about parts and pieces that can still move.
 #include <algorithm>
 
-#include "common/format_text.h"
+#include "common/text.h"
 #include "precompute/problem/mechanisms.h"
 #include "precompute/problem/rigid_motion.h"
 #include "precompute/system/failure.h"

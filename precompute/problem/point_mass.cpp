@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "common/mesh/selector.h"
-#include "common/number_text.h"
+#include "common/text.h"
 #include "formats/basis/selector_reader.h"
 
 namespace tremolo {

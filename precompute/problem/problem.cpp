@@ -5,11 +5,10 @@
 #include <limits>
 
 #include "common/hash.h"
-#include "common/length_unit.h"
-#include "common/mesh/area_shares.h"
 #include "common/mesh/selector.h"
 #include "common/mesh/surface_mesh.h"
 #include "common/packed_index.h"
+#include "common/units.h"
 #include "formats/basis/selector_reader.h"
 #include "formats/surface/surface_reader.h"
 #include "precompute/embedding/surface_sets.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "precompute/fem/assembly.h"
-#include "precompute/mesher/surface_mesh_options.h"
+#include "precompute/mesher/mesher_answer.h"
 
 namespace tremolo {
 

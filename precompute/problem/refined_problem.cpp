@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "common/hash.h"
-#include "common/mesh/mesh_parts.h"
-#include "common/mesh/refined_mesh.h"
+#include "common/mesh/edge_points.h"
+#include "common/mesh/mesh_check.h"
 #include "precompute/problem/element_order.h"
 #include "precompute/system/failure.h"
 

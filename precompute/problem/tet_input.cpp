@@ -2,9 +2,9 @@
 
 #include <utility>
 
-#include "common/length_unit.h"
-#include "common/mesh/coincident_vertices.h"
-#include "common/number_text.h"
+#include "common/mesh/mesh_check.h"
+#include "common/text.h"
+#include "common/units.h"
 #include "precompute/system/failure.h"
 
 namespace tremolo {

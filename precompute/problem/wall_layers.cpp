@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "common/format_text.h"
 #include "common/mesh/tet_faces.h"
+#include "common/text.h"
 
 namespace tremolo {
 namespace {

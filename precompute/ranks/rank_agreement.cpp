@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "common/hash.h"
-#include "formats/file/checksum.h"
+#include "formats/file/input_file.h"
 #include "precompute/system/petsc.h"
 
 namespace tremolo {

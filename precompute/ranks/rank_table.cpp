@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/format_text.h"
+#include "common/text.h"
 #include "precompute/system/petsc.h"
 
 namespace tremolo {

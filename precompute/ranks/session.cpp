@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <thread>
 
-#include "common/printable.h"
+#include "common/text.h"
 #include "precompute/ranks/rank_agreement.h"
 #include "precompute/system/blas_room.h"
 #include "precompute/system/petsc.h"

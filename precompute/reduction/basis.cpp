@@ -4,8 +4,8 @@
 
 #include <Eigen/Cholesky>
 
-#include "common/format_text.h"
 #include "common/packed_index.h"
+#include "common/text.h"
 #include "precompute/dense/dense_decompositions.h"
 #include "precompute/dense/parallel_columns.h"
 #include "precompute/dense/sparse_rows.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "common/mesh/vertex_lookup.h"
-#include "common/reduced_energy.h"
+#include "common/energy.h"
+#include "common/mesh/surface_mesh.h"
 #include "formats/basis/basis_reader.h"
 #include "formats/basis/basis_writer.h"
 

@@ -2,7 +2,7 @@
 // "A body in a world").
 #pragma once
 
-#include "common/inertia_integrals.h"
+#include "common/energy.h"
 #include "formats/basis/basis_data.h"
 #include "precompute/fem/assembly.h"
 

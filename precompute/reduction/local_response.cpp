@@ -4,8 +4,8 @@
 #include <map>
 #include <set>
 
-#include "common/format_text.h"
 #include "common/mesh/edge_points.h"
+#include "common/text.h"
 #include "formats/basis/basis_layout.h"
 #include "formats/basis/selector_reader.h"
 #include "precompute/system/failure.h"

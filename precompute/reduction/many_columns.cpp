@@ -5,8 +5,8 @@
 #include <limits>
 #include <numeric>
 
-#include "common/format_text.h"
 #include "common/stage_log.h"
+#include "common/text.h"
 #include "precompute/dense/large_decompositions.h"
 #include "precompute/dense/parallel_columns.h"
 #include "precompute/dense/sparse_rows.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "common/reduced_energy.h"
+#include "common/energy.h"
 #include "precompute/ranks/halo.h"
 
 namespace tremolo {

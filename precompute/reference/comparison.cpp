@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/format_text.h"
+#include "common/text.h"
 #include "precompute/fem/control_values.h"
 #include "precompute/system/failure.h"
 

@@ -3,18 +3,16 @@
 #include <cmath>
 #include <cstdio>
 
-#include "common/format_text.h"
 #include "common/stage_log.h"
+#include "common/text.h"
 #include "formats/basis/basis_reader.h"
 #include "formats/basis/selector_reader.h"
 #include "formats/file/atomic_file.h"
 #include "formats/file/standard_streams.h"
 #include "precompute/fem/control_values.h"
 #include "precompute/problem/wall_layers.h"
-#include "precompute/reference/reference_loads.h"
 #include "precompute/reference/reference_report.h"
 #include "precompute/reference/reference_setup.h"
-#include "precompute/reference/reference_table.h"
 #include "precompute/system/blas_threads.h"
 #include "precompute/system/failure.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/format_text.h"
+#include "common/text.h"
 #include "precompute/system/failure.h"
 
 namespace tremolo {

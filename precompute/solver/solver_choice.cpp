@@ -7,8 +7,8 @@
 #include <numeric>
 #include <suitesparse/cholmod.h>
 
-#include "common/format_text.h"
 #include "common/packed_index.h"
+#include "common/text.h"
 #include "precompute/system/failure.h"
 #include "precompute/system/petsc.h"
 

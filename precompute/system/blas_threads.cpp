@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <unistd.h>
 
-#include "common/blas_core.h"
+#include "common/processor.h"
 
 extern "C" {
 void openblas_set_num_threads(int) __attribute__((weak));

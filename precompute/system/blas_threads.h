@@ -19,7 +19,7 @@ class BlasThreads {
 };
 
 // Restarts the program with OPENBLAS_CORETYPE set if OpenBLAS, which selects its kernels when
-// loaded, has not recognised the processor (common/blas_core.h); does not return then. Must be
+// loaded, has not recognised the processor (common/processor.h); does not return then. Must be
 // called first. A value set by the user is kept.
 void use_fast_blas_kernels(char** words);
 

@@ -7,7 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "formats/file/os_error.h"
+#include "common/result.h"
 #include "precompute/system/failure.h"
 
 namespace tremolo {

@@ -11,8 +11,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "common/processor.h"
 #include "common/result.h"
-#include "common/thread_limit.h"
 
 namespace tremolo {
 

@@ -6,10 +6,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/format_text.h"
 #include "common/mesh/edge_points.h"
 #include "common/mesh/surface_mesh.h"
 #include "common/stage_log.h"
+#include "common/text.h"
 #include "formats/file/atomic_file.h"
 #include "formats/file/output_guard.h"
 #include "formats/file/standard_streams.h"

@@ -6,9 +6,9 @@
 #include <numeric>
 #include <random>
 
-#include "common/format_text.h"
 #include "common/hash.h"
-#include "formats/file/whole_file.h"
+#include "common/text.h"
+#include "formats/file/input_file.h"
 #include "formats/surface/surface_reader.h"
 #include "precompute/dense/dense_decompositions.h"
 #include "precompute/problem/model_geometry.h"

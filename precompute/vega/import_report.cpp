@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/hertz.h"
+#include "common/units.h"
 #include "formats/file/standard_streams.h"
 #include "precompute/vega/import.h"
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "common/number_text.h"
+#include "common/text.h"
 #include "runtime/c_api/c_api.h"
 #include "runtime/contact/solve/contact_step.h"
 

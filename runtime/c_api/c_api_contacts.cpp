@@ -4,10 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "common/number_text.h"
+#include "common/text.h"
 #include "runtime/c_api/c_api.h"
 #include "runtime/contact/solve/body_group.h"
-#include "runtime/contact/solve/make_joint.h"
 
 // NOLINTBEGIN(readability-identifier-naming): the names of the C header
 struct tremolo_contacts {

@@ -8,7 +8,7 @@
 #include "runtime/c_api/c_api.h"
 #include "runtime/exchange/animation_writer.h"
 #include "runtime/exchange/recording.h"
-#include "runtime/page/motion.h"
+#include "runtime/page/document.h"
 
 // NOLINTBEGIN(readability-identifier-naming): the names of the C header
 struct tremolo_recorder {

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "common/number_text.h"
+#include "common/text.h"
 #include "runtime/cloth/cloth_world_inside.h"
 
 namespace tremolo {

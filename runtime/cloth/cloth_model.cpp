@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "common/index.h"
+#include "common/packed_index.h"
 
 namespace tremolo {
 namespace {

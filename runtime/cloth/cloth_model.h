@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -115,5 +116,14 @@ class ClothModel : public NodalSystem {
   std::uint64_t potential_version_ = 0;
   NodalContact* contact_ = nullptr;
 };
+
+// The largest h omega for which the method `name` keeps x'' = -omega^2 x - 2 zeta omega x' from
+// growing; infinity for a method without a limit.
+double damped_stability_number(std::string_view name, double zeta);
+
+// The largest stable step, s, for the sheet's largest frequency at x with the dampers of its
+// springs: the smaller of the steps for the most and the least damped kind of spring. Infinity for
+// methods without a limit. The frequencies of a loaded or folded sheet are slightly higher.
+double stable_step(std::string_view name, const ClothModel& model, const Eigen::VectorXd& x);
 
 }  // namespace tremolo

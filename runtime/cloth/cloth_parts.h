@@ -73,4 +73,14 @@ Result<ClothParts> make_cloth_parts(const SceneCloth& cloth);
 Eigen::VectorXd crumpled(const ClothParts& parts, double share,
                          const std::vector<std::uint8_t>& stays);
 
+// mesh: with the joined vertices. particle_of: for each vertex before, its number in `mesh`.
+struct JoinedSeams {
+  SurfaceMesh mesh;
+  std::vector<VertexId> particle_of;
+};
+
+// Joins boundary vertices (of edges with one triangle) closer than a millionth of the mesh's size.
+// Other vertices are not joined: layers may lie on each other. Numbers keep their order.
+JoinedSeams join_seams(const SurfaceMesh& mesh);
+
 }  // namespace tremolo

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-#include "common/number_text.h"
+#include "common/text.h"
 
 namespace tremolo {
 namespace {

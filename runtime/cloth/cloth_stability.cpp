@@ -1,10 +1,9 @@
-#include "runtime/cloth/cloth_stability.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "runtime/cloth/cloth_model.h"
 #include "runtime/nodal/nodal_integrator.h"
 
 namespace tremolo {

@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "common/number_text.h"
-#include "runtime/cloth/cloth_stability.h"
+#include "common/text.h"
+#include "runtime/cloth/cloth_model.h"
 #include "runtime/cloth/cloth_world_inside.h"
 
 namespace tremolo {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <span>
 
-#include "common/clones.h"
+#include "common/processor.h"
 
 namespace tremolo {
 namespace {

@@ -215,7 +215,7 @@ ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider
                            ContactHeld& held);
 
 // Returns the length of the point's path relative to the collider, m. through: set to true if it
-// passed through the collider (passage.h). A plane has no other side.
+// passed through the collider (collider.h). A plane has no other side.
 double contact_passage(const PlacedCollider& collider, const ContactStart& start,
                        const ContactEnd& end, bool& through);
 

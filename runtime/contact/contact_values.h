@@ -10,7 +10,7 @@
 #include "common/state_stream.h"
 #include "runtime/contact/collider.h"
 #include "runtime/frames/pose.h"
-#include "runtime/values/vertex_rows.h"
+#include "runtime/values/state.h"
 
 namespace tremolo {
 
@@ -63,7 +63,7 @@ struct ContactAccount {
   int active = 0;    // number of points with a contact force
   // Sum of F h on the body by colliders and other bodies, N s, world.
   Eigen::Vector3d impulse_vector = Eigen::Vector3d::Zero();
-  int passed = 0;  // number of points that passed through an obstacle (contact/passage.h)
+  int passed = 0;  // number of points that passed through an obstacle (contact/collider.h)
 };
 
 // A contact point of a body with a force in the last step.

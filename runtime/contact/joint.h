@@ -16,7 +16,7 @@
 #include <Eigen/Core>
 
 #include "common/state_stream.h"
-#include "runtime/values/vertex_rows.h"
+#include "runtime/values/state.h"
 
 namespace tremolo {
 

@@ -20,7 +20,7 @@
 #include <span>
 #include <vector>
 
-#include "runtime/kernels/instruction_set.h"
+#include "runtime/kernels/lanes.h"
 
 namespace tremolo {
 

@@ -1,6 +1,6 @@
 #include "runtime/crowd/lane_step.h"
 
-#include "common/clones.h"
+#include "common/processor.h"
 
 namespace tremolo {
 namespace {

@@ -6,7 +6,7 @@
 #include <system_error>
 #include <utility>
 
-#include "common/thread_limit.h"
+#include "common/processor.h"
 #include "runtime/crowd/world_contents.h"
 #include "runtime/energy.h"
 #include "runtime/load.h"

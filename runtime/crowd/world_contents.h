@@ -5,9 +5,9 @@
 #include <string>
 
 #include "runtime/crowd/lane_group.h"
-#include "runtime/threads/thread_pool.h"
 #include "runtime/display/surface.h"
-#include "runtime/kernels/aligned.h"
+#include "runtime/kernels/lanes.h"
+#include "runtime/threads/thread_pool.h"
 #include "runtime/world.h"
 
 namespace tremolo {

@@ -1,10 +1,10 @@
-#include "runtime/display/smooth_patches.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
 #include <tuple>
+
+#include "runtime/display/surface.h"
 
 namespace tremolo {
 namespace {

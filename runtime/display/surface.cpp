@@ -5,7 +5,6 @@
 #include <limits>
 #include <numeric>
 
-#include "runtime/display/smooth_patches.h"
 #include "runtime/kernels/lanes.h"
 
 namespace tremolo {
@@ -25,7 +24,7 @@ struct SurfaceRows {
 }  // namespace
 }  // namespace tremolo
 
-#define TREMOLO_KERNEL "runtime/kernels/surface.inc"
+#define TREMOLO_KERNEL "runtime/display/surface.inc"
 #include "runtime/kernels/every_instruction_set.inc"
 
 namespace tremolo {

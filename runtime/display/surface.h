@@ -18,6 +18,7 @@
 
 #include <Eigen/Core>
 
+#include "common/mesh/render_surface.h"
 #include "formats/basis/basis_data.h"
 
 namespace tremolo {
@@ -65,7 +66,7 @@ struct SurfaceBasis {
 SurfaceBasis make_surface_basis(const VertexBlock& surface, const std::vector<Triangle>& triangles,
                                 const BasisRows& response = {});
 // The same for a render surface. Vertices at one position in one smooth patch share a normal
-// (runtime/display/smooth_patches.h): no seam is visible where texture coordinates split them.
+// (runtime/display/surface.h): no seam is visible where texture coordinates split them.
 SurfaceBasis make_surface_basis(const RenderBlock& render, const BasisRows& response = {});
 
 // Scratch of one caller; grows at the first call that needs it.
@@ -100,5 +101,17 @@ void surface_positions(const SurfaceBasis& rows, const Eigen::VectorXd& q,
 void surface_with_normals(const SurfaceBasis& rows, const std::vector<Triangle>& triangles,
                           const Eigen::VectorXd& q, SurfaceWorkspace& workspace,
                           std::span<float> positions, std::span<float> normals);
+
+// group_of: s, below count. Every group has a vertex.
+struct SmoothPatches {
+  std::vector<std::uint32_t> group_of;
+  std::size_t count = 0;
+};
+
+// Vertices are split where texture coordinates, materials or normals are. Vertices at exactly the
+// same position whose rest normals agree to a thousandth belong to one patch: the author shades
+// across them. Without rest normals, vertices at the same position whose first triangles are of one
+// object do.
+SmoothPatches find_smooth_patches(const RenderSurface& surface);
 
 }  // namespace tremolo

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "common/clones.h"
+#include "common/processor.h"
 
 namespace tremolo {
 namespace {

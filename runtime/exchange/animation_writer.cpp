@@ -3,8 +3,6 @@
 #include <filesystem>
 
 #include "runtime/exchange/glb_writer.h"
-#include "runtime/exchange/surface_series.h"
-#include "runtime/exchange/usda_writer.h"
 
 namespace tremolo {
 

@@ -1,10 +1,10 @@
-#include "runtime/exchange/collider_shape.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 #include <vector>
+
+#include "runtime/exchange/recording.h"
 
 namespace tremolo {
 namespace {

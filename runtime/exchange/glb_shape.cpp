@@ -1,5 +1,3 @@
-#include "runtime/exchange/glb_shape.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +7,8 @@
 #include <string_view>
 #include <utility>
 
-#include "formats/file/whole_file.h"
+#include "formats/file/input_file.h"
+#include "runtime/exchange/glb_file.h"
 #include "runtime/exchange/json_text.h"
 
 namespace tremolo {

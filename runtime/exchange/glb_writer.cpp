@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "runtime/exchange/glb_file.h"
-#include "runtime/exchange/glb_shape.h"
 #include "runtime/exchange/json_text.h"
 
 namespace tremolo {

@@ -1,5 +1,3 @@
-#include "runtime/exchange/point_cache.h"
-
 #include <algorithm>
 #include <bit>
 #include <filesystem>
@@ -11,6 +9,7 @@
 #include "formats/file/atomic_file.h"
 #include "formats/file/stored_values.h"
 #include "formats/surface/surface_writer.h"
+#include "runtime/exchange/animation_writer.h"
 
 namespace tremolo {
 namespace {

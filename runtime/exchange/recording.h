@@ -4,12 +4,14 @@
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "common/result.h"
 #include "runtime/body.h"
+#include "runtime/contact/collider.h"
 #include "runtime/exchange/animation.h"
 #include "runtime/model.h"
 #include "runtime/skeleton/skin.h"
@@ -56,5 +58,22 @@ class Recording {
   std::vector<std::size_t> recorded_;           // frames of each track
   std::vector<Pose> poses_;                     // of one body
 };
+
+// Computes modes for a recorded motion without any, for formats that move vertices by few numbers
+// per frame.
+
+// Gives each body with displacements u a shape of its own whose modes are optimal for the recording
+// in the mean square: with D = (u_1 ... u_f), the left singular vectors of D, largest singular
+// values first, by the eigenvectors of D^T D (Sirovich 1987, method of snapshots). Their number is
+// the smallest for which every vertex is within `enough` of the shape's size at every frame, and at
+// most `most`. Other bodies stay. Returns the largest error over all vertices and frames, relative
+// to the size of the shape. Errors: check_animation's.
+Result<double> describe_by_modes(Animation& animation, std::size_t most, double enough);
+
+// Colliders as triangles, to be seen. The shape in its own frame, with an error of a thousandth of
+// a sphere's radius. plane: half the side of the square that represents a plane, m, above 0.
+// Nothing for a grid, which has distances instead of triangles.
+std::optional<AnimatedShape> collider_shape(const Collider& collider, const std::string& name,
+                                            double plane);
 
 }  // namespace tremolo

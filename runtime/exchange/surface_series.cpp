@@ -1,5 +1,3 @@
-#include "runtime/exchange/surface_series.h"
-
 #include <algorithm>
 #include <filesystem>
 #include <span>
@@ -7,10 +5,11 @@
 #include <unordered_set>
 
 #include "formats/file/atomic_file.h"
+#include "formats/file/input_file.h"
 #include "formats/file/output_guard.h"
-#include "formats/file/whole_file.h"
 #include "formats/surface/surface_writer.h"
 #include "formats/vtk/vtu_writer.h"
+#include "runtime/exchange/animation_writer.h"
 #include "runtime/exchange/json_text.h"
 #include "runtime/exchange/morph_targets.h"
 

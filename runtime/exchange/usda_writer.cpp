@@ -1,5 +1,3 @@
-#include "runtime/exchange/usda_writer.h"
-
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -8,6 +6,7 @@
 #include <string_view>
 
 #include "formats/file/atomic_file.h"
+#include "runtime/exchange/animation_writer.h"
 #include "runtime/exchange/json_text.h"
 
 namespace tremolo {

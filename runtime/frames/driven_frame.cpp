@@ -3,7 +3,7 @@
 #include <array>
 #include <utility>
 
-#include "runtime/kernels/tall_product.h"
+#include "runtime/kernels/small_matrices.h"
 
 namespace tremolo {
 namespace {

@@ -1,7 +1,7 @@
 #include "runtime/frames/frame_inertia.h"
 
 #include "common/packed_index.h"
-#include "runtime/kernels/tall_product.h"
+#include "runtime/kernels/small_matrices.h"
 
 namespace tremolo {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <Eigen/LU>
 
-#include "runtime/kernels/tall_product.h"
+#include "runtime/kernels/small_matrices.h"
 
 namespace tremolo {
 namespace {

@@ -28,7 +28,7 @@
 #include "runtime/frames/frame_inertia.h"
 #include "runtime/frames/pose.h"
 #include "runtime/frames/step_coupling.h"
-#include "runtime/values/vertex_rows.h"
+#include "runtime/values/state.h"
 
 namespace tremolo {
 

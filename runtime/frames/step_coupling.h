@@ -7,6 +7,9 @@
 
 #include <Eigen/Core>
 
+#include "common/load_signal.h"
+#include "runtime/values/state.h"
+
 namespace tremolo {
 
 class StepCoupling {
@@ -50,5 +53,15 @@ inline bool give_back(double defect, double most, Eigen::VectorXd& v) {
   v -= (x / (1.0 + std::sqrt(1.0 - x))) * v;
   return true;
 }
+
+// A force in the world on a vertex of a body whose frame moves. A force along the world's axes on a
+// vertex.
+struct PointForce {
+  Signal signal;                                    // multiplies the force
+  VertexRows place;                                 // the vertex
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N
+  int steps = 0;  // remaining steps if positive; else it acts as long as the signal lasts
+  Eigen::VectorXd weights = {};  // of the vertex on the body's bones; empty with one frame
+};
 
 }  // namespace tremolo

@@ -20,7 +20,7 @@
 //     avf   N = I                                     (Quispel & McLaren 2008)
 //     ep2   N = diag(x_i cot x_i),  x_i = min(h omega_i/2, 1.2): small vibrations have their exact
 //           frequency up to h omega = 2.4
-//     ep4   N = N(Z), Z = h^2 K/4 with K taken at the midpoint (solve/rational_filter.h): fourth
+//     ep4   N = N(Z), Z = h^2 K/4 with K taken at the midpoint (solve/inertia_filter.h): fourth
 //           order for the nonlinear problem, since N = I - h^2 K/12 + O(h^4), also with a smooth
 //           load, by the brackets, and with damping
 //

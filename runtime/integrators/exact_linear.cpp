@@ -1,5 +1,5 @@
 // The step of a linear model, V = 1/2 q^T Lambda q: its coordinates do not couple, and each is a
-// damped driven oscillator whose solution is known (runtime/integrators/solve/linear_response.h).
+// damped driven oscillator whose solution is known (runtime/integrators/solve/damping.h).
 // With f inside the step the quadratic of runtime/load.h, f = g0 + g1 s + g2 s^2, s = (t - t0)/h,
 // and J_k, u of that header, a = D h, b = lambda h^2,
 //
@@ -25,10 +25,9 @@
 #include <numbers>
 #include <utility>
 
-#include "common/clones.h"
+#include "common/processor.h"
 #include "runtime/integrators/methods.h"
 #include "runtime/integrators/solve/damping.h"
-#include "runtime/integrators/solve/linear_response.h"
 
 namespace tremolo {
 namespace {

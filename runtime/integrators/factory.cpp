@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "common/number_text.h"
+#include "common/text.h"
 #include "runtime/integrators/methods.h"
 #include "runtime/integrators/solve/halving.h"
 

@@ -9,7 +9,7 @@
 // With damping each kick is DampedKick of runtime/integrators/solve/damping.h, the exact flow of p'
 // = -D p + f over half a step: D = alpha + beta lambda_i then takes exactly e^{-D h} off the area
 // of each mode's phase plane, and a coordinate in thick damping moves with v = f/D. The part of the
-// damping that depends on q is StrainKick of solve/strain_kick.h.
+// damping that depends on q is StrainKick of solve/strain_damping.h.
 //
 // Explicit: one force a step. Second order, also with load and damping; symplectic and
 // time-reversible without them. Conditionally stable: linearly iff h omega < 2 for every omega
@@ -18,7 +18,7 @@
 // the motion explodes. At 0.9 of it the six run for 10 s under their own loads. `dissipated` is
 // exact for these kicks.
 #include "runtime/integrators/one_step.h"
-#include "runtime/integrators/solve/strain_kick.h"
+#include "runtime/integrators/solve/strain_damping.h"
 
 namespace tremolo {
 namespace {

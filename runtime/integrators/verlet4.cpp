@@ -36,7 +36,7 @@
 #include <cmath>
 
 #include "runtime/integrators/one_step.h"
-#include "runtime/integrators/solve/strain_kick.h"
+#include "runtime/integrators/solve/strain_damping.h"
 
 namespace tremolo {
 namespace {

@@ -1,9 +1,8 @@
-#include "runtime/kernels/cholesky.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "runtime/kernels/lanes.h"
+#include "runtime/kernels/small_matrices.h"
 
 namespace tremolo {
 namespace {

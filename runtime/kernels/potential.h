@@ -21,7 +21,7 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
-#include "runtime/kernels/aligned.h"
+#include "runtime/kernels/lanes.h"
 #include "runtime/kernels/pair_kernel.h"
 #include "runtime/kernels/symmetric_kernel.h"
 

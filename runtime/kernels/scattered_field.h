@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "runtime/kernels/aligned.h"
+#include "runtime/kernels/lanes.h"
 
 namespace tremolo {
 

@@ -17,7 +17,7 @@
 #include <cstddef>
 #include <span>
 
-#include "runtime/kernels/aligned.h"
+#include "runtime/kernels/lanes.h"
 
 namespace tremolo {
 

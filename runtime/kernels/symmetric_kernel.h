@@ -24,7 +24,7 @@
 #include <span>
 #include <vector>
 
-#include "runtime/kernels/aligned.h"
+#include "runtime/kernels/lanes.h"
 
 namespace tremolo {
 

@@ -1,6 +1,5 @@
-#include "runtime/kernels/tall_product.h"
-
 #include "runtime/kernels/lanes.h"
+#include "runtime/kernels/small_matrices.h"
 
 namespace tremolo {
 namespace {

@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "common/state_stream.h"
-#include "runtime/kernels/aligned.h"
+#include "runtime/kernels/lanes.h"
 
 namespace tremolo {
 

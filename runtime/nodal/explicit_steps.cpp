@@ -6,7 +6,6 @@
 //   rk4                   the means of four slopes, 1 2 2 1
 //   implicit-euler-sweep  v1 = v0 + h a(x0 + h v0, v0 + h a(x0, v0)), x1 = x0 + h v1
 #include "runtime/nodal/halved_step.h"
-#include "runtime/nodal/method_makers.h"
 
 namespace tremolo {
 namespace {

@@ -11,7 +11,6 @@
 
 #include "runtime/nodal/halved_step.h"
 #include "runtime/nodal/implicit_solve.h"
-#include "runtime/nodal/method_makers.h"
 
 namespace tremolo {
 namespace {

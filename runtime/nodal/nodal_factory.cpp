@@ -4,8 +4,8 @@
 #include <limits>
 #include <numbers>
 
-#include "common/number_text.h"
-#include "runtime/nodal/method_makers.h"
+#include "common/text.h"
+#include "runtime/nodal/halved_step.h"
 
 namespace tremolo {
 namespace {

@@ -8,7 +8,6 @@
 // is of third order in h. Soft forces must obey h omega < 2.
 #include "runtime/nodal/halved_step.h"
 #include "runtime/nodal/implicit_solve.h"
-#include "runtime/nodal/method_makers.h"
 
 namespace tremolo {
 namespace {

@@ -1,5 +1,5 @@
 // Plays recorded motion: shapes in WebGL, coordinates and poses interpolated linearly between two
-// frames. A film is the output of page_motion in runtime/page/motion.h.
+// frames. A film is the output of page_motion in runtime/page/document.h.
 const kKinds = { int16: Int16Array, uint32: Uint32Array, float32: Float32Array };
 const kSpeeds = [[1, 'real time'], [0.5, '1/2'], [0.2, '1/5'], [0.1, '1/10'], [0.05, '1/20'], [0.02, '1/50'], [0.005, '1/200']];
 

@@ -10,22 +10,19 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "common/thread_limit.h"
+#include "common/processor.h"
 #include "formats/file/command_words.h"
+#include "formats/file/input_file.h"
 #include "formats/file/output_guard.h"
-#include "formats/file/whole_file.h"
 #include "runtime/integrator.h"
 #include "runtime/program/export/export.h"
-#include "runtime/program/export/export_motion.h"
-#include "runtime/program/inspect.h"
 #include "runtime/program/output/plot.h"
 #include "runtime/program/output/tell.h"
-#include "runtime/program/run/run.h"
-#include "runtime/program/run/run_flags.h"
+#include "runtime/program/run/run_options.h"
+#include "runtime/program/run/simulate.h"
 #include "runtime/program/run/sound.h"
-#include "runtime/program/world/inspect_world.h"
-#include "runtime/program/world/run_world.h"
-#include "runtime/scene_reader/scene_kind.h"
+#include "runtime/program/world/world_commands.h"
+#include "runtime/scene_reader/scene_keys.h"
 #include "runtime/scene_reader/scene_reader.h"
 
 namespace tremolo {

@@ -38,4 +38,8 @@ struct NodalScenes {
 // by another program, tremolo-nodal in the same folder.
 int run_command_line(int count, char** words, const NodalScenes* nodal);
 
+// `tremolo inspect`. Prints the contents of a basis file and verifies every checksum; with a
+// selector, prints its vertices instead. Returns the exit code; errors are printed on stderr.
+int inspect_command(const std::string& path, const std::string& select, bool json);
+
 }  // namespace tremolo

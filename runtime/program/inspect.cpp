@@ -1,5 +1,3 @@
-#include "runtime/program/inspect.h"
-
 #include <cmath>
 #include <numbers>
 
@@ -7,10 +5,11 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "common/hertz.h"
 #include "common/mesh/selector.h"
+#include "common/units.h"
 #include "formats/basis/basis_reader.h"
 #include "runtime/model.h"
+#include "runtime/program/command_line.h"
 #include "runtime/program/output/tell.h"
 #include "runtime/program/output/warnings.h"
 #include "runtime/program/run/run_options.h"

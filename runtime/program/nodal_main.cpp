@@ -4,15 +4,11 @@
 #include <utility>
 #include <vector>
 
-#include "formats/file/whole_file.h"
-#include "runtime/program/cloth/cloth_motion.h"
-#include "runtime/program/cloth/inspect_cloth.h"
-#include "runtime/program/cloth/run_cloth.h"
+#include "formats/file/input_file.h"
+#include "runtime/program/cloth/cloth_commands.h"
 #include "runtime/program/command_line.h"
 #include "runtime/program/output/tell.h"
-#include "runtime/program/tets/inspect_tets.h"
-#include "runtime/program/tets/run_tets.h"
-#include "runtime/program/tets/tets_motion.h"
+#include "runtime/program/tets/tets_commands.h"
 
 namespace tremolo {
 namespace {

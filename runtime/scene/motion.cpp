@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "common/number_text.h"
+#include "common/text.h"
 
 namespace tremolo {
 namespace {

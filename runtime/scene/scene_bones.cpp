@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "common/number_text.h"
+#include "common/text.h"
 
 namespace tremolo {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "common/number_text.h"
+#include "common/text.h"
 #include "runtime/contact/solve/contact_step.h"
 
 namespace tremolo {

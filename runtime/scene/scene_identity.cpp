@@ -1,11 +1,10 @@
-#include "runtime/scene/scene_identity.h"
-
 #include <span>
 #include <string>
 #include <utility>
 
 #include "common/hash.h"
 #include "common/state_stream.h"
+#include "runtime/scene/scene_world.h"
 
 namespace tremolo {
 namespace {

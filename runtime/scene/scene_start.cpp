@@ -6,11 +6,10 @@
 #include <numbers>
 #include <string>
 
-#include "common/number_text.h"
+#include "common/text.h"
 #include "runtime/frames/frame_inertia.h"
 #include "runtime/load.h"
 #include "runtime/scene/selection.h"
-#include "runtime/scene/statics.h"
 
 namespace tremolo {
 namespace {

@@ -5,8 +5,11 @@
 #include <cstdint>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "common/result.h"
 #include "runtime/contact_body.h"
+#include "runtime/kernels/potential.h"
 #include "runtime/scene/motion.h"
 #include "runtime/scene/scene.h"
 
@@ -30,5 +33,18 @@ FrameMotion frame_motion(const MotionPath& path, std::size_t piece, std::int64_t
 // above the body's limit of a point within `reach` (m) of the frame's origin.
 Status check_accelerations(const SceneBody& wanted, const MotionPath& path, const Scene& scene,
                            double reach);
+
+// Linear constraints rows q = target. rows: c x r, of full rank; target: c; c = 0: none.
+struct Hold {
+  Eigen::MatrixXd rows;
+  Eigen::VectorXd target;
+};
+
+// The q (r) with grad V(q) = force + rows^T x and rows q = target, x being the constraint forces.
+// The path from rest is followed by load increments, each solved by Newton's method and halved
+// where that does not converge. Errors: kContent if the constrained rows are not independent,
+// kSolver if the path cannot be followed to its end or the equilibrium there is not stable.
+Result<Eigen::VectorXd> standing_shape(const Potential& potential, const Eigen::VectorXd& force,
+                                       const Hold& hold = {});
 
 }  // namespace tremolo

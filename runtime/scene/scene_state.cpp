@@ -5,10 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "common/restore_state.h"
+#include "common/state_stream.h"
 #include "formats/saved/saved_file.h"
 #include "runtime/contact/solve/contact_step.h"
-#include "runtime/scene/scene_identity.h"
 #include "runtime/scene/scene_world.h"
 
 namespace tremolo {

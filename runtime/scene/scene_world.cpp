@@ -11,8 +11,8 @@
 #include <tuple>
 #include <utility>
 
-#include "common/number_text.h"
-#include "runtime/contact/passage.h"
+#include "common/text.h"
+#include "runtime/contact/collider.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/frames/frame_inertia.h"
 #include "runtime/scene/near_balls.h"

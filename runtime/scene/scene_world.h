@@ -29,18 +29,57 @@
 #include "common/result.h"
 #include "common/state_stream.h"
 #include "formats/saved/saved_file.h"
+#include "runtime/contact/contact_law.h"
 #include "runtime/contact/solve/body_group.h"
 #include "runtime/contact_body.h"
-#include "runtime/scene/energy_account.h"
+#include "runtime/model.h"
 #include "runtime/scene/motion.h"
 #include "runtime/scene/scene.h"
 #include "runtime/scene/scene_bones.h"
 #include "runtime/scene/scene_colliders.h"
-#include "runtime/scene/scene_hands.h"
-#include "runtime/scene/scene_joints.h"
-#include "runtime/values/momenta.h"
+#include "runtime/scene/scene_links.h"
+#include "runtime/values/state.h"
 
 namespace tremolo {
+
+// Energy balance of a body: what it has now and what each cause has given. All in J. The fields
+// from `load` on are energy given since the start; a negative value was taken.
+struct EnergyAccount {
+  // Now; of a free body with its motion as a whole, of a driven one relative to its frame.
+  double kinetic = 0.0;
+  double potential = 0.0;  // now
+  double contact = 0.0;    // now, stored between the body and colliders
+  double at_start = 0.0;   // kinetic + potential + contact at the start
+  double load = 0.0;       // by forces on vertices
+  double support = 0.0;    // by accelerations of the frame
+  double gravity = 0.0;
+  double contact_given =
+      0.0;                   // by moving colliders, and by a driven body's frame moving along them
+  double restitution = 0.0;  // never positive
+  double friction = 0.0;     // never positive
+  double hand = 0.0;         // by hands that hold the body
+  double joint = 0.0;        // by joints that hold the body
+  double damping = 0.0;      // never positive
+  // Contact energy that a step found although the step before had left none. It should be zero, and
+  // is part of remainder().
+  double contact_error = 0.0;
+
+  double total() const { return kinetic + potential + contact; }
+  double given() const {
+    return load + support + gravity + contact_given + restitution + friction + hand + joint +
+           damping;
+  }
+  // The error of the balance: energy without a known cause.
+  double remainder() const { return total() - at_start - given(); }
+};
+
+// The identity of a scene in a saved world: each part with a hash of its contents. Parts: the step
+// and gravity, then bodies with their models, colliders with their shapes, hands; but not the
+// duration and the outputs. models, colliders: in the scene's order. shapes: of the bodies, null if
+// there is none.
+std::vector<SavedPart> scene_parts(const Scene& scene, const std::vector<const Model*>& models,
+                                   const std::vector<const Collider*>& shapes,
+                                   std::span<const PlacedCollider> colliders);
 
 // Mean position of the last contact of a body with something, and its impulse since the contact
 // began.
@@ -142,7 +181,7 @@ class SceneWorld {
   }
   // The largest speed of a point of the body relative to something near it, m/s, and the number of
   // times that a point passed through something within a step, so that it was not pushed back
-  // (runtime/contact/passage.h).
+  // (runtime/contact/collider.h).
   double contact_speed_max(std::size_t i) const { return actors_[i].speed; }
   std::int64_t passed_through(std::size_t i) const { return actors_[i].passed; }
   // Below this speed, m/s, no point passes through a collider, or a body's shape, that is a sphere,

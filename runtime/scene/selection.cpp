@@ -5,9 +5,8 @@
 #include <optional>
 #include <utility>
 
-#include "common/mesh/area_shares.h"
 #include "common/mesh/selector.h"
-#include "common/mesh/vertex_lookup.h"
+#include "common/mesh/surface_mesh.h"
 #include "formats/basis/selector_reader.h"
 
 namespace tremolo {

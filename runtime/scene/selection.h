@@ -33,7 +33,7 @@ Result<Selection> select_on_boundary(const std::string& text, const Boundary& bo
 // for a negative id, else as for select_on_boundary.
 Result<std::vector<VertexId>> vertices_of(const std::string& text, const Model& model);
 
-// A force (N) on these vertices, on a face shared by its area (common/mesh/area_shares.h).
+// A force (N) on these vertices, on a face shared by its area (common/mesh/surface_mesh.h).
 DefaultLoad shared_by_area(const std::vector<VertexId>& vertices, const Eigen::Vector3d& force,
                            const Model& model);
 

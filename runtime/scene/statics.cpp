@@ -1,5 +1,3 @@
-#include "runtime/scene/statics.h"
-
 #include <algorithm>
 #include <utility>
 
@@ -7,7 +5,8 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 
-#include "common/number_text.h"
+#include "common/text.h"
+#include "runtime/scene/scene_start.h"
 
 namespace tremolo {
 namespace {

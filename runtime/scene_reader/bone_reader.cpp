@@ -1,11 +1,9 @@
-#include "runtime/scene_reader/bone_reader.h"
-
 #include <cstddef>
 #include <utility>
 
-#include "formats/file/whole_file.h"
+#include "formats/file/input_file.h"
 #include "runtime/scene_reader/csv_rows.h"
-#include "runtime/scene_reader/motion_reader.h"
+#include "runtime/scene_reader/part_readers.h"
 
 namespace tremolo {
 namespace {

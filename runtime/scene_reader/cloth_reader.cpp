@@ -1,14 +1,11 @@
-#include "runtime/scene_reader/cloth_reader.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <utility>
 
 #include "formats/file/input_file.h"
-#include "runtime/scene_reader/contact_reader.h"
-#include "runtime/scene_reader/motion_reader.h"
-#include "runtime/scene_reader/pin_reader.h"
+#include "runtime/scene_reader/nodal_readers.h"
+#include "runtime/scene_reader/part_readers.h"
 #include "runtime/scene_reader/toml_keys.h"
 
 namespace tremolo {

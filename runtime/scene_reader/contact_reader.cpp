@@ -1,9 +1,7 @@
-#include "runtime/scene_reader/contact_reader.h"
-
 #include <optional>
 #include <utility>
 
-#include "runtime/scene_reader/motion_reader.h"
+#include "runtime/scene_reader/part_readers.h"
 #include "runtime/scene_reader/toml_keys.h"
 
 namespace tremolo {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cctype>
 
-#include "formats/file/text_scanner.h"
-#include "formats/file/whole_file.h"
+#include "formats/file/input_file.h"
+#include "formats/file/scanner.h"
 
 namespace tremolo {
 namespace {

@@ -1,5 +1,3 @@
-#include "runtime/scene_reader/pin_reader.h"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -10,7 +8,8 @@
 #include <utility>
 
 #include "runtime/cloth/cloth_parts.h"
-#include "runtime/scene_reader/motion_reader.h"
+#include "runtime/scene_reader/nodal_readers.h"
+#include "runtime/scene_reader/part_readers.h"
 
 namespace tremolo {
 namespace {

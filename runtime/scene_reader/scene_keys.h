@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/result.h"
@@ -28,7 +29,7 @@ struct SceneOutputs {
 void read_surface_outputs(TomlKeys& keys, SceneOutputs& outputs);
 void read_outputs(TomlKeys& keys, SceneOutputs& outputs);
 
-// damping-ratio = "F1:Z1,F2:Z2" in place of alpha and beta (common/rayleigh.h).
+// damping-ratio = "F1:Z1,F2:Z2" in place of alpha and beta (common/material.h).
 void read_damping_ratio(TomlKeys& keys, double& alpha, double& beta);
 
 // A name becomes that of a folder or a file.
@@ -38,5 +39,12 @@ bool is_folder_name(const std::string& name);
 // were read are added. Errors as read_world.
 Status read_gravity(TomlKeys& keys, const std::string& path, SceneGravity& gravity,
                     std::vector<std::string>& files);
+
+// kBodies: one table a body, each by itself. kWorld: [[bodies]] (scene_reader.h). kTets: [[bodies]]
+// of kind "tets" (nodal_readers.h). kCloth: [[cloths]] (nodal_readers.h).
+enum class SceneKind { kBodies, kWorld, kTets, kCloth };
+
+// Errors (kContent): no TOML, with the line; kinds that do not meet in one scene.
+Result<SceneKind> scene_kind(std::string_view text, const std::string& path);
 
 }  // namespace tremolo

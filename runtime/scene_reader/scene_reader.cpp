@@ -10,12 +10,10 @@
 #include <string>
 #include <utility>
 
-#include "formats/file/whole_file.h"
+#include "formats/file/input_file.h"
 #include "runtime/integrator.h"
-#include "runtime/scene_reader/bone_reader.h"
-#include "runtime/scene_reader/contact_reader.h"
 #include "runtime/scene_reader/csv_rows.h"
-#include "runtime/scene_reader/motion_reader.h"
+#include "runtime/scene_reader/part_readers.h"
 #include "runtime/scene_reader/scene_keys.h"
 #include "runtime/scene_reader/toml_keys.h"
 #include "runtime/split.h"

@@ -27,7 +27,8 @@ struct SceneFile {
 };
 
 // True if a scene file is a world, one with [[bodies]]; files with one table per body are not.
-// Errors as for parse_world; kContent also for a scene with [[cloths]], which cloth_reader.h reads.
+// Errors as for parse_world; kContent also for a scene with [[cloths]], which nodal_readers.h
+// reads.
 Result<bool> is_world(std::string_view text, const std::string& path);
 
 // Models and CSV files are relative to the scene file. Errors: kSystem if a file is unreadable;

@@ -1,12 +1,10 @@
-#include "runtime/scene_reader/tets_reader.h"
-
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>
 
-#include "runtime/scene_reader/contact_reader.h"
-#include "runtime/scene_reader/motion_reader.h"
+#include "runtime/scene_reader/nodal_readers.h"
+#include "runtime/scene_reader/part_readers.h"
 #include "runtime/scene_reader/scene_keys.h"
 #include "runtime/scene_reader/toml_keys.h"
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <limits>
 
-#include "common/format_text.h"
+#include "common/text.h"
 
 namespace tremolo {
 

@@ -1,5 +1,3 @@
-#include "runtime/skeleton/bone_inertia.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +7,7 @@
 
 #include "common/mesh/edge_points.h"
 #include "common/packed_index.h"
+#include "runtime/skeleton/bone_weights.h"
 
 namespace tremolo {
 namespace {

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-#include "common/number_text.h"
+#include "common/text.h"
 
 namespace tremolo {
 namespace {

@@ -3,8 +3,13 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
+
+#include "common/energy.h"
+#include "common/result.h"
+#include "formats/basis/basis_data.h"
 
 namespace tremolo {
 
@@ -37,5 +42,27 @@ BoneWeights weights_near(std::span<const Eigen::Vector3d> points,
 // one point for each row of `weights`, at least one.
 BoneWeights weights_of_nearest(std::span<const Eigen::Vector3d> points,
                                std::span<const Eigen::Vector3d> known, const BoneWeights& weights);
+
+// The inertia integrals of each bone's weighted part of a body (docs/theory.md, "A body on bones"):
+// those of common/energy.h with rho w_b instead of rho.
+
+// A solid with its vertices in two blocks, which together contain each vertex of the mesh once.
+struct WeighedSolid {
+  const VertexBlock& surface;
+  const VertexBlock& interior;
+  const MassElements& elements;
+  // Of quadratic elements, ascending by point; none of linear ones.
+  const std::vector<MeshEdge>& edges;
+  const InertiaIntegrals& whole;  // the integrals of the whole solid
+};
+
+// One per bone, from the consistent mass matrix of each tetrahedron times the mean of its corners'
+// weights. The rounding error of their sum (above all of a compact file) is distributed by mass, so
+// that they sum to `whole`. surface, interior: the weights of the blocks' vertices. Errors:
+// kContent if the elements name a vertex or an edge that does not exist, or their sum differs from
+// `whole` by more than one in a thousand: the body has point masses, or its mass matrix is lumped.
+Result<std::vector<InertiaIntegrals>> share_inertia(const WeighedSolid& solid,
+                                                    const BoneWeights& surface,
+                                                    const BoneWeights& interior);
 
 }  // namespace tremolo

@@ -1,7 +1,7 @@
 // A = L L^T of a sparse symmetric positive definite matrix of 3 x 3 blocks, and A^-1 b.
 //
-// The factor consists of dense panels, one for each supernode (runtime/sparse/elimination.h). From
-// its columns J the contributions of the columns to the left are subtracted, A_J - sum_K L_K
+// The factor consists of dense panels, one for each supernode (runtime/sparse/block_cholesky.h).
+// From its columns J the contributions of the columns to the left are subtracted, A_J - sum_K L_K
 // L_K(J)^T, as products of dense matrices; then the panel is factored (Ng and Peyton 1993,
 // left-looking).
 #pragma once
@@ -13,11 +13,31 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
-#include "runtime/kernels/aligned.h"
+#include "runtime/kernels/lanes.h"
 #include "runtime/sparse/block_matrix.h"
-#include "runtime/sparse/elimination.h"
 
 namespace tremolo {
+
+// The order in which a sparse symmetric matrix is eliminated, and the columns of its factor that
+// have the same rows. Both follow from the pattern alone and are computed once.
+
+// The elimination. Nodes are renumbered in its order. A supernode is a run of nodes whose columns
+// of the factor have the same rows below it (some of them zeros, where that makes longer runs).
+struct Elimination {
+  std::vector<std::uint32_t> order;    // the old number of each node
+  std::vector<std::uint32_t> first;    // start of each supernode; supernodes() + 1 entries
+  std::vector<std::size_t> row_first;  // start of each supernode's rows; supernodes() + 1 entries
+  std::vector<std::uint32_t> rows;     // below each supernode, ascending
+  std::vector<std::uint32_t> owner;    // the supernode of each node
+
+  std::size_t supernodes() const { return first.size() - 1; }
+  std::size_t width(std::size_t s) const { return first[s + 1] - first[s]; }
+  std::size_t rows_below(std::size_t s) const { return row_first[s + 1] - row_first[s]; }
+};
+
+// Eigen's approximate minimum degree (Amestoy, Davis and Duff 1996), then the elimination tree (Liu
+// 1990) in postorder.
+Elimination eliminate(const BlockPattern& pattern);
 
 class BlockCholesky {
  public:

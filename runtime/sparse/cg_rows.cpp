@@ -4,9 +4,9 @@
 
 #include <Eigen/LU>
 
-#include "common/clones.h"
-#include "runtime/kernels/aligned.h"
-#include "runtime/sparse/cg_storage.h"
+#include "common/processor.h"
+#include "runtime/kernels/lanes.h"
+#include "runtime/sparse/conjugate_gradients.h"
 
 namespace tremolo {
 namespace {

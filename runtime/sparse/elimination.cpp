@@ -1,11 +1,11 @@
-#include "runtime/sparse/elimination.h"
-
 #include <algorithm>
 #include <array>
 #include <utility>
 
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
+
+#include "runtime/sparse/block_cholesky.h"
 
 namespace tremolo {
 namespace {

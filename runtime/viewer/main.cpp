@@ -9,14 +9,11 @@
 
 #include "formats/file/command_words.h"
 #include "runtime/program/output/tell.h"
-#include "runtime/program/run/run_flags.h"
+#include "runtime/program/run/run_options.h"
 #include "runtime/viewer/cloth/cloth_scenes.h"
 #include "runtime/viewer/live/viewed_scene.h"
-#include "runtime/viewer/offscreen/offscreen.h"
-#include "runtime/viewer/setup/view_outputs.h"
 #include "runtime/viewer/setup/viewer_options.h"
 #include "runtime/viewer/tets/tets_scenes.h"
-#include "runtime/viewer/window/window_command.h"
 
 namespace tremolo {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/cloth/cloth_stability.h"
+#include "runtime/cloth/cloth_model.h"
 #include "runtime/cloth/cloth_world.h"
 #include "tests/cloth/cloth_samples.h"
 

@@ -5,7 +5,6 @@
 
 #include "runtime/cloth/cloth_model.h"
 #include "runtime/cloth/cloth_parts.h"
-#include "runtime/cloth/cloth_seams.h"
 #include "runtime/cloth/cloth_world.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,11 +1,10 @@
 // A force on a face is a uniform traction, however the face is meshed.
-#include "common/mesh/area_shares.h"
-
 #include <cmath>
 #include <numeric>
 
 #include <gtest/gtest.h>
 
+#include "common/mesh/surface_mesh.h"
 #include "tests/support/meshes/box_mesh.h"
 
 namespace tremolo {

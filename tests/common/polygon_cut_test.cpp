@@ -1,12 +1,12 @@
 // Polygons -> triangles that cover what the outline encloses.
-#include "common/mesh/polygon_cut.h"
-
 #include <cmath>
 #include <numbers>
 #include <random>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
+
+#include "common/mesh/surface_mesh.h"
 
 namespace tremolo {
 namespace {

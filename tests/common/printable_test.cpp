@@ -1,12 +1,11 @@
 // Names from files cannot control the terminal on which they are printed.
-#include "common/printable.h"
-
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "common/larger.h"
+#include "common/energy.h"
+#include "common/text.h"
 
 namespace tremolo {
 namespace {

@@ -1,10 +1,10 @@
 // Rayleigh damping has the requested ratios at both frequencies.
-#include "common/rayleigh.h"
-
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
+
+#include "common/material.h"
 
 namespace tremolo {
 namespace {

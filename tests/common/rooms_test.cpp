@@ -165,7 +165,7 @@ TEST(Rooms, FoldersDoNotIncludeEachOtherInACircle) {
 }
 
 TEST(Rooms, NoFolderHoldsMoreThanCanBeSurveyed) {
-  constexpr int kMost = 34;
+  constexpr int kMost = 30;
   std::map<std::string, int> files;
   for (const Source& source : sources()) ++files[source.path.parent_path().generic_string()];
   for (const auto& [folder, count] : files) EXPECT_LE(count, kMost) << folder;

@@ -61,7 +61,7 @@ TEST_F(InertiaProgram, ThreeRanksGiveTheSameIntegralsAsOne) {
     ASSERT_TRUE(one.inertia && three.inertia);
     const Eigen::VectorXd sign = signs_against(one, three);
     const InertiaIntegrals &a = *one.inertia, &b = *three.inertia;
-    // Models of one and several ranks agree to 1e-10 (ranks_test.cpp).
+    // Models of one and several ranks agree to 1e-10 (ranks_program_test.cpp).
     constexpr double kSame = 1e-9;
     EXPECT_NEAR(a.mass, b.mass, 1e-13 * a.mass);
     EXPECT_LE((a.first_moment - b.first_moment).norm(), 1e-13 * a.first_moment.norm());

@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "common/mesh/edge_points.h"
-#include "common/mesh/refined_mesh.h"
 #include "formats/basis/basis_reader.h"
 #include "runtime/model.h"
 #include "tests/support/programs.h"

@@ -7,7 +7,7 @@
 
 #include "formats/basis/basis_reader.h"
 #include "formats/basis/basis_writer.h"
-#include "formats/basis/light_basis.h"
+#include "formats/basis/derived_basis.h"
 #include "runtime/contact_body.h"
 #include "runtime/exchange/recording.h"
 #include "tests/support/programs.h"
@@ -135,7 +135,7 @@ TEST_F(Response, SeveralRanksAndACompactFileGiveTheSame) {
   const BasisData three =
       *read_basis(made(arguments, "three.tremolo", kMayBeRoot + "mpiexec --oversubscribe -n 3 "));
   ASSERT_EQ(one.response.at, std::vector<VertexId>{tip});
-  // As models of one and several ranks do (ranks_test.cpp).
+  // As models of one and several ranks do (ranks_program_test.cpp).
   EXPECT_LE((one.response.surface - three.response.surface).norm(),
             1e-9 * one.response.surface.norm());
   EXPECT_LE((one.response.interior - three.response.interior).norm(),

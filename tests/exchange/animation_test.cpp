@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/exchange/collider_shape.h"
 #include "runtime/exchange/recording.h"
 #include "tests/support/frames/rigged_model.h"
 #include "tests/support/sample_render.h"

@@ -1,9 +1,9 @@
 // Modes of recorded motion.
-#include "runtime/exchange/recorded_modes.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
+
+#include "runtime/exchange/recording.h"
 
 namespace tremolo {
 namespace {

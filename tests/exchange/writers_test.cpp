@@ -9,8 +9,6 @@
 #include "runtime/exchange/animation_writer.h"
 #include "runtime/exchange/glb_writer.h"
 #include "runtime/exchange/json_text.h"
-#include "runtime/exchange/surface_series.h"
-#include "runtime/exchange/usda_writer.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/wavy_animation.h"

@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "formats/collider/collider_layout.h"
 #include "tests/support/section_bytes.h"
 #include "tests/support/small_collider.h"
 #include "tests/support/temporary_folder.h"

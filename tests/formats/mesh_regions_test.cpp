@@ -9,7 +9,7 @@
 
 #include "common/mesh/mesh_check.h"
 #include "formats/mesh/mesh_reader.h"
-#include "formats/vega/veg_material.h"
+#include "formats/vega/veg_regions.h"
 #include "tests/support/meshes/mesh_variants.h"
 #include "tests/support/meshes/vega_files.h"
 #include "tests/support/temporary_folder.h"

@@ -7,7 +7,6 @@
 #include "common/mesh/mesh_check.h"
 #include "common/mesh/surface_mesh.h"
 #include "formats/mesh/mesh_reader.h"
-#include "formats/msh/msh_writer.h"
 #include "tests/support/meshes/joined_mesh.h"
 #include "tests/support/meshes/mesh_writers.h"
 #include "tests/support/meshes/random_mesh.h"

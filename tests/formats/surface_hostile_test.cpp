@@ -8,10 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "formats/polygons/obj_text.h"
-#include "formats/polygons/ply_text.h"
-#include "formats/polygons/polygon_surface.h"
-#include "formats/polygons/stl_text.h"
+#include "formats/polygons/polygon_mesh.h"
 #include "formats/surface/surface_reader.h"
 #include "tests/support/meshes/surface_files.h"
 #include "tests/support/temporary_folder.h"

@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "runtime/contact/solve/body_group.h"
-#include "runtime/contact/solve/make_joint.h"
 #include "runtime/tremolo.h"
 #include "tests/support/c_models.h"
 #include "tests/support/frames/frame_models.h"

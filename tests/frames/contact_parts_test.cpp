@@ -8,8 +8,8 @@
 
 #include "runtime/contact/contact_law.h"
 #include "runtime/contact/friction.h"
-#include "runtime/contact/solve/bent_shape.h"
 #include "runtime/contact/solve/block_solver.h"
+#include "runtime/contact/solve/contact_points.h"
 
 namespace tremolo {
 namespace {

@@ -9,9 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "common/restore_state.h"
+#include "common/state_stream.h"
 #include "runtime/contact/solve/body_group.h"
-#include "runtime/contact/solve/make_joint.h"
 #include "runtime/scene/scene_world.h"
 #include "tests/support/frames/frame_models.h"
 

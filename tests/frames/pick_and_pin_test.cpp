@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/contact/solve/make_joint.h"
+#include "runtime/contact/solve/body_group.h"
 #include "runtime/scene/scene_world.h"
 #include "runtime/tremolo.h"
 #include "tests/support/frames/frame_models.h"

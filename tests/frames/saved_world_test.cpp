@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "common/hash.h"
-#include "common/restore_state.h"
+#include "common/state_stream.h"
 #include "formats/saved/saved_file.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/scene/scene_world.h"

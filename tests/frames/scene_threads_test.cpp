@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/restore_state.h"
+#include "common/state_stream.h"
 #include "runtime/scene/scene_world.h"
 #include "tests/support/frames/frame_models.h"
 

@@ -1,8 +1,5 @@
 // OBJ, PLY and STL -> polygons -> the surface that is drawn. The first byte chooses the format.
-#include "formats/polygons/obj_text.h"
-#include "formats/polygons/ply_text.h"
-#include "formats/polygons/polygon_surface.h"
-#include "formats/polygons/stl_text.h"
+#include "formats/polygons/polygon_mesh.h"
 #include "tests/fuzz/harness.h"
 
 void tremolo::fuzz::read_input(std::string_view bytes) {

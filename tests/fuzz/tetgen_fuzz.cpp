@@ -1,6 +1,6 @@
 // TetGen's .node and .ele: the part before the first $ is the one, the part behind it the
 // other.
-#include "formats/mesh/mesh_formats.h"
+#include "formats/mesh/mesh_reader.h"
 #include "tests/fuzz/harness.h"
 
 void tremolo::fuzz::read_input(std::string_view bytes) {

@@ -1,5 +1,5 @@
 // VegaFEM's .veg; *INCLUDE finds b.node and b.ele in tests/fuzz/included.
-#include "formats/mesh/mesh_formats.h"
+#include "formats/mesh/mesh_reader.h"
 #include "tests/fuzz/harness.h"
 
 void tremolo::fuzz::read_input(std::string_view bytes) {

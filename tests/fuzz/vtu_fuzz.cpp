@@ -1,5 +1,5 @@
 // VTK XML unstructured grids.
-#include "formats/mesh/mesh_formats.h"
+#include "formats/mesh/mesh_reader.h"
 #include "tests/fuzz/harness.h"
 
 void tremolo::fuzz::read_input(std::string_view bytes) {

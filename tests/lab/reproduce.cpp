@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "formats/file/checksum.h"
+#include "formats/file/input_file.h"
 #include "formats/file/standard_streams.h"
 #include "runtime/program/output/tell.h"
 #include "tests/lab/cloth/cloth_sections.h"

@@ -1,13 +1,10 @@
-#include "precompute/mesher/cgal/refinement_watch.h"
-
 #include <algorithm>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 
 #include "precompute/mesher/cgal/cgal_mesher.h"
-#include "precompute/mesher/cgal/polyhedral_mesher.h"
-#include "precompute/mesher/surface/triangle_tree.h"
+#include "precompute/mesher/surface/surface_geometry.h"
 #include "tests/support/meshes/surfaces.h"
 
 namespace tremolo {

@@ -4,7 +4,6 @@
 #include "common/mesh/winding_number.h"
 #include "precompute/mesher/cgal/size_field.h"
 #include "precompute/mesher/surface/surface_geometry.h"
-#include "precompute/mesher/surface/triangle_tree.h"
 #include "tests/support/meshes/surfaces.h"
 
 namespace tremolo {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/mesh/winding_number.h"
-#include "precompute/mesher/surface/surface_weld.h"
+#include "precompute/mesher/surface/repair_steps.h"
 #include "tests/support/meshes/surfaces.h"
 
 namespace tremolo {

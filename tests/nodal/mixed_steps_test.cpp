@@ -1,9 +1,9 @@
 // Anderson's mixing against what is known of it on linear problems.
-#include "runtime/nodal/mixed_steps.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
+
+#include "runtime/nodal/implicit_solve.h"
 
 namespace tremolo {
 namespace {

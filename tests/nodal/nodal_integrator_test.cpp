@@ -10,7 +10,7 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "runtime/nodal/nodal_work.h"
+#include "runtime/nodal/halved_step.h"
 #include "tests/support/linear_nodes.h"
 #include "tests/support/nodal_orders.h"
 

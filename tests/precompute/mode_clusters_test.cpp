@@ -6,7 +6,7 @@
 #include <Eigen/QR>
 #include <gtest/gtest.h>
 
-#include "common/reduced_energy.h"
+#include "common/energy.h"
 #include "precompute/modes/certificate.h"
 #include "precompute/pipeline.h"
 #include "precompute/problem/rigid_motion.h"

@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include "common/energy.h"
+#include "common/mesh/edge_points.h"
 #include "common/mesh/mesh_check.h"
-#include "common/mesh/refined_mesh.h"
 #include "common/packed_index.h"
-#include "common/reduced_energy.h"
 #include "precompute/fem/assembly.h"
 #include "precompute/fem/control_values.h"
 #include "precompute/fem/element_group.h"

@@ -6,7 +6,7 @@
 #include "precompute/pipeline.h"
 #include "precompute/provenance.h"
 #include "precompute/reference/comparison.h"
-#include "precompute/reference/full/statics.h"
+#include "precompute/reference/full/step_equation.h"
 #include "precompute/reference/time_integration.h"
 #include "tests/support/meshes/mesh_writers.h"
 #include "tests/support/reference_body.h"

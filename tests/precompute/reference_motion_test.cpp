@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "common/energy_drift.h"
-#include "precompute/reference/full/statics.h"
+#include "common/energy.h"
+#include "precompute/reference/full/step_equation.h"
 #include "precompute/reference/time_integration.h"
 #include "tests/support/reference_body.h"
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "precompute/reference/full/statics.h"
+#include "precompute/reference/full/step_equation.h"
 #include "tests/support/reference_body.h"
 
 namespace tremolo {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "common/energy.h"
 #include "common/load_signal.h"
-#include "common/reduced_energy.h"
 #include "precompute/problem/rigid_motion.h"
 #include "precompute/reference/reduced_model.h"
 #include "precompute/reference/time_integration.h"

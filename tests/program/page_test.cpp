@@ -8,9 +8,7 @@
 
 #include "formats/file/base64.h"
 #include "runtime/page/document.h"
-#include "runtime/page/motion.h"
-#include "runtime/program/export/export_page.h"
-#include "runtime/program/output/energy_page.h"
+#include "runtime/program/export/export.h"
 #include "runtime/program/output/plot.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"

@@ -8,8 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "formats/file/checksum.h"
-#include "formats/file/whole_file.h"
+#include "formats/file/input_file.h"
 #include "runtime/body.h"
 #include "runtime/program/output/statistics.h"
 #include "tests/lab/reproduce/long_run.h"

@@ -5,12 +5,12 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/program/run/free_body.h"
-#include "runtime/program/run/march.h"
+#include "runtime/program/run/recorder.h"
 #include "runtime/program/run/run_body.h"
 #include "runtime/program/run/run_progress.h"
-#include "runtime/program/start/load_search.h"
-#include "runtime/scene/statics.h"
+#include "runtime/program/run/simulate.h"
+#include "runtime/program/start/run_notes.h"
+#include "runtime/scene/scene_start.h"
 #include "tests/support/sample_basis.h"
 
 namespace tremolo {

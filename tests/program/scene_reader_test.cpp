@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/program/world/run_world.h"
+#include "runtime/program/world/world_commands.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo {

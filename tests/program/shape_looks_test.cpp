@@ -1,11 +1,10 @@
 // The times at which a run checks the shape; a check changes nothing.
-#include "runtime/program/run/shape_looks.h"
-
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
+#include "runtime/program/run/stretch.h"
 #include "tests/support/sample_basis.h"
 
 namespace tremolo {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/energy_drift.h"
+#include "common/energy.h"
 #include "tests/support/dynamics.h"
 
 namespace tremolo {

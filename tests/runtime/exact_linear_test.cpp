@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/body.h"
-#include "runtime/integrators/solve/linear_response.h"
+#include "runtime/integrators/solve/damping.h"
 #include "runtime/world.h"
 #include "tests/support/dynamics.h"
 #include "tests/support/linear_model.h"

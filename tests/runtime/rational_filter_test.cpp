@@ -1,12 +1,11 @@
 // The matrix functions that ep4 is made of, against their dense definitions.
-#include "runtime/integrators/solve/rational_filter.h"
-
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include "runtime/integrators/solve/inertia_filter.h"
 #include "tests/support/sample_basis.h"
 
 namespace tremolo {

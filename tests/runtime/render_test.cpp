@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "formats/basis/basis_writer.h"
-#include "runtime/display/smooth_patches.h"
 #include "runtime/display/surface.h"
 #include "runtime/tremolo.h"
 #include "runtime/world.h"

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "common/energy_drift.h"
+#include "common/energy.h"
 #include "runtime/energy.h"
 #include "runtime/tremolo.h"
 #include "runtime/world.h"

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <random>
 
+#include "common/energy.h"
 #include "common/mesh/tet_mesh.h"
-#include "common/reduced_energy.h"
 #include "formats/basis/basis_data.h"
 
 namespace tremolo::testing {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/elements/elasticity.h"
-#include "runtime/tets/elements/rotation.h"
+#include "runtime/tets/elements/element_turn.h"
 #include "runtime/tets/elements/tet_system.h"
 #include "tests/support/tet_bodies.h"
 

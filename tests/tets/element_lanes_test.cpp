@@ -1,10 +1,9 @@
 // Shapes of elements in lanes against those found one by one.
-#include "runtime/tets/elements/element_lanes.h"
-
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "runtime/tets/elements/element_turn.h"
+#include "runtime/tets/elements/tet_element.h"
 #include "tests/support/tet_bodies.h"
 
 namespace tremolo {

@@ -1,9 +1,8 @@
 // The nearest rotation against its definition.
-#include "runtime/tets/elements/rotation.h"
-
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "runtime/tets/elements/element_turn.h"
 #include "tests/support/meshes/random_tet.h"
 
 namespace tremolo {

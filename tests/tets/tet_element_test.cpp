@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/tets/elements/float_parts.h"
-#include "runtime/tets/elements/rotation.h"
+#include "runtime/tets/elements/element_turn.h"
+#include "runtime/tets/elements/float_blocks.h"
 #include "tests/support/meshes/random_tet.h"
 
 namespace tremolo {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/tets/contact/tet_contact.h"
-#include "runtime/tets/motion/tet_bound.h"
+#include "runtime/tets/motion/tet_group.h"
 #include "tests/support/tet_bodies.h"
 
 namespace tremolo {

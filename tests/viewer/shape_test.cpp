@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "runtime/viewer/shape/collider_shape.h"
-#include "runtime/viewer/shape/iso_surface.h"
 
 namespace tremolo {
 namespace {

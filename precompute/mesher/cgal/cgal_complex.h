@@ -10,7 +10,7 @@
 #include <CGAL/refine_mesh_3.h>
 
 #include "common/mesh/tet_mesh.h"
-#include "precompute/mesher/cgal/refinement_watch.h"
+#include "precompute/mesher/cgal/cgal_mesher.h"
 
 namespace tremolo {
 

@@ -1,5 +1,3 @@
-#include "precompute/mesher/cgal/polyhedral_mesher.h"
-
 #include <exception>
 #include <stdexcept>
 #include <string>
@@ -13,7 +11,7 @@
 #include <CGAL/make_mesh_3.h>
 
 #include "precompute/mesher/cgal/cgal_complex.h"
-#include "precompute/mesher/cgal/sliver_repair.h"
+#include "precompute/mesher/cgal/cgal_mesher.h"
 #include "precompute/mesher/surface/cgal_surface.h"
 
 namespace tremolo {

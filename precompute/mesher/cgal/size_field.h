@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "common/mesh/surface_mesh.h"
-#include "precompute/mesher/surface/triangle_tree.h"
+#include "precompute/mesher/surface/surface_geometry.h"
 
 namespace tremolo {
 

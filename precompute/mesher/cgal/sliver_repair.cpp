@@ -1,5 +1,3 @@
-#include "precompute/mesher/cgal/sliver_repair.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "common/mesh/surface_mesh.h"
+#include "precompute/mesher/cgal/cgal_mesher.h"
 
 namespace tremolo {
 namespace {

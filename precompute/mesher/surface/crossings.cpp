@@ -1,15 +1,14 @@
-#include "precompute/mesher/surface/crossings.h"
-
 #include <algorithm>
 #include <exception>
 #include <numeric>
 
 #include <CGAL/Polygon_mesh_processing/corefinement.h>
 #include <CGAL/Polygon_mesh_processing/measure.h>
+#include <CGAL/Polygon_mesh_processing/polygon_mesh_to_polygon_soup.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 
 #include "precompute/mesher/surface/cgal_surface.h"
-#include "precompute/mesher/surface/surface_weld.h"
+#include "precompute/mesher/surface/repair_steps.h"
 
 namespace tremolo {
 namespace {
@@ -93,3 +92,25 @@ std::optional<SurfaceMesh> unite_shells(const SurfaceMesh& surface,
 }
 
 }  // namespace tremolo
+
+namespace tremolo::cgal {
+
+bool copy(const tremolo::SurfaceMesh& surface, SurfaceMesh& out) {
+  std::vector<SurfaceMesh::Vertex_index> vertices;
+  for (const Eigen::Vector3d& x : surface.vertices)
+    vertices.push_back(out.add_vertex(Kernel::Point_3(x[0], x[1], x[2])));
+  const auto at = [&](VertexId v) { return vertices[v]; };
+  for (const Triangle& t : surface.triangles)
+    if (out.add_face(at(t[0]), at(t[1]), at(t[2])) == SurfaceMesh::null_face()) return false;
+  return true;
+}
+
+tremolo::SurfaceMesh copy(const SurfaceMesh& mesh) {
+  tremolo::SurfaceMesh surface;
+  std::vector<std::array<double, 3>> points;
+  CGAL::Polygon_mesh_processing::polygon_mesh_to_polygon_soup(mesh, points, surface.triangles);
+  for (const auto& [x, y, z] : points) surface.vertices.emplace_back(x, y, z);
+  return surface;
+}
+
+}  // namespace tremolo::cgal

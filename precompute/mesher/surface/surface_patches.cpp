@@ -1,5 +1,3 @@
-#include "precompute/mesher/surface/surface_patches.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -8,8 +6,8 @@
 #include <span>
 #include <tuple>
 
+#include "precompute/mesher/surface/repair_steps.h"
 #include "precompute/mesher/surface/surface_geometry.h"
-#include "precompute/mesher/surface/triangle_tree.h"
 
 namespace tremolo {
 namespace {

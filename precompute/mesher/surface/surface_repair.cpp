@@ -5,11 +5,9 @@
 #include <cstdio>
 #include <optional>
 
-#include "precompute/mesher/surface/crossings.h"
-#include "precompute/mesher/surface/surface_geometry.h"
-#include "precompute/mesher/surface/surface_patches.h"
-#include "precompute/mesher/surface/surface_weld.h"
 #include "common/mesh/winding_number.h"
+#include "precompute/mesher/surface/repair_steps.h"
+#include "precompute/mesher/surface/surface_geometry.h"
 
 namespace tremolo {
 namespace {

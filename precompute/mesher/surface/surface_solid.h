@@ -4,9 +4,10 @@
 #include <vector>
 
 #include "common/mesh/render_surface.h"
-#include "precompute/mesher/surface/surface_repair.h"
-#include "precompute/mesher/surface/triangle_tree.h"
+#include "common/mesh/tet_mesh.h"
 #include "common/mesh/winding_number.h"
+#include "precompute/mesher/surface/surface_geometry.h"
+#include "precompute/mesher/surface/surface_repair.h"
 
 namespace tremolo {
 
@@ -46,5 +47,23 @@ Openness openness(const SurfaceSolid& solid);
 
 // Exact for a closed surface, else from 40 000 points: to about 1 % for a compact solid.
 double volume(const SurfaceSolid& solid);
+
+// A mesh farther from its surface than this, in units of the diagonal, does not follow it.
+inline constexpr double kWorstError = 0.01;
+
+struct PartCounts {
+  std::size_t kept = 0, dropped = 0;
+};
+
+// Removes parts of less than 1 % of the largest one's volume, unless they are to be kept.
+PartCounts drop_crumbs(TetMesh& mesh, bool keep);
+
+// In units of the diagonal; see SurfaceMeshReport. error: the requested distance.
+struct SurfaceDistances {
+  double mesh_to_surface = 0;
+  double surface_to_mesh = 0;
+  double cap_to_surface = 0;
+};
+SurfaceDistances measure_distances(const SurfaceSolid& solid, double error, const TetMesh& mesh);
 
 }  // namespace tremolo

@@ -1,5 +1,3 @@
-#include "precompute/mesher/surface/surface_weld.h"
-
 #include <algorithm>
 #include <map>
 #include <vector>
@@ -7,6 +5,7 @@
 #include <CGAL/Polygon_mesh_processing/repair_polygon_soup.h>
 
 #include "common/mesh/point_cells.h"
+#include "precompute/mesher/surface/repair_steps.h"
 #include "precompute/mesher/surface/surface_geometry.h"
 
 namespace tremolo {

@@ -5,7 +5,6 @@
 #include "common/parallel.h"
 #include "precompute/problem/point_mass.h"
 #include "precompute/problem/rigid_motion.h"
-#include "precompute/reference/full/segment_elements.h"
 #include "precompute/system/failure.h"
 
 namespace tremolo {

@@ -2,9 +2,12 @@
 // process; element loops use threads, and sums do not depend on their number.
 #pragma once
 
+#include <span>
+
 #include "precompute/dense/sparse_rows.h"
 #include "precompute/fem/stvk.h"
 #include "precompute/problem/problem.h"
+#include "precompute/reference/full/step_equation.h"
 #include "precompute/reference/full/unknowns.h"
 #include "precompute/system/petsc.h"
 
@@ -77,5 +80,32 @@ Vector point_load(const FullOrder& body, const DefaultLoad& load);
 
 // Returns the consistent weight of the body under gravity (m/s^2), point masses included, N.
 Vector gravity_load(const FullOrder& body, const Eigen::Vector3d& gravity);
+
+// Energy, force and tangent of one element (precompute/fem/stvk.h); force and tangent as weighted
+// sums over points of a segment (step_equation.h).
+
+// Index of block (a, b), a <= b, among the 3x3 blocks of an element's symmetric tangent.
+constexpr int element_block(int a, int b) {
+  return b * (b + 1) / 2 + a;
+}
+constexpr int element_blocks(int order) {
+  return element_block(0, nodes_of_order(order));
+}
+
+double element_energy(const Solid& solid, std::size_t element, const Field& u);  // J
+
+// The integral of dE : C : dE over the change of the strains from u to u + d, J. u, d: 3n.
+double element_strain_change_work(const Solid& solid, std::size_t element, const Field& u,
+                                  const Field& d);
+
+// Returns sum_i w_i f(u + s_i d). u, d: 3n.
+NodeForces element_force(const Solid& solid, std::size_t element,
+                         const std::vector<SegmentPoint>& points, const Field& u, const Field& d);
+
+// Computes sum_i w_i s_i K(u + s_i d), N/m, the derivative of element_force with respect to d.
+// blocks: element_blocks().
+void element_tangent(const Solid& solid, std::size_t element,
+                     const std::vector<SegmentPoint>& points, const Field& u, const Field& d,
+                     std::span<Eigen::Matrix3d> blocks);
 
 }  // namespace tremolo

@@ -4,13 +4,32 @@
 // A step that overshoots is replaced by the exact minimum along the line.
 #pragma once
 
+#include <deque>
 #include <memory>
 
 #include "precompute/reference/full/full_order.h"
-#include "precompute/reference/full/statics.h"
+#include "precompute/reference/full/step_equation.h"
 #include "precompute/solver/sparse_cholesky.h"
 
 namespace tremolo {
+
+// Limited-memory BFGS updates (Nocedal 1980, two-loop recursion) that correct an approximate
+// inverse P^-1 of an equation's derivative. With a good P they replace new tangents.
+
+struct SecantUpdates {
+  struct Pair {
+    Vector step, change;  // s, and y: the gradient's change over s
+    double product = 0;   // s . y > 0
+  };
+  std::deque<Pair> pairs;  // oldest first
+};
+
+// Adds a pair; pairs with s . y <= 0 are discarded.
+void add_pair(Vector step, Vector change, SecantUpdates& updates);
+
+// Returns the corrected inverse times g. inverse: x -> P^-1 x, symmetric and positive definite.
+Vector apply_inverse(const SecantUpdates& updates,
+                     const std::function<Vector(const Vector&)>& inverse, const Vector& g);
 
 // The body (not owned) and the state kept between solves.
 struct FullOrderSolver {

@@ -1,6 +1,6 @@
-#include "precompute/reference/full/segment_elements.h"
-
 #include <numbers>
+
+#include "precompute/reference/full/full_order.h"
 
 namespace tremolo {
 namespace {

@@ -4,9 +4,9 @@
 #include <cctype>
 #include <cmath>
 
-#include "common/format_text.h"
-#include "formats/file/text_scanner.h"
-#include "formats/file/whole_file.h"
+#include "common/text.h"
+#include "formats/file/input_file.h"
+#include "formats/file/scanner.h"
 #include "precompute/system/failure.h"
 
 namespace tremolo {

@@ -1,9 +1,12 @@
 // The frame of a flying body, computed from all its vertices.
 #pragma once
 
+#include <string>
+
 #include <Eigen/Geometry>
 
-#include "precompute/reference/world/world_body.h"
+#include "precompute/reference/time_integration.h"
+#include "precompute/reference/world/world_step.h"
 
 namespace tremolo {
 
@@ -24,5 +27,14 @@ WholeFrame whole_frame(const WorldBody& world, double time, const Field& displac
 
 // u of all vertices along the frame's axes, m, 3n.
 Field displacement_in(const WholeFrame& frame, const WorldBody& world, const Field& displacement);
+
+// Columns: t (s), kinetic, potential, total, work, dissipated (J); x y z (m) qw qx qy qz, the
+// frame; px py pz (kg m/s), lx ly lz (N m s, about the world's origin), the momenta of the whole
+// mesh; u<v>x u<v>y u<v>z of the probes, m, along the frame's axes.
+std::string world_table_head(const std::vector<VertexId>& probes);
+
+// relative: displacements in the frame, 3n.
+std::string world_table_row(const Motion& motion, const WholeFrame& frame,
+                            const std::vector<VertexId>& probes, const Field& relative);
 
 }  // namespace tremolo

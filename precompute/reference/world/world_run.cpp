@@ -1,20 +1,18 @@
-#include "precompute/reference/world/world_run.h"
-
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <optional>
 
-#include "common/format_text.h"
 #include "common/stage_log.h"
+#include "common/text.h"
 #include "formats/file/atomic_file.h"
 #include "formats/file/standard_streams.h"
 #include "precompute/fem/control_values.h"
-#include "precompute/reference/reference_loads.h"
+#include "precompute/reference/reference_options.h"
 #include "precompute/reference/reference_report.h"
 #include "precompute/reference/reference_setup.h"
+#include "precompute/reference/world/whole_frame.h"
 #include "precompute/reference/world/world_step.h"
-#include "precompute/reference/world/world_table.h"
 #include "precompute/system/blas_threads.h"
 #include "precompute/system/failure.h"
 

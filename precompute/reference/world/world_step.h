@@ -1,3 +1,37 @@
+// The whole mesh in the coordinates of the world, and a step of it.
+#pragma once
+
+#include "precompute/fem/assembly.h"
+#include "precompute/reference/full/full_order_solver.h"
+#include "precompute/reference/time_integration.h"
+#include "precompute/reference/world/pose_path.h"
+
+namespace tremolo {
+
+// The whole mesh with all its vertices in the coordinates of the world: free ones are unknowns,
+// fixed ones follow the support. Displacements are from the rest shape, in the world, for any
+// motion of the body: St. Venant-Kirchhoff's energy does not depend on rigid motion.
+
+// path: of the support; none: the body has none and flies. body and solver are not owned, and the
+// solver is the body's.
+struct WorldBody {
+  FullOrder& body;
+  FullOrderSolver& solver;
+  MassKind mass = MassKind::kConsistent;
+  const PosePath* path = nullptr;
+};
+
+// Displacements (m) of the held vertices where the support takes them, and their velocities (m/s):
+// 3n, zero at the others.
+Field held_displacement(const WorldBody& world, const RigidMotion& support);
+Field held_velocity(const WorldBody& world, const RigidMotion& support);
+
+// Velocities (m/s) that the free vertices would have at the displacements u if they rode along.
+Vector riding_velocity(const WorldBody& world, const RigidMotion& support, const Vector& u);
+
+// M x with the rows and columns of all vertices, point masses included. x: 3n.
+Field whole_mass_times(const WorldBody& world, const Field& x);
+
 // A step of the whole mesh in the world, by the rules of time_integration.h. f, h: free and held
 // vertices; w: displacements in the world; d = w1 - w0, of which d_h is given by the support:
 //
@@ -8,12 +42,6 @@
 // mass acts on the motion relative to the support: alpha multiplies v - V by exp(-alpha h/2) before
 // and after, V the velocity of a point that moves with it. No quantity of a moving frame enters: no
 // fictitious force, no integral of the mass over a mode.
-#pragma once
-
-#include "precompute/reference/time_integration.h"
-#include "precompute/reference/world/world_body.h"
-
-namespace tremolo {
 
 // The motion at t = 0: the rest shape at the support's pose, moving with it; for a flying body,
 // with the rigid motion `flight`.

@@ -20,6 +20,7 @@
 
 #include <Eigen/Core>
 
+#include "common/result.h"
 #include "runtime/contact/joint.h"
 #include "runtime/contact/solve/contact_island.h"
 #include "runtime/contact/solve/step_parts.h"
@@ -170,5 +171,17 @@ class BodyGroup {
   std::unique_ptr<ThreadPool> pool_;  // null: the caller alone
   std::vector<Worker> workers_;       // one a thread
 };
+
+// Joints between vertices of bodies (runtime/contact/joint.h). Joins a vertex of each body. Both
+// bodies need Body::set_contact() and one step size. Errors: kUsage for a value that is not finite
+// or negative, and if neither vertex can move; otherwise same as for Model::vertex.
+Result<Joint> make_joint(const ContactBody& first, VertexId at, const ContactBody& second,
+                         VertexId to, const JointOptions& options = {});
+// Joins a vertex of the first body to its present position on the second: to a point that moves
+// with the nearest vertex of the second body's boundary.
+Result<Joint> make_joint(const ContactBody& first, VertexId at, const ContactBody& second,
+                         const JointOptions& options = {});
+// Present distance of the joint's two points, m.
+double joint_distance(const Joint& joint, const ContactBody& first, const ContactBody& second);
 
 }  // namespace tremolo

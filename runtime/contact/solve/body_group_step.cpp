@@ -5,7 +5,7 @@
 #include <system_error>
 #include <thread>
 
-#include "common/thread_limit.h"
+#include "common/processor.h"
 #include "runtime/contact/solve/body_group.h"
 
 namespace tremolo {

@@ -10,7 +10,7 @@
 #include <variant>
 
 #include "common/mesh/tet_mesh.h"
-#include "common/number_text.h"
+#include "common/text.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/contact/solve/shape_reach.h"
 #include "runtime/contact/solve/step_parts.h"

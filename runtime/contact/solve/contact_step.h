@@ -17,7 +17,6 @@
 
 #include "runtime/contact/contact_law.h"
 #include "runtime/contact/contact_values.h"
-#include "runtime/contact/solve/bent_shape.h"
 #include "runtime/contact/solve/contact_points.h"
 #include "runtime/contact/solve/step_motion.h"
 #include "runtime/frames/free_frame.h"

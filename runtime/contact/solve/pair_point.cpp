@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/contact/passage.h"
+#include "runtime/contact/collider.h"
 
 namespace tremolo {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "runtime/contact/contact_law.h"
 #include "runtime/contact/contact_values.h"
-#include "runtime/contact/solve/bent_shape.h"
+#include "runtime/contact/solve/contact_points.h"
 #include "runtime/contact/solve/contact_step.h"
 
 namespace tremolo {

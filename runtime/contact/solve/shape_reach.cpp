@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "common/mesh/tet_mesh.h"
-#include "common/number_text.h"
+#include "common/text.h"
 
 namespace tremolo {
 namespace {

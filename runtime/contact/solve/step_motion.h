@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 
 #include "runtime/parts.h"
-#include "runtime/values/vertex_rows.h"
+#include "runtime/values/state.h"
 
 namespace tremolo {
 

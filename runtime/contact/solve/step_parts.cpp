@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/restore_state.h"
+#include "common/state_stream.h"
 #include "runtime/contact/solve/contact_step.h"
 
 namespace tremolo {

@@ -13,7 +13,7 @@
 //
 // with g = 1 + 2 theta h D_h; DampedKick and theta: runtime/integrators/solve/damping.h. fm is the
 // load's average over the step. Where the
-// damping depends on q, it couples all rows and the middle is that of damped_rows.h. While the high
+// damping depends on q, it couples all rows and the middle is that of imexv_rows.h. While the high
 // rows are solved the low ones are constant, so the unknowns and the rows that are evaluated are
 // the high ones only.
 //

@@ -21,7 +21,7 @@
 // coupling of low and high rows, at the price of as many unknowns as the midpoint rule. Undamped
 // and all low it is `verlet`, all high `midpoint`. Conditionally stable: linearly iff h omega < 2
 // on the low rows, as `imexv`. `dissipated` is that of runtime/integrators/solve/damping.h.
-#include "runtime/integrators/imexv/damped_rows.h"
+#include "runtime/integrators/imexv/imexv_rows.h"
 #include "runtime/integrators/imexv/imexv_step.h"
 #include "runtime/integrators/implicit_step.h"
 

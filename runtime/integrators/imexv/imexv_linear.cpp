@@ -30,7 +30,7 @@
 
 #include "runtime/integrators/imexv/imexv_step.h"
 #include "runtime/integrators/imexv/linear_rows.h"
-#include "runtime/integrators/solve/strain_kick.h"
+#include "runtime/integrators/solve/strain_damping.h"
 
 namespace tremolo {
 namespace {

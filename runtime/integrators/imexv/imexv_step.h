@@ -3,8 +3,7 @@
 
 #include <optional>
 
-#include "runtime/integrators/imexv/damped_rows.h"
-#include "runtime/integrators/imexv/high_rows.h"
+#include "runtime/integrators/imexv/imexv_rows.h"
 #include "runtime/integrators/one_step.h"
 
 namespace tremolo {

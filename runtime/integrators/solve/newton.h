@@ -17,7 +17,7 @@
 #include <Eigen/Core>
 
 #include "runtime/integrator.h"
-#include "runtime/kernels/cholesky.h"
+#include "runtime/kernels/small_matrices.h"
 
 namespace tremolo {
 

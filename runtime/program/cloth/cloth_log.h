@@ -1,19 +1,66 @@
 // Measurements and output files of a run of a scene with [[cloths]].
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "common/result.h"
+#include "formats/file/atomic_file.h"
 #include "runtime/cloth/cloth_world.h"
-#include "runtime/program/cloth/cloth_files.h"
-#include "runtime/scene_reader/cloth_reader.h"
-#include "runtime/values/momenta.h"
+#include "runtime/scene_reader/nodal_readers.h"
+#include "runtime/scene_reader/scene_keys.h"
+#include "runtime/values/state.h"
 
 namespace tremolo {
+
+// Columns: t (s), kinetic, elastic, gravity, total, damped, wind, pins, contact, numerical (J; as
+// ClothEnergy), px py pz (kg m/s), lx ly lz (kg m^2/s), penetration (m), and NAMEx NAMEy NAMEz (m)
+// of each ball.
+class ClothTable {
+ public:
+  // Errors: kSystem.
+  static Result<ClothTable> create(const std::string& path, const ClothScene& scene);
+  Status write(const ClothWorld& world, const ClothEnergy& energy);
+  Status finish();
+
+ private:
+  explicit ClothTable(AtomicFile file) : file_(std::move(file)) {}
+
+  std::string text_;
+  AtomicFile file_;
+};
+
+// The surfaces of one cloth, evenly spaced in time, in a folder, which is there.
+class ClothFrames {
+ public:
+  // steps: of the whole run.
+  ClothFrames(std::string folder, const SceneOutputs& outputs, std::int64_t steps)
+      : folder_(std::move(folder)),
+        format_(outputs.surface_format),
+        count_(outputs.surfaces),
+        steps_(steps) {}
+
+  // They are due at k/N of the run, k = 1 ... N.
+  bool due(std::int64_t steps) const;
+  Status write(const ClothWorld& world, std::size_t cloth);
+  // Writes frames.csv (frame, t in s, file).
+  Status finish();
+
+  const std::vector<std::string>& files() const { return files_; }
+
+ private:
+  std::string folder_, format_;
+  int count_;
+  std::int64_t steps_;
+  int written_ = 0;
+  std::string list_ = "frame,t,file\n";
+  std::vector<std::string> files_;
+};
 
 // Energies in J. remainder_max: the largest |change of the energy - energy given by wind, pins,
 // contact and dampers|, which is the error of the method.
@@ -23,7 +70,7 @@ struct ClothReport {
   double energy_max = 0.0;  // largest sum of kinetic, elastic and |change of gravity's| energy
   double remainder_max = 0.0;
   double turnover_max = 0.0;  // the largest sum of |energy exchanged| over all causes
-  int exit_code = 0;  // 0, 4 or 5
+  int exit_code = 0;          // 0, 4 or 5
   std::string reason;
   std::vector<std::string> files;
 

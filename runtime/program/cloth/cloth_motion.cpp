@@ -1,5 +1,3 @@
-#include "runtime/program/cloth/cloth_motion.h"
-
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
@@ -14,10 +12,10 @@
 #include "runtime/cloth/cloth_model.h"
 #include "runtime/cloth/cloth_parts.h"
 #include "runtime/cloth/cloth_world.h"
-#include "runtime/exchange/collider_shape.h"
-#include "runtime/program/cloth/run_cloth.h"
-#include "runtime/program/export/export_motion.h"
-#include "runtime/program/export/scenery.h"
+#include "runtime/exchange/recording.h"
+#include "runtime/program/cloth/cloth_commands.h"
+#include "runtime/program/export/export.h"
+#include "runtime/program/export/motion_source.h"
 #include "runtime/program/run/run_body.h"
 #include "runtime/program/run/run_progress.h"
 

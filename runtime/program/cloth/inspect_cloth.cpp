@@ -1,5 +1,3 @@
-#include "runtime/program/cloth/inspect_cloth.h"
-
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -12,11 +10,11 @@
 
 #include "common/mesh/tet_mesh.h"
 #include "runtime/cloth/cloth_model.h"
-#include "runtime/cloth/cloth_stability.h"
 #include "runtime/cloth/cloth_world.h"
 #include "runtime/nodal/nodal_integrator.h"
-#include "runtime/program/output/json_values.h"
+#include "runtime/program/cloth/cloth_commands.h"
 #include "runtime/program/output/tell.h"
+#include "runtime/program/output/text_values.h"
 #include "runtime/program/run/run_body.h"
 
 namespace tremolo {

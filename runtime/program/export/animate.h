@@ -1,16 +1,36 @@
 // Runs bodies or a world and records what they do.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/result.h"
 #include "runtime/exchange/animation.h"
-#include "runtime/program/export/frame_steps.h"
 #include "runtime/program/run/run_options.h"
 #include "runtime/scene_reader/scene_reader.h"
 
 namespace tremolo {
+
+// The requested frames.
+struct FrameRange {
+  double rate = 60.0;        // frames per second
+  double from = 0.0;         // s, of the run
+  std::optional<double> to;  // s; empty: the end of the run
+};
+
+// Frame k is the state at the end of the step nearest to from + k/rate; its own time is step times
+// h.
+struct FrameSteps {
+  std::vector<std::int64_t> steps;  // numbers of steps, ascending
+  double offset = 0.0;              // the largest difference between the two times, s
+  double even_step = 0.0;           // a step, s, with which the difference would be zero
+};
+
+// h: the step, s; duration: of the run, s. Errors: kContent for an empty range, one beyond the run,
+// or more frames than steps.
+Result<FrameSteps> frame_steps(const FrameRange& range, double h, double duration);
 
 // offset, even_step: as of FrameSteps. left_out: names of colliders that have no triangles.
 struct RecordedMotion {

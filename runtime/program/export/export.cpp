@@ -7,13 +7,13 @@
 
 #include "formats/basis/basis_reader.h"
 #include "formats/basis/basis_writer.h"
-#include "formats/basis/light_basis.h"
+#include "formats/basis/derived_basis.h"
 #include "formats/file/atomic_file.h"
 #include "formats/file/output_guard.h"
 #include "formats/vega/reduced_files.h"
 #include "formats/vtk/vtu_writer.h"
 #include "runtime/program/output/tell.h"
-#include "runtime/program/run/rescale.h"
+#include "runtime/program/run/run_body.h"
 
 namespace tremolo {
 namespace {

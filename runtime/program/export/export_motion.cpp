@@ -1,5 +1,3 @@
-#include "runtime/program/export/export_motion.h"
-
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -10,12 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/file/output_guard.h"
+#include "runtime/exchange/animation_writer.h"
 #include "runtime/exchange/glb_writer.h"
-#include "runtime/exchange/point_cache.h"
-#include "runtime/exchange/recorded_modes.h"
-#include "runtime/exchange/surface_series.h"
-#include "runtime/exchange/usda_writer.h"
-#include "runtime/program/output/energy_page.h"
+#include "runtime/exchange/recording.h"
+#include "runtime/program/export/export.h"
+#include "runtime/program/output/plot.h"
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/run_files.h"
 

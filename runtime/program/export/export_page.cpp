@@ -1,5 +1,3 @@
-#include "runtime/program/export/export_page.h"
-
 #include <filesystem>
 #include <string_view>
 #include <utility>
@@ -9,10 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/file/atomic_file.h"
-#include "formats/file/whole_file.h"
+#include "formats/file/input_file.h"
 #include "runtime/page/document.h"
-#include "runtime/page/motion.h"
-#include "runtime/program/output/energy_page.h"
+#include "runtime/program/export/export.h"
+#include "runtime/program/output/plot.h"
 #include "runtime/program/output/warnings.h"
 
 namespace tremolo {

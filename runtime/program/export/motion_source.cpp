@@ -1,15 +1,18 @@
 #include "runtime/program/export/motion_source.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "common/mesh/selector.h"
+#include "runtime/exchange/recording.h"
 #include "runtime/program/run/run_body.h"
 #include "runtime/program/run/run_files.h"
-#include "runtime/program/world/run_world.h"
+#include "runtime/program/world/world_commands.h"
 
 namespace tremolo {
 namespace {
@@ -91,6 +94,48 @@ std::unique_ptr<MotionSource> bodies_motion(std::vector<RunOptions> bodies) {
 
 std::unique_ptr<MotionSource> world_motion(SceneFile file) {
   return std::make_unique<WorldMotion>(std::move(file));
+}
+
+namespace {
+
+double plane_size(const Animation& animation) {
+  double size = 0.0;
+  for (const AnimatedShape& shape : animation.shapes)
+    for (const Eigen::Vector3d& x : shape.surface.vertices)
+      size = std::max(size, x.cwiseAbs().maxCoeff());
+  return std::max(2.0 * size, 1.0);
+}
+
+}  // namespace
+
+void add_scenery(AnimatedShape shape, std::string name, std::set<std::string>& taken,
+                 Animation& animation) {
+  while (!taken.insert(name).second) name += "-collider";
+  AnimatedBody body;
+  body.name = std::move(name);
+  body.shape = animation.shapes.size();
+  body.collider = true;
+  animation.shapes.push_back(std::move(shape));
+  animation.bodies.push_back(std::move(body));
+}
+
+Scenery add_colliders(std::span<const SceneCollider> colliders, bool planes,
+                      std::set<std::string>& taken, Animation& animation) {
+  Scenery scenery;
+  const double plane = plane_size(animation);
+  for (std::size_t k = 0; k < colliders.size(); ++k) {
+    const SceneCollider& known = colliders[k];
+    if (!planes && std::holds_alternative<PlaneShape>(known.shape)) continue;
+    std::optional<AnimatedShape> shape;
+    if (known.file.empty()) shape = collider_shape(known.shape, known.name, plane);
+    if (!shape) {
+      scenery.left_out.push_back(known.name);
+      continue;
+    }
+    add_scenery(std::move(*shape), known.name, taken, animation);
+    scenery.colliders.push_back(k);
+  }
+  return scenery;
 }
 
 }  // namespace tremolo

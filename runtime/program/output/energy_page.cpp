@@ -1,5 +1,3 @@
-#include "runtime/program/output/energy_page.h"
-
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -12,11 +10,12 @@
 #include <fmt/ranges.h>
 
 #include "formats/file/atomic_file.h"
-#include "formats/file/text_scanner.h"
-#include "formats/file/whole_file.h"
+#include "formats/file/input_file.h"
+#include "formats/file/scanner.h"
 #include "runtime/page/document.h"
 #include "runtime/program/output/chart.h"
-#include "runtime/program/output/csv_cells.h"
+#include "runtime/program/output/plot.h"
+#include "runtime/program/output/text_values.h"
 
 namespace tremolo {
 namespace {

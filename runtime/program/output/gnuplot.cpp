@@ -1,5 +1,3 @@
-#include "runtime/program/output/gnuplot.h"
-
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
@@ -11,6 +9,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 #include <utility>
+
+#include "runtime/program/output/plot.h"
 
 extern char** environ;
 

@@ -7,12 +7,11 @@
 #include <fmt/format.h>
 
 #include "formats/file/atomic_file.h"
-#include "formats/file/mapped_file.h"
+#include "formats/file/input_file.h"
 #include "formats/file/output_guard.h"
-#include "formats/file/text_scanner.h"
-#include "runtime/program/output/csv_cells.h"
-#include "runtime/program/output/gnuplot.h"
+#include "formats/file/scanner.h"
 #include "runtime/program/output/tell.h"
+#include "runtime/program/output/text_values.h"
 
 namespace tremolo {
 namespace {

@@ -1,11 +1,12 @@
-// Energies of runs as a page, or as a picture by gnuplot.
+// Energies of runs over time: charts of a page, or a picture by gnuplot.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "common/result.h"
-#include "runtime/program/output/energy_page.h"
 
 namespace tremolo {
 
@@ -28,5 +29,43 @@ Status plot_run(const PlotSource& source, const std::string& folder,
 // `tremolo plot`: the energies of these folders of `tremolo run --out`. The exit code; errors are
 // printed on stderr.
 int plot_command(const std::vector<std::string>& directories, const std::string& output);
+
+// One run: a label and its run.csv.
+struct PlotSource {
+  std::string label;
+  std::string csv;
+};
+
+// Sources are folders of `tremolo run --out`, or CSV files; the label is the folder's name.
+std::vector<PlotSource> plot_sources(const std::vector<std::string>& runs);
+
+// A run's columns: t (s), total and, where there is one, high_band (J); an empty cell is a NaN.
+struct EnergyTable {
+  std::vector<double> t;
+  std::vector<double> total;
+  std::vector<double> high_band;
+};
+// Errors: kSystem; kContent, with the line, for a table without t and total or a cell that is no
+// number.
+Result<EnergyTable> read_energies(const std::string& csv);
+
+// The value of a page's `charts` (runtime/page/document.h): total energy and, of runs that have
+// one, that of the high band; the two zoom together. of_film: a film on the page has the same time.
+Result<nlohmann::ordered_json> energy_charts(const std::vector<PlotSource>& sources, bool of_film);
+
+// A page of the two. Errors: as read_energies; kSystem.
+Status write_energy_page(const std::vector<PlotSource>& sources, const std::string& output);
+
+// Within gnuplot's single quotes, where nothing but the quote itself is special. A line break,
+// which would end the command, becomes a space.
+std::string gnuplot_quoted(const std::string& text);
+
+// True if gnuplot is on the PATH.
+bool has_gnuplot();
+
+// Runs a script that sets its own terminal and no output; returns the picture's bytes. Errors:
+// kSystem if gnuplot is missing (the message says how to install it), fails or draws nothing.
+// Messages of gnuplot go to stderr.
+Result<std::string> run_gnuplot(const std::string& script);
 
 }  // namespace tremolo

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "common/printable.h"
 #include "common/result.h"
+#include "common/text.h"
 #include "formats/file/atomic_file.h"
 #include "formats/file/standard_streams.h"
 

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "common/result.h"
+#include "runtime/energy_bound.h"
 #include "runtime/program/output/tell.h"
 
 namespace tremolo {
@@ -34,6 +36,17 @@ std::string pace_text(double factor) {
   return fmt::format("{} times {} than real time",
                      times < 100.0 ? fmt::format("{:.2g}", times) : fmt::format("{:.0f}", times),
                      slower ? "slower" : "faster");
+}
+
+void Ending::solver_gave_up(const StepReport& step) {
+  if (step.failure == StepFailure::kEnergy) return bound_left();
+  exit_code = tremolo::exit_code(ErrorKind::kSolver);
+  reason = fmt::format("a step did not converge in {} iterations", step.iterations);
+}
+
+void Ending::bound_left() {
+  exit_code = tremolo::exit_code(ErrorKind::kBound);
+  reason = fmt::format("energy above {:g} times all that was put in", kEnergyBound);
 }
 
 }  // namespace tremolo

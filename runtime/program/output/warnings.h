@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "runtime/integrator.h"
+
 namespace tremolo {
 
 using Warnings = std::vector<std::string>;
@@ -24,8 +26,19 @@ double resolving_step(double frequency);
 std::string step_warning(double frequency, double step, const std::string& whose,
                          const std::string& flag);
 
-// "28 times slower than real time", of simulated seconds over seconds of computing; empty where that
-// is not known.
+// "28 times slower than real time", of simulated seconds over seconds of computing; empty where
+// that is not known.
 std::string pace_text(double factor);
+
+// The end of an orbit: its exit code and, if it ended early, the reason. exit_code: 0; 4 if the
+// solver gave up; 5 if the energy bound was left (as `tremolo run`).
+struct Ending {
+  int exit_code = 0;
+  std::string reason;
+
+  bool finished() const { return exit_code == 0; }
+  void solver_gave_up(const StepReport& step);
+  void bound_left();
+};
 
 }  // namespace tremolo

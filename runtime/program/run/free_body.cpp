@@ -1,5 +1,3 @@
-#include "runtime/program/run/free_body.h"
-
 #include <cmath>
 #include <limits>
 
@@ -8,6 +6,7 @@
 #include "formats/basis/basis_reader.h"
 #include "runtime/load.h"
 #include "runtime/program/run/run_body.h"
+#include "runtime/program/run/simulate.h"
 
 namespace tremolo {
 namespace {

@@ -1,5 +1,3 @@
-#include "runtime/program/run/rescale.h"
-
 #include <cmath>
 #include <optional>
 #include <string_view>
@@ -7,8 +5,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "common/decimal.h"
-#include "formats/basis/rescaled_basis.h"
+#include "common/text.h"
+#include "formats/basis/derived_basis.h"
+#include "runtime/program/run/run_body.h"
 
 namespace tremolo {
 namespace {

@@ -1,5 +1,3 @@
-#include "runtime/program/run/run.h"
-
 #include <algorithm>
 #include <cmath>
 #include <csignal>

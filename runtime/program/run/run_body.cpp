@@ -7,9 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "common/rayleigh.h"
+#include "common/material.h"
 #include "formats/basis/basis_reader.h"
-#include "runtime/program/run/rescale.h"
 #include "runtime/program/run/sound.h"
 #include "runtime/program/start/start_state.h"
 #include "runtime/scene/selection.h"

@@ -1,7 +1,10 @@
 // Makes the body of `tremolo run` from the command line's or the scene's options.
 #pragma once
 
+#include <string>
+
 #include "common/result.h"
+#include "formats/basis/basis_data.h"
 #include "runtime/body.h"
 #include "runtime/program/run/run_options.h"
 
@@ -46,5 +49,13 @@ Result<Signal> shaped_signal(const RunOptions& options);
 
 // The share of --deflect: "5%" or "0.05". Errors: kUsage; kContent if it is not positive.
 Result<double> parse_share(const std::string& text);
+
+// `--rescale young=2e5,density=500`: a finished model of another stiffness or density. text: young
+// (Pa) and density (kg/m^3), one or both, of the new material. The factors are those to the
+// material in the file's provenance. Errors: kUsage for a text of another form or a value that is
+// not positive and finite; kContent with the reason where it would not be exact: several materials,
+// an orthotropic one where young is given, point masses where density is given, or a file that does
+// not say its material.
+Result<BasisData> rescale_model(BasisData data, const std::string& text, const std::string& path);
 
 }  // namespace tremolo

@@ -1,8 +1,8 @@
-#include "runtime/program/run/run_flags.h"
-
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include "runtime/program/run/run_options.h"
 
 namespace tremolo {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <toml++/toml.h>
 
-#include "formats/file/whole_file.h"
-#include "runtime/program/start/start_text.h"
+#include "formats/file/input_file.h"
+#include "runtime/program/start/start_state.h"
 #include "runtime/scene_reader/toml_keys.h"
 
 namespace tremolo {

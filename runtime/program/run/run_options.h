@@ -22,7 +22,7 @@ struct RunOptions {
   double step = 3e-3;
   double duration = 30.0;
   int modes = 0;                // leading coordinates to keep; 0: all
-  std::string rescale;          // "young=PA,density=KG/M3": another material (rescale.h)
+  std::string rescale;          // "young=PA,density=KG/M3": another material (run_body.h)
   bool linear = false;          // without the cubic and quartic terms
   std::string load = "square";  // impulse, square, sine, chirp, ramp, constant, none
   SignalShape shape;            // of the load: --frequency, --sweep, --load-duration
@@ -59,5 +59,19 @@ struct RunOptions {
 Result<std::vector<RunOptions>> read_scene(const std::string& path);
 // The same for the file's contents; `path` is for errors, and `model` is relative to it.
 Result<std::vector<RunOptions>> parse_scene(std::string_view text, const std::string& path);
+
+}  // namespace tremolo
+
+// The flags of `tremolo run` that other programs take too.
+
+namespace CLI {
+class App;
+}
+
+namespace tremolo {
+
+// Adds the flags of a body's model (except --modes), integrator, load and start.
+void add_body_flags(CLI::App& app, RunOptions& options);
+void add_modes_flag(CLI::App& app, RunOptions& options);
 
 }  // namespace tremolo

@@ -10,16 +10,14 @@
 
 #include <fmt/format.h>
 
-#include "common/hertz.h"
+#include "common/units.h"
 #include "runtime/program/output/tell.h"
-#include "runtime/program/run/interruption.h"
-#include "runtime/program/run/march.h"
+#include "runtime/program/run/recorder.h"
 #include "runtime/program/run/run_body.h"
 #include "runtime/program/run/run_files.h"
 #include "runtime/program/run/run_progress.h"
 #include "runtime/program/run/sound.h"
 #include "runtime/program/run/watch.h"
-#include "runtime/program/start/load_search.h"
 #include "runtime/program/start/run_notes.h"
 #include "runtime/scene/selection.h"
 #include "runtime/scene_reader/csv_rows.h"

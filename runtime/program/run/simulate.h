@@ -3,13 +3,34 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
+#include <Eigen/Core>
+
+#include "common/result.h"
 #include "runtime/body.h"
-#include "runtime/program/run/free_body.h"
+#include "runtime/model.h"
 #include "runtime/program/run/run_options.h"
 #include "runtime/program/run/stretch.h"
 
 namespace tremolo {
+
+// The rigid motion of a free body under a load. The mass is assumed to be uniform over the body.
+struct RigidLoss {
+  std::uint64_t rigid_modes = 0;  // motions left out of the model; six for a body in one piece
+  // Fraction of the kinetic energy of a short push that goes into rigid motion, 0 to 1; the rest
+  // goes into the model's coordinates. Not a number for several pieces.
+  double share = 0.0;
+  double force = 0.0;   // resultant of the load, N
+  double torque = 0.0;  // about the centre of mass, N m
+};
+
+// Empty if the body is not free or there is no load. Errors: those of reading the file.
+Result<std::optional<RigidLoss>> rigid_loss(const RunOptions& options, const Model& model);
+
+// The same for a given load, mass (kg) and number of rigid motions.
+RigidLoss rigid_loss(const Model& model, const DefaultLoad& load, double mass,
+                     std::uint64_t rigid_modes);
 
 // Input of a run. It must outlive the body that make_body() makes of it.
 struct RunInput {
@@ -71,5 +92,9 @@ struct RunReport {
 // that ends early gives a report, not an error. SIGINT, SIGTERM and SIGHUP end it early, with all
 // results up to then.
 Result<RunReport> simulate(const RunOptions& options);
+
+// `tremolo run`. Runs every body of the list. json: one object on stdout, also when a run failed.
+// The exit code; errors are printed on stderr.
+int run_command(const std::vector<RunOptions>& bodies, bool json);
 
 }  // namespace tremolo

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "common/hertz.h"
-#include "common/mesh/vertex_lookup.h"
+#include "common/mesh/surface_mesh.h"
+#include "common/units.h"
 #include "formats/sound/wav_writer.h"
 #include "formats/surface/surface_writer.h"
 #include "runtime/integrators/dispersion.h"

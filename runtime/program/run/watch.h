@@ -5,13 +5,12 @@
 #include <optional>
 #include <string>
 
-#include "common/energy_drift.h"
+#include "common/energy.h"
 #include "runtime/energy.h"
-#include "runtime/program/run/frames.h"
 #include "runtime/program/run/recorder.h"
-#include "runtime/program/run/shape_looks.h"
 #include "runtime/program/run/simulate.h"
 #include "runtime/program/run/sound.h"
+#include "runtime/program/run/stretch.h"
 
 namespace tremolo {
 

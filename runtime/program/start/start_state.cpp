@@ -3,10 +3,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "formats/file/whole_file.h"
-#include "runtime/program/start/state_row.h"
+#include "formats/file/input_file.h"
+#include "runtime/scene/scene_start.h"
 #include "runtime/scene/selection.h"
-#include "runtime/scene/statics.h"
 
 namespace tremolo {
 namespace {

@@ -1,12 +1,15 @@
 // --start: where a body is at t = 0.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
+
+#include <Eigen/Core>
 
 #include "common/result.h"
 #include "runtime/integrator.h"
 #include "runtime/model.h"
-#include "runtime/program/start/start_text.h"
 
 namespace tremolo {
 
@@ -22,5 +25,37 @@ namespace tremolo {
 // exists.
 Result<State> start_state(const std::string& text, const Model& model,
                           const Eigen::VectorXd& force);
+
+// "X,Y,Z" -> vector; kUsage otherwise.
+Result<Eigen::Vector3d> parse_force(const std::string& text);
+
+inline constexpr const char* kStaticStart = "static";
+
+// WHERE=X,Y,Z: `where` a vertex's id or a selector, `by` m.
+struct StartDisplacement {
+  std::string where;
+  Eigen::Vector3d by;
+};
+// Nothing if the text has another form.
+std::optional<StartDisplacement> start_displacement(const std::string& text);
+
+// FILE.csv[@T]: `time` s; none: the last row.
+struct StartRow {
+  std::string path;
+  std::optional<double> time;
+};
+// Row of a text that is neither kStaticStart nor a displacement.
+StartRow start_row(const std::string& text);
+
+// The file in the text, and the selector in it; empty: none.
+std::string file_of_start(const std::string& text);
+std::string selector_of_start(const std::string& text);
+
+// Reads a state from the CSV of a run. q and p of the row nearest to `time` (s), or of the last
+// one. text: the contents of the file; a last line without a line end may be cut off and is
+// ignored. path: for errors. modes: the required number of columns q0 ... and p0 .... Errors:
+// kContent with the line.
+Result<State> parse_state_row(std::string_view text, const std::string& path,
+                              std::optional<double> time, Eigen::Index modes);
 
 }  // namespace tremolo

@@ -1,7 +1,7 @@
-#include "runtime/program/start/start_text.h"
-
 #include <charconv>
 #include <cmath>
+
+#include "runtime/program/start/start_state.h"
 
 namespace tremolo {
 

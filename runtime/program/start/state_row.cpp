@@ -1,5 +1,3 @@
-#include "runtime/program/start/state_row.h"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -7,7 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "runtime/program/output/csv_cells.h"
+#include "runtime/program/output/text_values.h"
+#include "runtime/program/start/start_state.h"
 
 namespace tremolo {
 namespace {

@@ -1,5 +1,3 @@
-#include "runtime/program/tets/run_tets.h"
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -8,16 +6,16 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "common/processor_time.h"
+#include "common/processor.h"
 #include "formats/file/output_guard.h"
-#include "runtime/program/output/json_values.h"
 #include "runtime/program/output/tell.h"
-#include "runtime/program/run/interruption.h"
+#include "runtime/program/output/text_values.h"
 #include "runtime/program/run/run_files.h"
 #include "runtime/program/run/run_progress.h"
+#include "runtime/program/tets/tets_commands.h"
 #include "runtime/program/tets/tets_log.h"
 #include "runtime/program/world/scene_ending.h"
-#include "runtime/tets/motion/tet_bound.h"
+#include "runtime/tets/motion/tet_group.h"
 
 namespace tremolo {
 namespace {

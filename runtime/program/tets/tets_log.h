@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "common/result.h"
-#include "runtime/scene_reader/tets_reader.h"
+#include "runtime/scene_reader/nodal_readers.h"
 #include "runtime/tets/scene/tet_scene.h"
-#include "runtime/values/momenta.h"
+#include "runtime/values/state.h"
 
 namespace tremolo {
 

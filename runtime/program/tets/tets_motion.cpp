@@ -1,5 +1,3 @@
-#include "runtime/program/tets/tets_motion.h"
-
 #include <filesystem>
 #include <set>
 #include <string>
@@ -8,13 +6,13 @@
 
 #include <fmt/format.h>
 
-#include "runtime/program/export/export_motion.h"
-#include "runtime/program/export/scenery.h"
+#include "runtime/program/export/export.h"
+#include "runtime/program/export/motion_source.h"
 #include "runtime/program/run/run_body.h"
 #include "runtime/program/run/run_progress.h"
-#include "runtime/program/tets/run_tets.h"
-#include "runtime/tets/elements/rotation.h"
-#include "runtime/tets/motion/tet_bound.h"
+#include "runtime/program/tets/tets_commands.h"
+#include "runtime/tets/elements/element_turn.h"
+#include "runtime/tets/motion/tet_group.h"
 
 namespace tremolo {
 namespace {

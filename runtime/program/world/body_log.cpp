@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "common/larger.h"
+#include "common/energy.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/program/output/plot.h"
 #include "runtime/program/run/run_body.h"

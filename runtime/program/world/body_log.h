@@ -7,11 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "runtime/program/run/frames.h"
-#include "runtime/program/run/march.h"
 #include "runtime/program/run/recorder.h"
 #include "runtime/program/run/run_options.h"
-#include "runtime/program/run/shape_looks.h"
+#include "runtime/program/run/stretch.h"
 #include "runtime/program/world/surface_depth.h"
 #include "runtime/scene/scene_world.h"
 #include "runtime/scene_reader/scene_reader.h"

@@ -1,10 +1,9 @@
-#include "runtime/program/world/inspect_world.h"
-
-#include "common/hertz.h"
+#include "common/units.h"
 #include "runtime/program/output/scene_places.h"
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/run_body.h"
 #include "runtime/program/start/start_state.h"
+#include "runtime/program/world/world_commands.h"
 #include "runtime/scene/scene_world.h"
 #include "runtime/scene_reader/csv_rows.h"
 

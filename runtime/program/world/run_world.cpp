@@ -1,5 +1,3 @@
-#include "runtime/program/world/run_world.h"
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -13,23 +11,23 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "common/hertz.h"
-#include "common/processor_time.h"
+#include "common/processor.h"
+#include "common/units.h"
 #include "formats/file/atomic_file.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/contact/solve/shape_reach.h"
-#include "runtime/program/output/json_values.h"
 #include "runtime/program/output/plot.h"
 #include "runtime/program/output/scene_places.h"
 #include "runtime/program/output/tell.h"
+#include "runtime/program/output/text_values.h"
 #include "runtime/program/output/warnings.h"
-#include "runtime/program/run/interruption.h"
 #include "runtime/program/run/run_body.h"
 #include "runtime/program/run/run_files.h"
 #include "runtime/program/run/run_progress.h"
 #include "runtime/program/start/run_notes.h"
 #include "runtime/program/world/body_log.h"
 #include "runtime/program/world/scene_ending.h"
+#include "runtime/program/world/world_commands.h"
 #include "runtime/program/world/world_sound.h"
 
 namespace tremolo {

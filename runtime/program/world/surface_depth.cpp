@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "runtime/contact/solve/bent_shape.h"
+#include "runtime/contact/solve/contact_points.h"
 #include "runtime/contact/solve/contact_step.h"
 
 namespace tremolo {

@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "common/rayleigh.h"
+#include "common/material.h"
 #include "runtime/integrator.h"
 #include "runtime/program/run/sound.h"
-#include "runtime/program/world/run_world.h"
 #include "runtime/program/world/scene_ending.h"
+#include "runtime/program/world/world_commands.h"
 #include "runtime/split.h"
 
 namespace tremolo {

@@ -1,5 +1,5 @@
 // Contact of a body of tetrahedra with fixed solids and other bodies, at points of its surface
-// (tet_points.h). With the signed distance d of a solid at the point and its outward normal n,
+// (tet_contact.h). With the signed distance d of a solid at the point and its outward normal n,
 //   f = k <-d> n  -  mu k <-d> v_t / sqrt(|v_t|^2 + v_0^2),     v_t = v - (v.n) n,
 // <a> = max(a, 0), and v is the point's velocity relative to the solid. The first part has the
 // potential 1/2 k <-d>^2. The second only dissipates, and below v_0 it permits creep. A sticking
@@ -22,15 +22,39 @@
 #include <span>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "common/distance/distance_grid.h"
+#include "formats/tets/tets_file.h"
 #include "runtime/contact/collider.h"
 #include "runtime/frames/pose.h"
-#include "runtime/tets/contact/tet_points.h"
 #include "runtime/tets/contact/tet_tree.h"
+#include "runtime/tets/elements/tet_model.h"
 #include "runtime/tets/elements/tet_system.h"
 #include "runtime/tets/solve/active_solve.h"
 
 namespace tremolo {
+
+// A contact point.
+struct TetPoint {
+  std::uint32_t count = 0;
+  // Control points of one element; both ends of an edge are included if its control point is.
+  std::array<std::uint32_t, kMostNodes> nodes{};
+  std::array<double, kMostNodes> shares{};  // weights
+  // Twice the mean stiffness at rest of the rows of these nodes by their weights, N/m. A body then
+  // penetrates about as much as it deforms there, and the system's condition is unchanged.
+  double stiffness = 0.0;
+};
+
+// The weighted sum of x, any vector of the control points.
+Eigen::Vector3d at_point(const TetPoint& point, const Eigen::VectorXd& x);
+
+// The vertices of the mesh's boundary and the midpoints of its edges.
+std::vector<TetPoint> boundary_points(const TetModel& model);
+
+// Vertices of a surface attached to the body, in their order, thinned evenly if there are more than
+// the mesh's boundary has vertices and edges.
+std::vector<TetPoint> surface_points(const TetModel& model, const TetsSurface& surface);
 
 // The contact surface that all bodies of one kind have.
 struct TetHull {

@@ -1,5 +1,3 @@
-#include "runtime/tets/contact/tet_points.h"
-
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -8,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "common/mesh/surface_mesh.h"
+#include "runtime/tets/contact/tet_contact.h"
 
 namespace tremolo {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "common/clones.h"
+#include "common/processor.h"
 #include "formats/surface/surface_writer.h"
 
 namespace tremolo {

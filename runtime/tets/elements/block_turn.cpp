@@ -1,9 +1,8 @@
-#include "runtime/tets/elements/block_turn.h"
-
 #include <cstddef>
 #include <cstring>
 
-#include "common/clones.h"
+#include "common/processor.h"
+#include "runtime/tets/elements/element_turn.h"
 
 namespace tremolo {
 namespace {

@@ -1,8 +1,7 @@
-#include "runtime/tets/elements/element_lanes.h"
-
 #include <cstring>
 
-#include "common/clones.h"
+#include "common/processor.h"
+#include "runtime/tets/elements/tet_element.h"
 
 namespace tremolo {
 namespace {
@@ -69,7 +68,7 @@ LANE_INLINE void set_stress(const LaneGroup& g, const LaneMatrix& s, LaneMatrix&
   }
 }
 
-// The deformation gradients at the samples and their mean (gradient_field.h).
+// The deformation gradients at the samples and their mean (element.h).
 LANE_INLINE void find_gradients(const LaneGroup& g, LaneMatrix* at, LaneMatrix& mean) {
   LaneMatrix corner[4];
   for (int a = 0; a < 4; ++a)

@@ -1,6 +1,6 @@
 #include "runtime/tets/elements/float_blocks.h"
 
-#include "common/clones.h"
+#include "common/processor.h"
 #include "runtime/tets/elements/quads.h"
 
 namespace tremolo {

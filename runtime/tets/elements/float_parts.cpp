@@ -1,9 +1,7 @@
-#include "runtime/tets/elements/float_parts.h"
-
-#include "common/clones.h"
+#include "common/processor.h"
 #include "runtime/tets/elements/element_turn.h"
+#include "runtime/tets/elements/float_blocks.h"
 #include "runtime/tets/elements/quads.h"
-#include "runtime/tets/elements/rotation.h"
 
 namespace tremolo {
 namespace {
@@ -41,7 +39,7 @@ template <int j>
   return out;
 }
 
-// Forces on the nodes from corners' sums (gradient_field.h), rotated into space.
+// Forces on the nodes from corners' sums (element.h), rotated into space.
 [[gnu::always_inline]] inline void put_forces(const FloatShape& g, const QuadBlock* at,
                                               size_t column, float* left) {
   const auto put = [&](size_t node, Quad force) {

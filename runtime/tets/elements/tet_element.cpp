@@ -2,9 +2,7 @@
 
 #include <cstddef>
 
-#include "runtime/tets/elements/block_turn.h"
 #include "runtime/tets/elements/element_turn.h"
-#include "runtime/tets/elements/rotation.h"
 
 namespace tremolo {
 namespace {

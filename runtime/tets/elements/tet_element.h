@@ -23,8 +23,7 @@
 #include <Eigen/Core>
 
 #include "common/elements/elasticity.h"
-#include "common/elements/gradient_field.h"
-#include "common/elements/stiffness.h"
+#include "common/elements/element.h"
 
 namespace tremolo {
 
@@ -116,5 +115,29 @@ TangentParts tangent_parts(const TetElement& element, const Elasticity& elastici
 void tet_tangent(const TetElement& element, const Elasticity& elasticity, RotationLaw law,
                  const TetShape& shape, std::span<const Eigen::Matrix3d> stiffness,
                  const TangentFactors& factors, NodeBlocks& out);
+
+// Computes shapes of several quadratic elements at once, one in each lane of a register. It finds
+// the same minimum over rotations as tet_shape() (tet_element.h), by Newton's method from each
+// element's previous rotation.
+//
+// Near rest there is one minimum within reach from any start. The following elements are left to
+// tet_shape(): those strained by more than half of their size, those that rotate by more than
+// Newton's method allows or meet a stiffness that is not positive, and those of anisotropic
+// materials.
+
+inline constexpr std::size_t kElementLanes = 8;
+
+// One element of a group.
+struct LaneElement {
+  const TetElement* element = nullptr;
+  const Elasticity* elasticity = nullptr;
+  std::array<const double*, kMostNodes> nodes{};  // its ten control points, m, three numbers each
+  // In: its rotation is the start of the search. Out: the shape, if it was found.
+  TetShape* shape = nullptr;
+};
+
+// group: quadratic and isotropic elements, at most kElementLanes. Returns a bit for each element
+// whose shape was not found and is unchanged. Allocates nothing.
+unsigned shapes_in_lanes(const LaneElement* group, std::size_t count);
 
 }  // namespace tremolo

@@ -18,7 +18,7 @@
 #include "common/elements/elasticity.h"
 #include "common/mesh/edge_points.h"
 #include "common/result.h"
-#include "runtime/kernels/aligned.h"
+#include "runtime/kernels/lanes.h"
 #include "runtime/sparse/block_matrix.h"
 #include "runtime/tets/elements/float_blocks.h"
 #include "runtime/tets/elements/tet_element.h"

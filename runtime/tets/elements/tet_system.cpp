@@ -4,8 +4,8 @@
 #include <array>
 #include <utility>
 
-#include "runtime/tets/elements/element_lanes.h"
-#include "runtime/tets/elements/rotation.h"
+#include "runtime/tets/elements/element_turn.h"
+#include "runtime/tets/elements/tet_element.h"
 
 namespace tremolo {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/number_text.h"
+#include "common/text.h"
 #include "runtime/c_api/c_api.h"
 #include "runtime/tets/scene/tet_scene.h"
 #include "runtime/tremolo_tets.h"

@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "common/clones.h"
+#include "common/processor.h"
 
 namespace tremolo {
 namespace {

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "runtime/kernels/aligned.h"
+#include "runtime/kernels/lanes.h"
 #include "runtime/sparse/block_matrix.h"
 #include "runtime/tets/elements/float_blocks.h"
 #include "runtime/tets/elements/smooth_modes.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/clones.h"
+#include "common/processor.h"
 
 namespace tremolo {
 namespace {

@@ -18,7 +18,7 @@
 
 #include <Eigen/Core>
 
-#include "runtime/kernels/aligned.h"
+#include "runtime/kernels/lanes.h"
 #include "runtime/tets/elements/tet_system.h"
 
 namespace tremolo {

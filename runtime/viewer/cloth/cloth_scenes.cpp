@@ -9,12 +9,14 @@
 
 #include <fmt/format.h>
 
-#include "formats/file/whole_file.h"
-#include "runtime/program/cloth/run_cloth.h"
+#include "formats/file/input_file.h"
+#include "runtime/cloth/cloth_model.h"
+#include "runtime/program/cloth/cloth_commands.h"
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/run_body.h"
-#include "runtime/scene_reader/scene_kind.h"
-#include "runtime/viewer/surfaces/ray_meets.h"
+#include "runtime/scene_reader/scene_keys.h"
+#include "runtime/viewer/live/hand_record.h"
+#include "runtime/viewer/surfaces/moving_surfaces.h"
 #include "runtime/viewer/surfaces/surface_window.h"
 
 namespace tremolo {
@@ -287,6 +289,51 @@ int view_cloth_command(const ViewerOptions& options, const ViewFlags& flags) {
   // Whoever started the program shall see that a signal ended it.
   if (*code > 128) ::raise(*code - 128);
   return printed;
+}
+
+void ClothHandRecord::before_step(const ClothWorld& world, std::size_t cloth, std::size_t particle,
+                                  const Eigen::Vector3d& way) {
+  const ClothScene& scene = world.scene();
+  if (!std::exchange(holds_, true)) {
+    ClothHand taken;
+    taken.cloth = scene.cloths[cloth].name;
+    taken.particle = world.model(cloth).parts().vertex_of_particle(particle);
+    taken.from = world.time();
+    taken.motion = hand_motion();
+    add_hand_key(taken.motion, world.time(), Eigen::Vector3d::Zero());
+    hands_.push_back(std::move(taken));
+  }
+  add_hand_key(hands_.back().motion, static_cast<double>(world.steps() + 1) * scene.options.step,
+               way);
+}
+
+void ClothHandRecord::end(double time) {
+  if (std::exchange(holds_, false)) hands_.back().until = time;
+}
+
+void ClothHandRecord::clear() {
+  hands_.clear();
+  holds_ = false;
+}
+
+Status write_recorded_cloth(const std::string& path, const ClothFile& file, const ClothScene& now,
+                            const std::vector<ClothHand>& hands) {
+  toml::table table = moved_scene(file.text, file.path, std::filesystem::path(path).parent_path());
+  table.insert_or_assign("step", now.options.step);
+  table.insert_or_assign("integrator", now.integrator);
+  table.insert_or_assign("tolerance", now.options.tolerance);
+  table.insert_or_assign("max-iterations", now.options.max_iterations);
+  table.insert_or_assign("duration", now.duration);
+  std::vector<toml::table> tables;
+  for (const ClothHand& hand : hands) {
+    toml::table one{{"cloth", hand.cloth},
+                    {"at", static_cast<std::int64_t>(hand.particle)},
+                    {"from", hand.from}};
+    if (hand.until < kForEver) one.insert("until", hand.until);
+    one.insert("motion", hand_motion_table(hand.motion));
+    tables.push_back(std::move(one));
+  }
+  return write_scene_with_hands(path, table, tables);
 }
 
 }  // namespace tremolo

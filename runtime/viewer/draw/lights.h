@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "runtime/viewer/draw/gl_handle.h"
+#include "runtime/viewer/draw/gl_objects.h"
 
 namespace tremolo {
 
@@ -28,7 +28,7 @@ struct StudioLight {
 };
 
 // up: of the world; right: to the right of the camera's first position, horizontal. Lamps are
-// first. At most kMostLights (runtime/viewer/draw/shaders.h).
+// first. At most kMostLights (runtime/viewer/draw/gl_objects.h).
 std::vector<StudioLight> studio_lights(const LightCounts& counts, const Eigen::Vector3d& up,
                                        const Eigen::Vector3d& right);
 

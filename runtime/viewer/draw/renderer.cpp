@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#include "runtime/viewer/draw/shaders.h"
+#include "runtime/viewer/draw/gl_objects.h"
 #include "runtime/viewer/shape/collider_shape.h"
 
 namespace tremolo {

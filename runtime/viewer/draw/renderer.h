@@ -10,10 +10,8 @@
 
 #include "common/result.h"
 #include "runtime/viewer/camera/camera.h"
-#include "runtime/viewer/draw/frame_target.h"
-#include "runtime/viewer/draw/gpu_mesh.h"
+#include "runtime/viewer/draw/gl_objects.h"
 #include "runtime/viewer/draw/lights.h"
-#include "runtime/viewer/draw/shader_program.h"
 
 namespace tremolo {
 

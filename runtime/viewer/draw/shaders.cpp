@@ -1,4 +1,4 @@
-#include "runtime/viewer/draw/shaders.h"
+#include "runtime/viewer/draw/gl_objects.h"
 
 namespace tremolo {
 

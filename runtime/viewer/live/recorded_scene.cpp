@@ -4,7 +4,6 @@
 #include <toml++/toml.h>
 
 #include "runtime/viewer/live/hand_record.h"
-#include "runtime/viewer/live/recorded_text.h"
 
 namespace tremolo {
 namespace {

@@ -5,11 +5,11 @@
 #include <memory>
 #include <utility>
 
-#include "formats/file/whole_file.h"
+#include "formats/file/input_file.h"
 #include "runtime/program/run/run_body.h"
 #include "runtime/program/run/run_files.h"
-#include "runtime/program/start/start_text.h"
-#include "runtime/program/world/run_world.h"
+#include "runtime/program/start/start_state.h"
+#include "runtime/program/world/world_commands.h"
 #include "runtime/scene_reader/csv_rows.h"
 #include "runtime/scene_reader/scene_reader.h"
 

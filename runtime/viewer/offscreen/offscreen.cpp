@@ -1,5 +1,3 @@
-#include "runtime/viewer/offscreen/offscreen.h"
-
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -9,14 +7,14 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/program/output/tell.h"
-#include "runtime/program/run/interruption.h"
+#include "runtime/program/run/run_progress.h"
 #include "runtime/viewer/draw/renderer.h"
 #include "runtime/viewer/live/live_world.h"
 #include "runtime/viewer/offscreen/egl_context.h"
-#include "runtime/viewer/offscreen/picture_target.h"
 #include "runtime/viewer/picture/picture_series.h"
 #include "runtime/viewer/setup/frame_times.h"
 #include "runtime/viewer/setup/view_setup.h"
+#include "runtime/viewer/setup/viewer_options.h"
 
 namespace tremolo {
 namespace {

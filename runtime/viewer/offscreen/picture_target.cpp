@@ -1,6 +1,5 @@
-#include "runtime/viewer/offscreen/picture_target.h"
-
-#include "runtime/viewer/picture/frame_pixels.h"
+#include "runtime/viewer/offscreen/egl_context.h"
+#include "runtime/viewer/picture/png_file.h"
 
 namespace tremolo {
 

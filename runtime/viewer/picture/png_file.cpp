@@ -1,11 +1,12 @@
 #include "runtime/viewer/picture/png_file.h"
 
+#include <algorithm>
 #include <fstream>
 #include <png.h>
 #include <string_view>
 
 #include "formats/file/atomic_file.h"
-#include "formats/file/whole_file.h"
+#include "formats/file/input_file.h"
 
 namespace tremolo {
 namespace {
@@ -84,6 +85,23 @@ Result<Picture> read_png(const std::string& path) {
   if (png_image_finish_read(&image, nullptr, picture.pixels.data(), 0, nullptr) == 0)
     return refused(image.message);
   return picture;
+}
+
+void read_pixels(GLuint framebuffer, const PictureSize& size, Picture& picture) {
+  picture.width = size.width;
+  picture.height = size.height;
+  const std::size_t row = 3 * size.width;
+  picture.pixels.resize(row * static_cast<std::size_t>(size.height));
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, size.width, size.height, GL_RGB, GL_UNSIGNED_BYTE, picture.pixels.data());
+  // OpenGL's first row is the lowest.
+  for (int y = 0; y < size.height / 2; ++y) {
+    const auto upper = picture.pixels.begin() + static_cast<std::ptrdiff_t>(row) * y;
+    const auto lower =
+        picture.pixels.begin() + static_cast<std::ptrdiff_t>(row) * (size.height - 1 - y);
+    std::swap_ranges(upper, upper + static_cast<std::ptrdiff_t>(row), lower);
+  }
 }
 
 }  // namespace tremolo

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <epoxy/gl.h>
 #include <string>
 #include <vector>
 
 #include "common/result.h"
+#include "runtime/viewer/camera/camera.h"
 
 namespace tremolo {
 
@@ -25,5 +27,9 @@ bool is_our_png(const std::string& path);
 // Any PNG as r g b. Errors: kSystem for a file that cannot be read, kContent for one that is no PNG
 // or is larger than 16384 a side.
 Result<Picture> read_png(const std::string& path);
+
+// Reads the pixels of a framebuffer. The pixels of a framebuffer, from the upper left corner. A
+// context must be current.
+void read_pixels(GLuint framebuffer, const PictureSize& size, Picture& picture);
 
 }  // namespace tremolo

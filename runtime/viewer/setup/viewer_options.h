@@ -1,15 +1,19 @@
-// Options of `tremolo view`.
+// What `tremolo view` is told, and the two ways in which it shows: a window, pictures without a
+// display.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "common/result.h"
+#include "formats/file/output_guard.h"
 #include "runtime/program/run/run_options.h"
+#include "runtime/viewer/live/viewed_scene.h"
 
 namespace tremolo {
 
-// Fields are named after the flags. body: its model, load and integrator, as for `tremolo run`.
+// Options of `tremolo view`. Fields are named after the flags. body: its model, load and
+// integrator, as for `tremolo run`.
 struct ViewerOptions {
   std::string file;
   std::string beside;  // of cloth: a second scene, shown next to the first
@@ -40,5 +44,23 @@ struct ViewerOptions {
   bool paused = false;
   bool json = false;
 };
+
+// All files that the view reads: those of the scene, and pictures of --texture.
+std::vector<NamedFile> inputs_of_view(const ViewerOptions& options,
+                                      std::vector<NamedFile> of_scene);
+
+// Checks the existing pictures in --out, the film and the recorded hand. Errors: kUsage if one of
+// them is an input or another of them, or for flags that exclude each other; kSystem if one cannot
+// be written.
+Status check_view_outputs(const ViewerOptions& options, const std::vector<NamedFile>& inputs);
+
+// `tremolo view`: the window. Shows the scene until the window is closed. The exit code; errors are
+// printed on stderr.
+int window_command(const ViewerOptions& options, const ViewedScene& viewed);
+
+// `tremolo view --offscreen`: pictures without a display. Renders the frames and writes them.
+// Returns the exit code; errors are printed on stderr. A body whose step fails stays at rest; all
+// frames are still written, and the exit code is that of the step.
+int offscreen_command(const ViewerOptions& options, const ViewedScene& viewed);
 
 }  // namespace tremolo

@@ -6,8 +6,6 @@
 #include <utility>
 #include <variant>
 
-#include "runtime/viewer/shape/iso_surface.h"
-
 namespace tremolo {
 namespace {
 

@@ -1,10 +1,10 @@
-#include "runtime/viewer/shape/iso_surface.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <unordered_map>
 #include <utility>
+
+#include "runtime/viewer/shape/collider_shape.h"
 
 namespace tremolo {
 namespace {

@@ -1,16 +1,14 @@
-#include "runtime/viewer/surfaces/surface_pictures.h"
-
 #include <memory>
 
 #include <nlohmann/json.hpp>
 
 #include "runtime/program/output/tell.h"
-#include "runtime/program/run/interruption.h"
+#include "runtime/program/run/run_progress.h"
 #include "runtime/viewer/offscreen/egl_context.h"
-#include "runtime/viewer/offscreen/picture_target.h"
 #include "runtime/viewer/picture/picture_series.h"
 #include "runtime/viewer/setup/frame_times.h"
 #include "runtime/viewer/surfaces/surface_stage.h"
+#include "runtime/viewer/surfaces/surface_window.h"
 
 namespace tremolo {
 namespace {

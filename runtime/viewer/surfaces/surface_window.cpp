@@ -13,8 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/program/output/tell.h"
-#include "runtime/program/run/interruption.h"
-#include "runtime/viewer/surfaces/surface_pictures.h"
+#include "runtime/program/run/run_progress.h"
 #include "runtime/viewer/surfaces/surface_stage.h"
 #include "runtime/viewer/window/glfw_window.h"
 

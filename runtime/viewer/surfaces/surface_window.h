@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/viewer/setup/view_outputs.h"
+#include "runtime/viewer/setup/view_setup.h"
 #include "runtime/viewer/setup/viewer_options.h"
 #include "runtime/viewer/surfaces/moving_surfaces.h"
 
@@ -25,5 +25,16 @@ Status refuse_body_flags(const ViewerOptions& options, const std::string& kind);
 // also those of check_view_outputs().
 Result<int> view_surfaces(const ViewerOptions& options, const std::vector<NamedFile>& inputs,
                           MovingSurfaces& scenes);
+
+// A scene of bodies with the contents that make_setup() needs: gravity, and a name for each sheet
+// and ball.
+Scene names_of(const MovingSurfaces& scenes);
+
+// The camera of first_camera(), framed on points instead of a stage.
+Camera camera_of_points(const ViewSetup& setup, const std::vector<double>& points);
+
+// Errors: kUsage without --out and --video; those of make_setup(), of OpenGL, of files and of
+// steps. The exit code is that of a signal that ended it, or 0.
+Result<int> photograph_surfaces(const ViewerOptions& options, MovingSurfaces& scenes);
 
 }  // namespace tremolo

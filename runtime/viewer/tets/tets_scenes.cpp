@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "formats/file/whole_file.h"
+#include "formats/file/input_file.h"
 #include "runtime/program/output/tell.h"
-#include "runtime/program/tets/run_tets.h"
-#include "runtime/scene_reader/scene_kind.h"
-#include "runtime/viewer/surfaces/ray_meets.h"
+#include "runtime/program/tets/tets_commands.h"
+#include "runtime/scene_reader/scene_keys.h"
+#include "runtime/viewer/surfaces/moving_surfaces.h"
 #include "runtime/viewer/surfaces/surface_window.h"
 
 namespace tremolo {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/result.h"
-#include "runtime/scene_reader/tets_reader.h"
+#include "runtime/scene_reader/nodal_readers.h"
 #include "runtime/viewer/live/viewed_scene.h"
 #include "runtime/viewer/setup/viewer_options.h"
 #include "runtime/viewer/surfaces/moving_surfaces.h"

@@ -1,8 +1,8 @@
-#include "runtime/viewer/window/mouse.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "runtime/viewer/window/panel.h"
 
 namespace tremolo {
 namespace {

@@ -1,4 +1,4 @@
-#include "runtime/viewer/window/window_command.h"
+#include "runtime/viewer/setup/viewer_options.h"
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -11,14 +11,13 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/program/output/tell.h"
-#include "runtime/program/run/interruption.h"
+#include "runtime/program/run/run_progress.h"
 #include "runtime/viewer/live/runner.h"
-#include "runtime/viewer/picture/frame_pixels.h"
 #include "runtime/viewer/picture/picture_series.h"
+#include "runtime/viewer/picture/png_file.h"
 #include "runtime/viewer/setup/frame_times.h"
 #include "runtime/viewer/setup/view_setup.h"
 #include "runtime/viewer/window/glfw_window.h"
-#include "runtime/viewer/window/mouse.h"
 #include "runtime/viewer/window/panel.h"
 
 namespace tremolo {

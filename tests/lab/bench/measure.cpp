@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "common/hash.h"
-#include "common/processor_time.h"
-#include "formats/file/checksum.h"
+#include "common/processor.h"
+#include "formats/file/input_file.h"
 #include "runtime/body.h"
 #include "tests/lab/work/failure.h"
 

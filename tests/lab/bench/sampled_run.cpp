@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/energy_drift.h"
+#include "common/energy.h"
 #include "runtime/body.h"
 #include "runtime/energy.h"
 #include "tests/lab/work/failure.h"

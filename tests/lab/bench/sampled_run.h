@@ -9,7 +9,7 @@
 #include "runtime/integrator.h"
 #include "runtime/load.h"
 #include "runtime/model.h"
-#include "runtime/program/output/ending.h"
+#include "runtime/program/output/warnings.h"
 
 namespace tremolo::bench {
 

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "common/processor_time.h"
-#include "runtime/cloth/cloth_stability.h"
+#include "common/processor.h"
+#include "runtime/cloth/cloth_model.h"
 #include "runtime/nodal/nodal_integrator.h"
 #include "runtime/program/output/statistics.h"
 #include "runtime/program/output/tell.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/processor_time.h"
+#include "common/processor.h"
 #include "runtime/nodal/nodal_integrator.h"
 #include "tests/lab/work/failure.h"
 

@@ -6,8 +6,8 @@
 
 #include <Eigen/LU>
 
-#include "common/number_text.h"
 #include "common/packed_index.h"
+#include "common/text.h"
 #include "runtime/integrators/solve/damping.h"
 #include "tests/lab/work/failure.h"
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "formats/file/atomic_file.h"
-#include "formats/file/whole_file.h"
+#include "formats/file/input_file.h"
 #include "runtime/page/document.h"
 #include "tests/lab/work/failure.h"
 

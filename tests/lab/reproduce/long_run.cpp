@@ -6,8 +6,7 @@
 #include <optional>
 
 #include "formats/file/atomic_file.h"
-#include "formats/file/checksum.h"
-#include "formats/file/whole_file.h"
+#include "formats/file/input_file.h"
 #include "runtime/body.h"
 #include "runtime/energy_bound.h"
 #include "tests/lab/work/failure.h"

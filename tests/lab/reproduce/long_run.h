@@ -14,7 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/model.h"
-#include "runtime/program/output/ending.h"
+#include "runtime/program/output/warnings.h"
 
 namespace tremolo::reproduce {
 

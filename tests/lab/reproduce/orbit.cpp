@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "common/energy_drift.h"
+#include "common/energy.h"
 #include "runtime/body.h"
 #include "runtime/program/output/chart.h"
 #include "tests/lab/work/failure.h"

@@ -8,7 +8,7 @@
 
 #include "runtime/load.h"
 #include "runtime/model.h"
-#include "runtime/program/output/ending.h"
+#include "runtime/program/output/warnings.h"
 
 namespace tremolo::reproduce {
 

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "formats/file/whole_file.h"
+#include "formats/file/input_file.h"
 #include "tests/lab/work/failure.h"
 
 namespace tremolo {

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "formats/file/text_scanner.h"
+#include "formats/file/scanner.h"
 
 namespace tremolo {
 

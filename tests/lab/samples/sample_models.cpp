@@ -8,9 +8,8 @@
 #include <fmt/ranges.h>
 
 #include "formats/basis/basis_reader.h"
-#include "formats/file/checksum.h"
+#include "formats/file/input_file.h"
 #include "formats/file/output_guard.h"
-#include "formats/file/whole_file.h"
 #include "tests/lab/samples/thesis.h"
 #include "tests/lab/work/failure.h"
 

@@ -4,8 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "common/clones.h"
-#include "common/processor_time.h"
+#include "common/processor.h"
 #include "tests/lab/speed/speed.h"
 
 namespace tremolo::bench {

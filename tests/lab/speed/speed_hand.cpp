@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "common/processor_time.h"
+#include "common/processor.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/contact_body.h"
 #include "tests/lab/speed/speed.h"

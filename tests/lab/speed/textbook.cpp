@@ -7,8 +7,8 @@
 
 #include <Eigen/Cholesky>
 
-#include "common/blas_core.h"
 #include "common/packed_index.h"
+#include "common/processor.h"
 
 namespace tremolo::bench {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/processor_time.h"
+#include "common/processor.h"
 #include "runtime/tets/contact/tet_surface.h"
 #include "runtime/tets/motion/tet_body.h"
 #include "tests/lab/work/failure.h"

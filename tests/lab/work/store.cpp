@@ -6,8 +6,7 @@
 #include <utility>
 
 #include "formats/file/atomic_file.h"
-#include "formats/file/checksum.h"
-#include "formats/file/whole_file.h"
+#include "formats/file/input_file.h"
 #include "tests/lab/work/failure.h"
 
 namespace tremolo {

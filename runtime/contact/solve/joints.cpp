@@ -1,0 +1,145 @@
+#include <cmath>
+#include <limits>
+
+#include "runtime/contact/contact_values.h"
+#include "runtime/contact/solve/body_group.h"
+#include "runtime/contact/solve/contact_island.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+Vector3d place_now(const ContactBody& body, const VertexRows& place) {
+  return body.pose() * Vector3d(place.rest + place.rows * body.state().q);
+}
+
+// h omega of the two masses on a stiff joint, same as for a pin.
+constexpr double kTurn = 30.0;
+
+Status set_springs(Joint& joint, const ContactBody& first, const ContactBody& second,
+                   const JointOptions& options) {
+  joint.length = options.length;
+  joint.touch = options.touch;
+  for (const double value : {options.stiffness.value_or(0.0), options.damping, joint.length})
+    if (!std::isfinite(value) || value < 0.0)
+      return usage_error("a joint's stiffness, damping and length are finite and not negative");
+  const double h = first.step_size();
+  const double lightness = 1.0 / first.mass_at(joint.first) + 1.0 / second.mass_at(joint.second);
+  if (!options.stiffness && !(lightness > 0.0))
+    return usage_error("neither place moves: there is nothing to join");
+  const HandSpring most{kTurn * kTurn / (lightness * h * h), 2.0 * kTurn / (lightness * h)};
+  joint.stiffness = options.stiffness.value_or(most.stiffness);
+  joint.damping = options.stiffness ? options.damping : most.damping;
+  limit_spring(most, h, joint.stiffness, joint.damping);
+  return Success{};
+}
+
+Status check_bodies(const ContactBody& first, const ContactBody& second) {
+  if (&first == &second) return usage_error("a joint needs two bodies");
+  if (first.contact() == nullptr || second.contact() == nullptr)
+    return usage_error("joints need set_contact() of both bodies first");
+  if (first.step_size() != second.step_size())
+    return usage_error("bodies that are joined have one step size");
+  return Success{};
+}
+
+}  // namespace
+
+double joint_distance(const Joint& joint, const ContactBody& first, const ContactBody& second) {
+  return (place_now(first, joint.first) - place_now(second, joint.second)).norm();
+}
+
+Result<Joint> make_joint(const ContactBody& first, VertexId at, const ContactBody& second,
+                         VertexId to, const JointOptions& options) {
+  if (Status s = check_bodies(first, second); !s) return s.error();
+  Joint joint;
+  if (Status s = take(joint.first, first.model().vertex(at)); !s) return s.error();
+  if (Status s = take(joint.second, second.model().vertex(to)); !s) return s.error();
+  if (Status s = set_springs(joint, first, second, options); !s) return s.error();
+  return joint;
+}
+
+Result<Joint> make_joint(const ContactBody& first, VertexId at, const ContactBody& second,
+                         const JointOptions& options) {
+  if (Status s = check_bodies(first, second); !s) return s.error();
+  Joint joint;
+  if (Status s = take(joint.first, first.model().vertex(at)); !s) return s.error();
+  const Pose pose = second.pose();
+  const Vector3d place =
+      pose.rotation.conjugate() * (place_now(first, joint.first) - pose.position);
+  const Eigen::VectorXd& q = second.state().q;
+  double nearest = std::numeric_limits<double>::infinity();
+  const VertexBlock& boundary = second.model().surface();
+  for (std::size_t i = 0; i < boundary.rest.size(); ++i) {
+    const auto rows = boundary.rows.middleRows(3 * i, 3);
+    const Vector3d there = boundary.rest[i] + rows * q;
+    if ((there - place).squaredNorm() >= nearest) continue;
+    nearest = (there - place).squaredNorm();
+    joint.second = {boundary.rest[i] + (place - there), rows};
+  }
+  if (Status s = set_springs(joint, first, second, options); !s) return s.error();
+  return joint;
+}
+
+// Forces and arms are along the straight means of the points, for which both momenta are conserved.
+void evaluate_joint(IslandJoint& link, const ContactStep& first, const ContactStep& second,
+                    double h) {
+  const StepMotion &one = first.motion(), &two = second.motion();
+  link.touch_a = first.straight_touch_at(link.joint->first);
+  link.touch_b = second.straight_touch_at(link.joint->second);
+  const Vector3d s0 = link.touch_a.x0 - link.touch_b.x0, s1 = link.touch_a.x1 - link.touch_b.x1;
+  const Vector3d turn = 0.5 * (one.R0 * one.phi + two.R0 * two.phi);
+  link.now = joint_force(*link.joint, s0, s1, turn, h);
+}
+
+void push_first(const IslandJoint& link, ContactStep& first) {
+  const Vector3d& force = link.now.force;
+  first.push(force, first.motion().straight_bend(force), link.touch_a,
+             place_rows(link.joint->first));
+  first.push_turn(link.now.torque);
+}
+
+void push_second(const IslandJoint& link, ContactStep& second) {
+  const Vector3d& force = link.now.force;
+  second.push(-force, -second.motion().straight_bend(force), link.touch_b,
+              place_rows(link.joint->second));
+  second.push_turn(link.now.torque);
+}
+
+void add_joint_slopes(const IslandJoint& link, ContactStep& first, ContactStep& second,
+                      Eigen::MatrixXd& first_by_second, Eigen::MatrixXd& second_by_first) {
+  const auto add = [&link](ContactStep& body, const VertexRows& place, const ContactTouch& touch,
+                           const Vector3d& force) {
+    const PlaceRows rows = place_rows(place);
+    PlaceLever& lever = body.lever();
+    lever.make(body.motion(), touch, rows);
+    lever.add_tangent(link.now.slope, body.whole_block());
+    lever.make_straight_swing(body.motion());
+    body.add_geometry(force, body.motion().straight_bend(force), touch, rows);
+  };
+  add(first, link.joint->first, link.touch_a, link.now.force);
+  add(second, link.joint->second, link.touch_b, -link.now.force);
+  const PlaceLever &one = first.lever(), &two = second.lever();
+  first_by_second.noalias() -= one.push() * link.now.slope * two.way();
+  second_by_first.noalias() -= two.push() * link.now.slope * one.way();
+}
+
+void settle_joint(const IslandJoint& link, const ContactStep& first, const ContactStep& second,
+                  ContactAccount& a, ContactAccount& b) {
+  link.joint->force = link.now.force;
+  link.joint->energy = link.now.energy;
+  link.joint->damped += link.now.damped;
+  const auto work = [&link](const ContactStep& body, const ContactTouch& touch,
+                            const VertexRows& place, const Vector3d& force) {
+    const StepMotion& motion = body.motion();
+    const Vector3d bend = body.bend_under(place_rows(place));
+    if (!body.turns()) return motion.straight_bend(force).dot(bend);
+    return force.dot(touch.x1 - touch.x0) + link.now.torque.dot(motion.R0 * motion.phi);
+  };
+  a.joint_work += work(first, link.touch_a, link.joint->first, link.now.force);
+  b.joint_work += work(second, link.touch_b, link.joint->second, -link.now.force);
+}
+
+}  // namespace tremolo

@@ -1,0 +1,124 @@
+#include "runtime/scene/scene_links.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/text.h"
+#include "runtime/contact/solve/body_group.h"
+#include "runtime/contact/solve/contact_step.h"
+#include "runtime/scene/selection.h"
+
+namespace tremolo {
+
+using Eigen::Vector3d;
+
+Result<MovingHand> MovingHand::create(const SceneHand& wanted, const ContactBody& body) {
+  const Result<std::vector<VertexId>> vertices = vertices_of(wanted.at, body.model());
+  if (!vertices) return Error{vertices.error().kind, "at: " + vertices.error().message};
+  if (vertices->size() != 1)
+    return content_error("at = \"" + wanted.at + "\" is " + std::to_string(vertices->size()) +
+                         " vertices, a hand holds one: near:X,Y,Z takes the nearest");
+  Result<VertexRows> place = body.model().vertex(vertices->front());
+  if (!place) return content_error("at: " + place.error().message);
+  if (body.frame() != FrameKind::kFree && place->rows.isZero(0.0))
+    return content_error("at = \"" + wanted.at + "\": the vertex does not move, it is fixed");
+  Result<MotionPath> path = MotionPath::create(wanted.motion);
+  if (!path) return path.error();
+  return MovingHand(std::move(*path), vertices->front(), std::move(*place));
+}
+
+bool MovingHand::before_step(const SceneHand& wanted, std::int64_t k, double step,
+                             ContactBody& body) {
+  const double t = static_cast<double>(k) * step, now = t + kSameTime * step;
+  if (over_ || now < wanted.from) return true;
+  if (now >= wanted.until) {
+    over_ = true;
+    if (number_) (void)body.release(*number_);
+    number_.reset();
+    return true;
+  }
+  const std::size_t piece = path_.piece(t + 0.5 * step);
+  if (!number_) {
+    const Vector3d vertex = body.pose() * Vector3d(place_.rest + place_.rows * body.state().q);
+    const Pose begun = path_.pose_in(piece, t);
+    base_ = wanted.position.value_or(begun.rotation.conjugate() * (vertex - begun.position));
+    const Result<std::size_t> number =
+        wanted.pin ? body.pin(vertex_, std::move(place_))
+                   : body.grab(vertex_, std::move(place_), wanted.stiffness, wanted.damping);
+    over_ = !number;
+    if (!number) return false;
+    number_ = *number;
+  }
+  spring_ = body.hand_spring(*number_);
+  return bool(
+      body.move_hand(*number_, path_.pose_in(piece, static_cast<double>(k + 1) * step) * base_));
+}
+
+void MovingHand::carry(StateStream& stream, const ContactBody& body) {
+  stream(number_, over_, base_);
+  if (stream.reads() && number_) spring_ = body.hand_spring(*number_);
+  // The body has the vertex's rows of a hand that holds.
+  if (!stream.reads() || number_ || over_ || place_.rows.cols() > 0) return;
+  Result<VertexRows> place = body.model().vertex(vertex_);
+  stream.require(bool(place));
+  if (place) place_ = std::move(*place);
+}
+
+namespace {
+
+Result<VertexId> one_vertex(const char* key, const std::string& text, const ContactBody& body) {
+  const Result<std::vector<VertexId>> vertices = vertices_of(text, body.model());
+  const std::string what = std::string(key) + " = \"" + text + "\"";
+  if (!vertices) return content_error(what + ": " + vertices.error().message);
+  if (vertices->size() != 1)
+    return content_error(what + " is " + std::to_string(vertices->size()) +
+                         " vertices, a joint holds one: near:X,Y,Z takes the nearest");
+  return vertices->front();
+}
+
+}  // namespace
+
+Result<HeldJoint> HeldJoint::create(const SceneJoint& wanted, const ContactBody& first,
+                                    const ContactBody& second) {
+  const Result<VertexId> at = one_vertex("at", wanted.at, first);
+  if (!at) return at.error();
+  if (wanted.to_at.empty()) {
+    Result<Joint> joint = make_joint(first, *at, second, wanted.options);
+    if (!joint) return content_error(joint.error().message);
+    return HeldJoint(std::move(*joint));
+  }
+  const Result<VertexId> to = one_vertex("to-at", wanted.to_at, second);
+  if (!to) return to.error();
+  Result<Joint> joint = make_joint(first, *at, second, *to, wanted.options);
+  if (!joint) return content_error(joint.error().message);
+  // A stiff joint would pull them together suddenly.
+  const double apart = joint_distance(*joint, first, second);
+  const double limit = first.contact()->law().margin;
+  if (!wanted.options.stiffness && std::abs(apart - joint->length) > limit)
+    return content_error("its places are " + number_text(apart) + " m apart at the start, not " +
+                         number_text(joint->length) + " m: say `length`, a `stiffness`, put a " +
+                         "body elsewhere, or leave `to-at` out to join them where they are");
+  return HeldJoint(std::move(*joint));
+}
+
+void HeldJoint::begin(BodyGroup& group, std::size_t a, std::size_t b) {
+  number_ = group.join(a, b, made_);
+}
+
+void HeldJoint::let_go(BodyGroup& group) {
+  if (number_) group.separate(*number_);
+  number_.reset();
+}
+
+void HeldJoint::before_step(const SceneJoint& wanted, double t, double step, BodyGroup& group) {
+  if (number_ && t + kSameTime * step >= wanted.until) let_go(group);
+}
+
+void HeldJoint::carry(StateStream& stream, BodyGroup& group, std::size_t a, std::size_t b) {
+  bool holds = number_.has_value();
+  stream(holds);
+  if (stream.reads() && stream.good() && holds) begin(group, a, b);
+}
+
+}  // namespace tremolo
