@@ -22,8 +22,7 @@ install(EXPORT tremolo-targets NAMESPACE tremolo:: DESTINATION ${tremolo_cmake_d
 foreach(room common formats runtime)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${room}/
           DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tremolo/${room} COMPONENT development
-          FILES_MATCHING PATTERN "*.h" PATTERN "program" EXCLUDE PATTERN "scene_reader" EXCLUDE
-          PATTERN "viewer" EXCLUDE)
+          FILES_MATCHING PATTERN "*.h" PATTERN "apps" EXCLUDE PATTERN "io/scenes" EXCLUDE)
 endforeach()
 install(FILES ${PROJECT_SOURCE_DIR}/runtime/tremolo.h ${PROJECT_SOURCE_DIR}/runtime/tremolo_cloth.h
               ${PROJECT_SOURCE_DIR}/runtime/tremolo_tets.h

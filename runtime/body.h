@@ -14,18 +14,18 @@
 
 #include "common/result.h"
 #include "common/state_stream.h"
-#include "runtime/display/surface.h"
+#include "runtime/bodies/reduced/bones/skin.h"
+#include "runtime/bodies/reduced/frames/driven_frame.h"
+#include "runtime/bodies/reduced/frames/free_frame.h"
+#include "runtime/bodies/reduced/frames/step_coupling.h"
+#include "runtime/bodies/reduced/surface/surface.h"
 #include "runtime/energy.h"
 #include "runtime/energy_bound.h"
-#include "runtime/frames/driven_frame.h"
-#include "runtime/frames/free_frame.h"
-#include "runtime/frames/step_coupling.h"
 #include "runtime/integrator.h"
 #include "runtime/load.h"
 #include "runtime/model.h"
 #include "runtime/parts.h"
 #include "runtime/place_forces.h"
-#include "runtime/skeleton/skin.h"
 
 namespace tremolo {
 
@@ -112,8 +112,8 @@ class Body {
 
   // Sets the pose of a driven body's frame at the end of the next step; without a call the frame is
   // at rest. With `motion` the accelerations of that step are known; without it they are
-  // extrapolated from the past poses (runtime/frames/driven_frame.h). Errors as set_pose; kUsage if
-  // the body is not driven.
+  // extrapolated from the past poses (runtime/bodies/reduced/frames/driven_frame.h). Errors as
+  // set_pose; kUsage if the body is not driven.
   Status move_to(const Pose& next);
   Status move_to(const Pose& next, const FrameMotion& motion);
 
@@ -219,7 +219,7 @@ class Body {
   // Positions of the drawn surface's vertices, pose() (X + U q + W f), or on bones their blend, x y
   // z x y z ..., m. out: 3 * model().drawn().rest.size() long, else kUsage. The double variant
   // allocates nothing. The float variant reads rows that the model makes at the first call
-  // (runtime/display/surface.h gives its error) and allocates nothing after that.
+  // (runtime/bodies/reduced/surface/surface.h gives its error) and allocates nothing after that.
   Status surface_positions(std::span<double> out) const;
   Status surface_positions(std::span<float> out) const;
   // Those of the solid's boundary, also where a render surface is drawn: 3 *

@@ -5,8 +5,8 @@
 #include <span>
 
 #include "common/result.h"
+#include "runtime/bodies/reduced/bones/skin.h"
 #include "runtime/model.h"
-#include "runtime/skeleton/skin.h"
 
 namespace tremolo {
 
@@ -14,9 +14,9 @@ namespace tremolo {
 // its boundary's box. With twice the value joints bend over twice the length.
 inline constexpr double kUsualBlend = 0.1;
 
-// Makes a skin by the distance to bones that are segments (runtime/skeleton/bone_weights.h). blend:
-// m. Errors: kUsage without bones, for positions that are not finite or a blend that is not
-// positive; those of make_skin.
+// Makes a skin by the distance to bones that are segments
+// (runtime/bodies/reduced/bones/bone_weights.h). blend: m. Errors: kUsage without bones, for
+// positions that are not finite or a blend that is not positive; those of make_skin.
 Result<std::shared_ptr<const Skin>> skin_near_bones(const Model& model,
                                                     std::span<const BoneSegment> bones,
                                                     double blend);

@@ -1,7 +1,7 @@
 // One step of a body: (q, p) at t -> (q, p) at t + h, for  q'' + D q' + grad V(q) = f(t).
 //
 // The mass matrix is the identity, so p is both momentum and velocity. D is Rayleigh damping
-// (runtime/integrators/solve/damping.h); f is given as a StepLoad (runtime/load.h).
+// (runtime/bodies/reduced/integrators/solve/damping.h); f is given as a StepLoad (runtime/load.h).
 #pragma once
 
 #include <memory>
@@ -13,10 +13,10 @@
 
 #include "common/result.h"
 #include "common/state_stream.h"
+#include "runtime/bodies/reduced/state.h"
 #include "runtime/load.h"
 #include "runtime/model.h"
 #include "runtime/split.h"
-#include "runtime/values/state.h"
 
 namespace tremolo {
 
@@ -37,7 +37,7 @@ struct StepReport {
   // Work of the load in addition to average . (q1 - q0), J; zero for most methods.
   double extra_work = 0.0;
   // Number of parts of a step that was subdivided after its solve had failed
-  // (runtime/integrators/solve/halving.h).
+  // (runtime/bodies/reduced/integrators/solve/halving.h).
   int parts = 1;
   // Reason for a step that is not converged, set by Body; integrators leave kNone.
   StepFailure failure = StepFailure::kNone;
@@ -110,8 +110,8 @@ std::span<const std::string_view> integrator_names();
 // a tolerance that is not positive, max_iterations < 1, a negative number of
 // halvings.
 // On a linear model (Potential::linear) "ep4" is the exact solution, coordinate by coordinate, for
-// any r and in O(r) a step (runtime/integrators/exact_linear.cpp); every other method is its usual
-// map.
+// any r and in O(r) a step (runtime/bodies/reduced/integrators/exact_linear.cpp); every other
+// method is its usual map.
 Result<std::unique_ptr<Integrator>> make_integrator(std::string_view name, Model::Pointer model,
                                                     const IntegratorOptions& options);
 

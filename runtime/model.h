@@ -14,9 +14,9 @@
 
 #include "common/result.h"
 #include "formats/basis/basis_data.h"
-#include "runtime/display/surface_tree.h"
-#include "runtime/kernels/potential.h"
-#include "runtime/values/state.h"
+#include "runtime/bodies/reduced/state.h"
+#include "runtime/bodies/reduced/surface/surface_tree.h"
+#include "runtime/math/kernels/potential.h"
 
 namespace tremolo {
 
@@ -139,15 +139,16 @@ class Model {
   // The mesh's vertex at (on a render surface: near) the corner with the largest weight. The point
   // must be valid for place().
   VertexId vertex_near(const SurfacePlace& place) const;
-  // The tree for rays (runtime/display/surface_tree.h), made at the first call. Thread-safe; may
-  // throw bad_alloc.
+  // The tree for rays (runtime/bodies/reduced/surface/surface_tree.h), made at the first call.
+  // Thread-safe; may throw bad_alloc.
   const SurfaceTree& surface_tree(SurfaceKind surface) const;
   // The vertices inside, read from the file at the first call. Errors of reading it. Thread-safe;
   // rows has r columns.
   Result<const VertexBlock*> interior() const;
 
-  // The drawn surface's rows in the form for display (runtime/display/surface.h), made at the first
-  // call: a model that is never shown does not need them. Thread-safe; may throw bad_alloc.
+  // The drawn surface's rows in the form for display (runtime/bodies/reduced/surface/surface.h),
+  // made at the first call: a model that is never shown does not need them. Thread-safe; may throw
+  // bad_alloc.
   const SurfaceBasis& surface_basis() const;
 
  private:

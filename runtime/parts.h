@@ -1,7 +1,7 @@
 // The parts that a build has. Libraries and programs have all parts. A build with TREMOLO_CORE, the
-// smallest module of a page (runtime/web/engine), has only bodies with a fixed support, and grabs.
-// The values are known to the compiler, which then omits code that only an absent part needs.
-// Builds of both kinds are never linked together.
+// smallest module of a page (runtime/apps/web/engine), has only bodies with a fixed support, and
+// grabs. The values are known to the compiler, which then omits code that only an absent part
+// needs. Builds of both kinds are never linked together.
 #pragma once
 
 #include <memory>

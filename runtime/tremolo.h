@@ -133,7 +133,8 @@ const char* tremolo_integrator_name(size_t index);
 /* "ep4", the default, cannot explode, nor can "avf" and "ep2". Methods with an explicit part are
  * conditionally stable: "verlet", "verlet4", "rk2", "rk4", "explicit-euler", "imexv-linear",
  * "imexv", "imexv-thesis" and "imexv-coupled" exceed every bound where the motion stiffens
- * modes that their step does not resolve; runtime/integrators/ gives each one's limit. */
+ * modes that their step does not resolve; runtime/bodies/reduced/integrators/ gives each one's
+ * limit. */
 
 /* ---- body ---- */
 

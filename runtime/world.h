@@ -4,9 +4,9 @@
 // A group is a model, a method, a step and a level of detail; each body belongs to one. The default
 // method, `ep4`, cannot explode; its bodies step one by one (runtime/body.h), as those of all
 // methods except two. Bodies of `verlet` and `imexv-linear` step in lanes
-// (runtime/crowd/lane_group.h), at least forty times faster. They are stable only while the step
-// resolves the stiffening by deformation: their files (runtime/integrators/) give the limit; use
-// them for motion that you know.
+// (runtime/bodies/lanes/lane_group.h), at least forty times faster. They are stable only while the
+// step resolves the stiffening by deformation: their files (runtime/bodies/reduced/integrators/)
+// give the limit; use them for motion that you know.
 //
 // The motion of a body depends on its own state and forces only: not on the other bodies, the
 // number of threads, or the steps in which others were added, slept or woke, bit for bit.

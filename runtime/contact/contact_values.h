@@ -8,9 +8,9 @@
 
 #include "common/mesh/tet_mesh.h"
 #include "common/state_stream.h"
+#include "runtime/bodies/reduced/frames/pose.h"
+#include "runtime/bodies/reduced/state.h"
 #include "runtime/contact/collider.h"
-#include "runtime/frames/pose.h"
-#include "runtime/values/state.h"
 
 namespace tremolo {
 

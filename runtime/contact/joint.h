@@ -16,7 +16,7 @@
 #include <Eigen/Core>
 
 #include "common/state_stream.h"
-#include "runtime/values/state.h"
+#include "runtime/bodies/reduced/state.h"
 
 namespace tremolo {
 

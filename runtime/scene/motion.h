@@ -16,7 +16,7 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
-#include "runtime/frames/pose.h"
+#include "runtime/bodies/reduced/frames/pose.h"
 
 namespace tremolo {
 

@@ -1,5 +1,5 @@
 // A scene as plain values: everything that moves, and what moves it. Units are SI; vectors are
-// along the world's axes. SceneWorld (runtime/scene/scene_world.h) steps it.
+// along the world's axes. SceneWorld (runtime/world/scene_world.h) steps it.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +14,11 @@
 
 #include "common/load_signal.h"
 #include "common/result.h"
+#include "runtime/bodies/reduced/bones/bone_weights.h"
 #include "runtime/contact/collider.h"
 #include "runtime/contact/joint.h"
 #include "runtime/contact_body.h"
 #include "runtime/scene/motion.h"
-#include "runtime/skeleton/bone_weights.h"
 
 namespace tremolo {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "common/result.h"
+#include "runtime/bodies/reduced/frames/driven_frame.h"
 #include "runtime/bones.h"
-#include "runtime/frames/driven_frame.h"
 #include "runtime/scene/motion.h"
 #include "runtime/scene/scene.h"
 

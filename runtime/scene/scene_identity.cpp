@@ -4,7 +4,7 @@
 
 #include "common/hash.h"
 #include "common/state_stream.h"
-#include "runtime/scene/scene_world.h"
+#include "runtime/world/scene_world.h"
 
 namespace tremolo {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "common/text.h"
-#include "runtime/frames/frame_inertia.h"
+#include "runtime/bodies/reduced/frames/frame_inertia.h"
 #include "runtime/load.h"
 #include "runtime/scene/selection.h"
 

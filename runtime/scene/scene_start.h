@@ -9,7 +9,7 @@
 
 #include "common/result.h"
 #include "runtime/contact_body.h"
-#include "runtime/kernels/potential.h"
+#include "runtime/math/kernels/potential.h"
 #include "runtime/scene/motion.h"
 #include "runtime/scene/scene.h"
 

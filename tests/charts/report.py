@@ -1,4 +1,4 @@
-"""Reports as tremolo-lab makes pages of them (runtime/page/document.h), and pictures of those pages."""
+"""Reports as tremolo-lab makes pages of them (runtime/io/page/document.h), and pictures of those pages."""
 import json
 import os
 import pathlib

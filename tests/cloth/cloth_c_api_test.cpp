@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/cloth/cloth_world.h"
+#include "runtime/bodies/cloth/cloth_world.h"
 #include "runtime/tremolo_cloth.h"
 
 namespace tremolo {

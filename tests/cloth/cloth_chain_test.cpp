@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/nodal/nodal_integrator.h"
+#include "runtime/step/nodal_integrator.h"
 #include "tests/cloth/cloth_samples.h"
 
 namespace tremolo {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/cloth/cloth_model.h"
-#include "runtime/cloth/cloth_world.h"
+#include "runtime/bodies/cloth/cloth_model.h"
+#include "runtime/bodies/cloth/cloth_world.h"
 #include "tests/cloth/cloth_samples.h"
 
 namespace tremolo {

@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/nodal/nodal_integrator.h"
+#include "runtime/step/nodal_integrator.h"
 #include "tests/cloth/cloth_samples.h"
 #include "tests/cloth/stiff_stair.h"
 

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/cloth/cloth_model.h"
-#include "runtime/cloth/cloth_parts.h"
-#include "runtime/cloth/cloth_world.h"
+#include "runtime/bodies/cloth/cloth_model.h"
+#include "runtime/bodies/cloth/cloth_parts.h"
+#include "runtime/bodies/cloth/cloth_world.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo {

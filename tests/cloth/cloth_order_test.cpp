@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/cloth/cloth_world.h"
-#include "runtime/nodal/nodal_integrator.h"
+#include "runtime/bodies/cloth/cloth_world.h"
+#include "runtime/step/nodal_integrator.h"
 #include "tests/cloth/cloth_samples.h"
 #include "tests/support/nodal_orders.h"
 

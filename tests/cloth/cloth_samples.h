@@ -8,9 +8,9 @@
 #include <Eigen/Core>
 #include <gtest/gtest.h>
 
-#include "runtime/cloth/cloth_model.h"
-#include "runtime/cloth/cloth_parts.h"
-#include "runtime/cloth/cloth_scene.h"
+#include "runtime/bodies/cloth/cloth_model.h"
+#include "runtime/bodies/cloth/cloth_parts.h"
+#include "runtime/bodies/cloth/cloth_scene.h"
 
 namespace tremolo::testing {
 

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "runtime/cloth/cloth_world.h"
+#include "runtime/bodies/cloth/cloth_world.h"
 #include "tests/cloth/cloth_samples.h"
 
 namespace tremolo {

@@ -1,5 +1,5 @@
 // Cloth with balls and colliders, and scenes that are refused.
-#include "runtime/cloth/cloth_world.h"
+#include "runtime/bodies/cloth/cloth_world.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/cloth/ball_motion.h"
+#include "runtime/bodies/cloth/ball_motion.h"
 #include "tests/cloth/cloth_samples.h"
 
 namespace tremolo {

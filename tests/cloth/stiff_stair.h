@@ -14,8 +14,8 @@
 
 #include <Eigen/Core>
 
-#include "runtime/cloth/cloth_model.h"
-#include "runtime/nodal/nodal_integrator.h"
+#include "runtime/bodies/cloth/cloth_model.h"
+#include "runtime/step/nodal_integrator.h"
 
 namespace tremolo::testing {
 

@@ -84,8 +84,8 @@ TEST(Rooms, IncludesGoOneWay) {
 
 // Targets that are built on the engine's public interface.
 bool is_beside_the_engine(const fs::path& path) {
-  return is_below(path, "runtime/program") || is_below(path, "runtime/scene_reader") ||
-         is_below(path, "runtime/viewer");
+  return is_below(path, "runtime/apps/tremolo") || is_below(path, "runtime/io/scenes") ||
+         is_below(path, "runtime/apps/view");
 }
 
 TEST(Rooms, TheLibraryKnowsNothingOfItsPrograms) {
@@ -98,9 +98,10 @@ TEST(Rooms, TheLibraryKnowsNothingOfItsPrograms) {
 
 TEST(Rooms, TheReaderOfScenesKnowsNothingOfThePrograms) {
   for (const Source& source : sources()) {
-    if (!is_below(source.path, "runtime/scene_reader")) continue;
+    if (!is_below(source.path, "runtime/io/scenes")) continue;
     for (const std::string& include : source.ours)
-      EXPECT_FALSE(is_below(include, "runtime/program") || is_below(include, "runtime/viewer"))
+      EXPECT_FALSE(is_below(include, "runtime/apps/tremolo") ||
+                   is_below(include, "runtime/apps/view"))
           << source.path << " includes " << include;
   }
 }
@@ -108,9 +109,11 @@ TEST(Rooms, TheReaderOfScenesKnowsNothingOfThePrograms) {
 // The viewer shows what `tremolo run` runs; that one needs no display.
 TEST(Rooms, TheProgramKnowsNothingOfTheViewer) {
   for (const Source& source : sources()) {
-    if (!is_below(source.path, "runtime/program") && !is_below(source.path, "tests/lab")) continue;
+    if (!is_below(source.path, "runtime/apps/tremolo") && !is_below(source.path, "tests/lab"))
+      continue;
     for (const std::string& include : source.ours)
-      EXPECT_FALSE(is_below(include, "runtime/viewer")) << source.path << " includes " << include;
+      EXPECT_FALSE(is_below(include, "runtime/apps/view"))
+          << source.path << " includes " << include;
   }
 }
 

@@ -8,7 +8,7 @@
 #include "runtime/contact/solve/body_group.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/contact_body.h"
-#include "runtime/scene/scene_world.h"
+#include "runtime/world/scene_world.h"
 #include "tests/support/meshes/made_cube.h"
 
 namespace tremolo {

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "formats/basis/basis_reader.h"
+#include "runtime/bodies/reduced/frames/frame_inertia.h"
 #include "runtime/body.h"
 #include "runtime/bones.h"
-#include "runtime/frames/frame_inertia.h"
 #include "tests/support/meshes/mass_points.h"
 #include "tests/support/programs.h"
 #include "tests/support/same_model.h"

@@ -9,7 +9,7 @@
 #include "formats/basis/basis_writer.h"
 #include "formats/basis/derived_basis.h"
 #include "runtime/contact_body.h"
-#include "runtime/exchange/recording.h"
+#include "runtime/io/exchange/recording.h"
 #include "tests/support/programs.h"
 
 namespace tremolo {

@@ -1,11 +1,11 @@
 // Animations and how they are recorded.
-#include "runtime/exchange/animation.h"
+#include "runtime/io/exchange/animation.h"
 
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "runtime/exchange/recording.h"
+#include "runtime/io/exchange/recording.h"
 #include "tests/support/frames/rigged_model.h"
 #include "tests/support/sample_render.h"
 #include "tests/support/wavy_animation.h"

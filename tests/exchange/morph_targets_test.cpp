@@ -1,5 +1,5 @@
 // Modes as morph targets: the sum in viewers is X + U q.
-#include "runtime/exchange/morph_targets.h"
+#include "runtime/io/exchange/morph_targets.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/exchange/recording.h"
+#include "runtime/io/exchange/recording.h"
 
 namespace tremolo {
 namespace {

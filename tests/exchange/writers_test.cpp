@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/exchange/animation_writer.h"
-#include "runtime/exchange/glb_writer.h"
-#include "runtime/exchange/json_text.h"
+#include "runtime/io/exchange/animation_writer.h"
+#include "runtime/io/exchange/glb_writer.h"
+#include "runtime/io/exchange/json_text.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/wavy_animation.h"

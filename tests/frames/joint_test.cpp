@@ -11,7 +11,7 @@
 
 #include "common/state_stream.h"
 #include "runtime/contact/solve/body_group.h"
-#include "runtime/scene/scene_world.h"
+#include "runtime/world/scene_world.h"
 #include "tests/support/frames/frame_models.h"
 
 namespace tremolo {

@@ -12,8 +12,8 @@
 #include <gtest/gtest.h>
 
 #include "runtime/contact/solve/body_group.h"
-#include "runtime/scene/scene_world.h"
 #include "runtime/tremolo.h"
+#include "runtime/world/scene_world.h"
 #include "tests/support/frames/frame_models.h"
 
 namespace tremolo {

@@ -13,7 +13,7 @@
 #include "common/state_stream.h"
 #include "formats/saved/saved_file.h"
 #include "runtime/contact/solve/contact_step.h"
-#include "runtime/scene/scene_world.h"
+#include "runtime/world/scene_world.h"
 #include "tests/support/frames/frame_models.h"
 #include "tests/support/temporary_folder.h"
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/scene/scene_world.h"
+#include "runtime/world/scene_world.h"
 #include "tests/support/frames/frame_models.h"
 #include "tests/support/frames/rigged_model.h"
 

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/contact/solve/contact_step.h"
-#include "runtime/scene/scene_world.h"
+#include "runtime/world/scene_world.h"
 #include "tests/support/frames/frame_scenes.h"
 #include "tests/support/small_collider.h"
 #include "tests/support/temporary_folder.h"

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "common/state_stream.h"
-#include "runtime/scene/scene_world.h"
+#include "runtime/world/scene_world.h"
 #include "tests/support/frames/frame_models.h"
 
 namespace tremolo {

@@ -1,5 +1,5 @@
 // Scenes: bodies that are stepped together, their energy balances, refusals.
-#include "runtime/scene/scene_world.h"
+#include "runtime/world/scene_world.h"
 
 #include <cmath>
 #include <string>

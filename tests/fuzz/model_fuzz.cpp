@@ -1,5 +1,5 @@
 // A basis file in memory becomes a model: what an engine does with a file from the network.
-#include "runtime/display/surface.h"
+#include "runtime/bodies/reduced/surface/surface.h"
 #include "runtime/model.h"
 #include "tests/fuzz/harness.h"
 

@@ -1,5 +1,5 @@
 // Scenes of `tremolo run`.
-#include "runtime/program/run/run_options.h"
+#include "runtime/apps/tremolo/run/run_options.h"
 #include "tests/fuzz/harness.h"
 
 void tremolo::fuzz::read_input(std::string_view bytes) {

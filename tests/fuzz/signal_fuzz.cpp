@@ -1,7 +1,7 @@
 // The files of `tremolo run --signal`.
 #include <cmath>
 
-#include "runtime/scene_reader/csv_rows.h"
+#include "runtime/io/scenes/csv_rows.h"
 #include "tests/fuzz/harness.h"
 
 void tremolo::fuzz::read_input(std::string_view bytes) {

@@ -1,5 +1,5 @@
 // The CSV from which `tremolo run --start FILE.csv@T` continues.
-#include "runtime/program/start/start_state.h"
+#include "runtime/apps/tremolo/start/start_state.h"
 #include "tests/fuzz/harness.h"
 
 void tremolo::fuzz::read_input(std::string_view bytes) {

@@ -2,7 +2,7 @@
 #include <array>
 
 #include "runtime/integrator.h"
-#include "runtime/scene_reader/scene_reader.h"
+#include "runtime/io/scenes/scene_reader.h"
 #include "tests/fuzz/harness.h"
 
 // The methods themselves would take minutes to build.

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "formats/file/standard_streams.h"
-#include "runtime/program/output/tell.h"
+#include "runtime/apps/tremolo/output/tell.h"
 #include "tests/lab/bench/precision_report.h"
 #include "tests/lab/bench/stability.h"
 #include "tests/lab/report/report.h"

@@ -7,7 +7,7 @@
 
 #include "formats/file/command_words.h"
 #include "formats/file/output_guard.h"
-#include "runtime/program/output/tell.h"
+#include "runtime/apps/tremolo/output/tell.h"
 #include "tests/lab/bench.h"
 #include "tests/lab/report/report.h"
 #include "tests/lab/reproduce.h"

@@ -7,7 +7,7 @@
 
 #include "formats/file/input_file.h"
 #include "formats/file/standard_streams.h"
-#include "runtime/program/output/tell.h"
+#include "runtime/apps/tremolo/output/tell.h"
 #include "tests/lab/cloth/cloth_sections.h"
 #include "tests/lab/damping/damping_matrix.h"
 #include "tests/lab/known/known_answers.h"

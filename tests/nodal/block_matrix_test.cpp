@@ -7,8 +7,8 @@
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
-#include "runtime/sparse/block_cholesky.h"
-#include "runtime/sparse/conjugate_gradients.h"
+#include "runtime/math/sparse/block_cholesky.h"
+#include "runtime/math/sparse/conjugate_gradients.h"
 
 namespace tremolo {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/nodal/implicit_solve.h"
+#include "runtime/step/implicit_solve.h"
 
 namespace tremolo {
 namespace {

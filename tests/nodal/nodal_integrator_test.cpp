@@ -1,6 +1,6 @@
 // The integrators of masses in space against closed forms on linear springs: what a step does to an
 // oscillation, the order, energies, fixed nodes that move, steps that fail.
-#include "runtime/nodal/nodal_integrator.h"
+#include "runtime/step/nodal_integrator.h"
 
 #include <cmath>
 #include <complex>
@@ -10,7 +10,7 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "runtime/nodal/halved_step.h"
+#include "runtime/step/halved_step.h"
 #include "tests/support/linear_nodes.h"
 #include "tests/support/nodal_orders.h"
 

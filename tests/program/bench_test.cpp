@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/program/output/statistics.h"
+#include "runtime/apps/tremolo/output/statistics.h"
 #include "tests/lab/bench/precision_report.h"
 #include "tests/lab/bench/stability.h"
 #include "tests/lab/report/table.h"

@@ -13,9 +13,9 @@
 
 #include "formats/basis/basis_writer.h"
 #include "formats/file/atomic_file.h"
+#include "runtime/apps/tremolo/command_line.h"
+#include "runtime/apps/tremolo/run/simulate.h"
 #include "runtime/model.h"
-#include "runtime/program/command_line.h"
-#include "runtime/program/run/simulate.h"
 #include "tests/lab/report/report.h"
 #include "tests/lab/report/table.h"
 #include "tests/lab/work/failure.h"

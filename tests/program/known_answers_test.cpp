@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/program/output/statistics.h"
+#include "runtime/apps/tremolo/output/statistics.h"
 #include "tests/lab/known/energy_trend.h"
 #include "tests/lab/known/fput.h"
 #include "tests/lab/known/pendulum.h"

@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/file/base64.h"
-#include "runtime/page/document.h"
-#include "runtime/program/export/export.h"
-#include "runtime/program/output/plot.h"
+#include "runtime/apps/tremolo/export/export.h"
+#include "runtime/apps/tremolo/output/plot.h"
+#include "runtime/io/page/document.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/wavy_animation.h"

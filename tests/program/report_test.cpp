@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/program/output/plot.h"
+#include "runtime/apps/tremolo/output/plot.h"
 #include "tests/lab/work/failure.h"
 #include "tests/lab/work/store.h"
 #include "tests/support/temporary_folder.h"

@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "formats/file/input_file.h"
+#include "runtime/apps/tremolo/output/statistics.h"
 #include "runtime/body.h"
-#include "runtime/program/output/statistics.h"
 #include "tests/lab/reproduce/long_run.h"
 #include "tests/lab/reproduce/orbit.h"
 #include "tests/lab/reproduce/runs.h"

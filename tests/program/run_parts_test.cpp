@@ -5,11 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/program/run/recorder.h"
-#include "runtime/program/run/run_body.h"
-#include "runtime/program/run/run_progress.h"
-#include "runtime/program/run/simulate.h"
-#include "runtime/program/start/run_notes.h"
+#include "runtime/apps/tremolo/run/recorder.h"
+#include "runtime/apps/tremolo/run/run_body.h"
+#include "runtime/apps/tremolo/run/run_progress.h"
+#include "runtime/apps/tremolo/run/simulate.h"
+#include "runtime/apps/tremolo/start/run_notes.h"
 #include "runtime/scene/scene_start.h"
 #include "tests/support/sample_basis.h"
 

@@ -8,10 +8,10 @@
 #include <gtest/gtest.h>
 
 #include "formats/basis/basis_writer.h"
-#include "runtime/integrators/dispersion.h"
-#include "runtime/program/output/warnings.h"
-#include "runtime/program/run/simulate.h"
-#include "runtime/program/run/sound.h"
+#include "runtime/apps/tremolo/output/warnings.h"
+#include "runtime/apps/tremolo/run/simulate.h"
+#include "runtime/apps/tremolo/run/sound.h"
+#include "runtime/bodies/reduced/integrators/dispersion.h"
 #include "tests/support/frames/corner_cube.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"

@@ -1,5 +1,5 @@
 // Scene files: reading, and messages about errors.
-#include "runtime/scene_reader/scene_reader.h"
+#include "runtime/io/scenes/scene_reader.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/program/world/world_commands.h"
+#include "runtime/apps/tremolo/world/world_commands.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo {

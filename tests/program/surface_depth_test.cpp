@@ -1,5 +1,5 @@
 // Depth of the drawn surface in an obstacle, and a body's rebound.
-#include "runtime/program/world/surface_depth.h"
+#include "runtime/apps/tremolo/world/surface_depth.h"
 
 #include <algorithm>
 #include <cmath>

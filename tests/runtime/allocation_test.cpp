@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include "runtime/bodies/reduced/integrators/solve/newton.h"
 #include "runtime/body.h"
 #include "runtime/contact/collider.h"
-#include "runtime/integrators/solve/newton.h"
 #include "runtime/world.h"
 #include "tests/support/distance_fields.h"
 #include "tests/support/dynamics.h"

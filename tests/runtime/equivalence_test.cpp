@@ -4,7 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "runtime/integrators/solve/newton.h"
+#include "runtime/bodies/reduced/integrators/solve/newton.h"
 #include "tests/support/dynamics.h"
 
 namespace tremolo {

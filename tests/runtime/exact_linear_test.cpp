@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "runtime/bodies/reduced/integrators/solve/damping.h"
 #include "runtime/body.h"
-#include "runtime/integrators/solve/damping.h"
 #include "runtime/world.h"
 #include "tests/support/dynamics.h"
 #include "tests/support/linear_model.h"

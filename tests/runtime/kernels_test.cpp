@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "common/packed_index.h"
-#include "runtime/kernels/pair_kernel.h"
-#include "runtime/kernels/small_matrices.h"
-#include "runtime/kernels/symmetric_kernel.h"
+#include "runtime/math/kernels/pair_kernel.h"
+#include "runtime/math/kernels/small_matrices.h"
+#include "runtime/math/kernels/symmetric_kernel.h"
 #include "tests/support/sample_basis.h"
 
 namespace tremolo {

@@ -1,4 +1,4 @@
-#include "runtime/crowd/lane_force.h"
+#include "runtime/bodies/lanes/lane_force.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "common/packed_index.h"
-#include "runtime/kernels/potential.h"
+#include "runtime/math/kernels/potential.h"
 #include "tests/support/sample_basis.h"
 
 namespace tremolo {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/integrators/dispersion.h"
+#include "runtime/bodies/reduced/integrators/dispersion.h"
 #include "tests/support/dynamics.h"
 #include "tests/support/linear_model.h"
 

@@ -1,4 +1,4 @@
-#include "runtime/kernels/potential.h"
+#include "runtime/math/kernels/potential.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "runtime/integrators/solve/inertia_filter.h"
+#include "runtime/bodies/reduced/integrators/solve/inertia_filter.h"
 #include "tests/support/sample_basis.h"
 
 namespace tremolo {

@@ -118,8 +118,8 @@ Scalar newmark_step(Scalar s, StepForces f, double lambda, double rate, double b
   return {q + beta * h * h * a1, p + gamma * h * a1};
 }
 
-// The midpoint rule with theta of runtime/integrators/solve/damping.h, from the roots e^{-c/2 +- i
-// psi}, tan(psi/2) = (w^2 - c^2/4)^{1/2}/2: below critical damping.
+// The midpoint rule with theta of runtime/bodies/reduced/integrators/solve/damping.h, from the
+// roots e^{-c/2 +- i psi}, tan(psi/2) = (w^2 - c^2/4)^{1/2}/2: below critical damping.
 Scalar imexv_high_step(Scalar s, StepForces f, double lambda, double rate) {
   const double h = kOscillatorStep, c = h * rate, w2 = h * h * lambda;
   const double psi = 2.0 * std::atan(0.5 * std::sqrt(w2 - 0.25 * c * c));

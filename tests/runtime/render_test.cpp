@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "formats/basis/basis_writer.h"
-#include "runtime/display/surface.h"
+#include "runtime/bodies/reduced/surface/surface.h"
 #include "runtime/tremolo.h"
 #include "runtime/world.h"
 #include "tests/support/dynamics.h"

@@ -1,6 +1,6 @@
 // Stiffness damping by the rates of the strains: its force, what it takes in a step, what it leaves
 // alone, and what happens to models that do not know their strains.
-#include "runtime/integrators/solve/strain_damping.h"
+#include "runtime/bodies/reduced/integrators/solve/strain_damping.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // The surface in float against the same sums in double, and its normals against their definition.
-#include "runtime/display/surface.h"
+#include "runtime/bodies/reduced/surface/surface.h"
 
 #include <cmath>
 #include <random>

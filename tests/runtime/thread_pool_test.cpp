@@ -1,4 +1,4 @@
-#include "runtime/threads/thread_pool.h"
+#include "runtime/math/thread_pool.h"
 
 #include <atomic>
 

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "runtime/apps/tremolo/start/run_notes.h"
+#include "runtime/apps/tremolo/start/start_state.h"
 #include "runtime/body.h"
-#include "runtime/program/start/run_notes.h"
-#include "runtime/program/start/start_state.h"
 #include "tests/support/run_program.h"
 
 namespace tremolo {

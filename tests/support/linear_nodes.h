@@ -7,7 +7,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "runtime/nodal/nodal_system.h"
+#include "runtime/step/nodal_system.h"
 
 namespace tremolo::testing {
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <gtest/gtest.h>
 
-#include "runtime/kernels/potential.h"
+#include "runtime/math/kernels/potential.h"
 
 namespace tremolo::testing {
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/tets/motion/tet_body.h"
+#include "runtime/bodies/tets/motion/tet_body.h"
 #include "tests/support/meshes/box_mesh.h"
 #include "tests/support/meshes/random_tet.h"
 

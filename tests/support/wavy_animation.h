@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "runtime/exchange/animation.h"
+#include "runtime/io/exchange/animation.h"
 
 namespace tremolo::testing {
 

@@ -1,11 +1,11 @@
 // Conjugate gradients over active control points: what smooth modes save and what they leave alone.
-#include "runtime/tets/solve/active_solve.h"
+#include "runtime/bodies/tets/solve/active_solve.h"
 
 #include <gtest/gtest.h>
 
 #include "common/elements/elasticity.h"
-#include "runtime/tets/elements/element_turn.h"
-#include "runtime/tets/elements/tet_system.h"
+#include "runtime/bodies/tets/elements/element_turn.h"
+#include "runtime/bodies/tets/elements/tet_system.h"
 #include "tests/support/tet_bodies.h"
 
 namespace tremolo {

@@ -2,8 +2,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "runtime/tets/elements/element_turn.h"
-#include "runtime/tets/elements/tet_element.h"
+#include "runtime/bodies/tets/elements/element_turn.h"
+#include "runtime/bodies/tets/elements/tet_element.h"
 #include "tests/support/tet_bodies.h"
 
 namespace tremolo {

@@ -1,7 +1,7 @@
 // A matrix added up in single precision against the one in double precision.
 #include <gtest/gtest.h>
 
-#include "runtime/tets/solve/active_floats.h"
+#include "runtime/bodies/tets/solve/active_floats.h"
 #include "tests/support/tet_bodies.h"
 
 namespace tremolo {

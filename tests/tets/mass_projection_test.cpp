@@ -1,5 +1,5 @@
 // The projection of vectors onto what linear edges can make, against the dense normal equations.
-#include "runtime/tets/solve/mass_projection.h"
+#include "runtime/bodies/tets/solve/mass_projection.h"
 
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Rigid motions of a mesh, and damping of what is left of a motion without them.
-#include "runtime/tets/solve/rigid_balance.h"
+#include "runtime/bodies/tets/solve/rigid_balance.h"
 
 #include <cmath>
 

@@ -2,7 +2,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "runtime/tets/elements/element_turn.h"
+#include "runtime/bodies/tets/elements/element_turn.h"
 #include "tests/support/meshes/random_tet.h"
 
 namespace tremolo {

@@ -1,6 +1,6 @@
 // Bodies of corotated tetrahedra in motion: closed forms, momenta, energy, degrees that change,
 // steps that are too long.
-#include "runtime/tets/motion/tet_body.h"
+#include "runtime/bodies/tets/motion/tet_body.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,5 +1,5 @@
 // A body of tetrahedra on a floor: rest, fall, slope, and no energy out of nothing.
-#include "runtime/tets/contact/tet_contact.h"
+#include "runtime/bodies/tets/contact/tet_contact.h"
 
 #include <cmath>
 

@@ -1,14 +1,14 @@
 // One corotated element against its definition, against the stiffness at rest and StVK's limit, and
 // in states that no mesh should be in.
-#include "runtime/tets/elements/tet_element.h"
+#include "runtime/bodies/tets/elements/tet_element.h"
 
 #include <algorithm>
 #include <tuple>
 
 #include <gtest/gtest.h>
 
-#include "runtime/tets/elements/element_turn.h"
-#include "runtime/tets/elements/float_blocks.h"
+#include "runtime/bodies/tets/elements/element_turn.h"
+#include "runtime/bodies/tets/elements/float_blocks.h"
 #include "tests/support/meshes/random_tet.h"
 
 namespace tremolo {

@@ -1,6 +1,6 @@
 // Bodies of tetrahedra against each other: the inverse of a bent body, forces from a potential,
 // momenta, weight, friction, sleep.
-#include "runtime/tets/motion/tet_group.h"
+#include "runtime/bodies/tets/motion/tet_group.h"
 
 #include <cmath>
 #include <optional>

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/tets/contact/tet_contact.h"
-#include "runtime/tets/motion/tet_group.h"
+#include "runtime/bodies/tets/contact/tet_contact.h"
+#include "runtime/bodies/tets/motion/tet_group.h"
 #include "tests/support/tet_bodies.h"
 
 namespace tremolo {

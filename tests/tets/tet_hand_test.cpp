@@ -2,7 +2,7 @@
 // held body gives, sleep.
 #include <numbers>
 
-#include "runtime/tets/motion/tet_group.h"
+#include "runtime/bodies/tets/motion/tet_group.h"
 #include "tests/support/tet_bodies.h"
 
 namespace tremolo {

@@ -1,5 +1,5 @@
 // A mesh of corotated tetrahedra whose edges are of both degrees: forces, energy and matrices.
-#include "runtime/tets/elements/tet_system.h"
+#include "runtime/bodies/tets/elements/tet_system.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/tets/scene/tet_scene.h"
+#include "runtime/bodies/tets/scene/tet_scene.h"
 #include "runtime/tremolo_tets.h"
 #include "tests/support/meshes/small_tets.h"
 #include "tests/support/temporary_folder.h"

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "formats/tets/tets_layout.h"
-#include "runtime/tets/contact/tet_surface.h"
+#include "runtime/bodies/tets/contact/tet_surface.h"
 #include "tests/support/meshes/random_tet.h"
 #include "tests/support/meshes/small_tets.h"
 #include "tests/support/section_bytes.h"

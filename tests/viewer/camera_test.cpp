@@ -1,5 +1,5 @@
 // The camera: its mapping, and its framing.
-#include "runtime/viewer/camera/camera.h"
+#include "runtime/apps/view/camera/camera.h"
 
 #include <algorithm>
 #include <cmath>

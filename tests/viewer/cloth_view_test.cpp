@@ -1,8 +1,8 @@
 // Cloth in the viewer: rays, hands, pictures, the window.
 #include <fstream>
 
-#include "runtime/viewer/cloth/cloth_scenes.h"
-#include "runtime/viewer/picture/png_file.h"
+#include "runtime/apps/view/cloth/cloth_scenes.h"
+#include "runtime/apps/view/picture/png_file.h"
 #include "tests/viewer/viewer_files.h"
 
 namespace tremolo {

@@ -1,5 +1,5 @@
 // The hand's motion is written as a scene, and the scene repeats it, bit for bit.
-#include "runtime/viewer/live/hand_record.h"
+#include "runtime/apps/view/live/hand_record.h"
 
 #include <chrono>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <string>
 #include <thread>
 
-#include "runtime/scene_reader/scene_reader.h"
-#include "runtime/viewer/live/runner.h"
+#include "runtime/apps/view/live/runner.h"
+#include "runtime/io/scenes/scene_reader.h"
 #include "tests/viewer/viewer_files.h"
 
 namespace tremolo {

@@ -5,8 +5,8 @@
 #include <set>
 #include <vector>
 
+#include "runtime/apps/view/picture/png_file.h"
 #include "runtime/body.h"
-#include "runtime/viewer/picture/png_file.h"
 #include "tests/viewer/viewer_files.h"
 
 namespace tremolo {

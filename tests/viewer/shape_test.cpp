@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/viewer/shape/collider_shape.h"
+#include "runtime/apps/view/shape/collider_shape.h"
 
 namespace tremolo {
 namespace {

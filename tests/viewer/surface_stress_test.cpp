@@ -1,5 +1,5 @@
 // Stress of a free surface: closed forms, the law in three dimensions, a beam that bends.
-#include "runtime/viewer/shape/surface_stress.h"
+#include "runtime/apps/view/shape/surface_stress.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,8 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include "runtime/apps/view/setup/view_setup.h"
 #include "runtime/model.h"
-#include "runtime/viewer/setup/view_setup.h"
 #include "tests/viewer/viewer_files.h"
 
 namespace tremolo {

@@ -4,7 +4,7 @@
 
 #include "common/mesh/surface_mesh.h"
 #include "formats/tets/tets_file.h"
-#include "runtime/viewer/tets/tets_scenes.h"
+#include "runtime/apps/view/tets/tets_scenes.h"
 #include "tests/support/meshes/small_tets.h"
 #include "tests/viewer/viewer_files.h"
 

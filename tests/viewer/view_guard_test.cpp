@@ -4,8 +4,8 @@
 #include <fstream>
 #include <set>
 
-#include "runtime/viewer/picture/picture_series.h"
-#include "runtime/viewer/picture/png_file.h"
+#include "runtime/apps/view/picture/picture_series.h"
+#include "runtime/apps/view/picture/png_file.h"
 #include "tests/support/programs.h"
 #include "tests/viewer/viewer_files.h"
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "runtime/viewer/offscreen/egl_context.h"
+#include "runtime/apps/view/offscreen/egl_context.h"
 #include "tests/support/run_program.h"
 
 namespace tremolo::testing {

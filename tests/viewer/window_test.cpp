@@ -1,6 +1,6 @@
 // The window, under Xvfb and with a mouse that xdotool moves.
-#include "runtime/scene/scene_world.h"
-#include "runtime/scene_reader/scene_reader.h"
+#include "runtime/io/scenes/scene_reader.h"
+#include "runtime/world/scene_world.h"
 #include "tests/viewer/viewer_files.h"
 
 namespace tremolo {

@@ -25,7 +25,7 @@
 #include "runtime/contact/solve/contact_island.h"
 #include "runtime/contact/solve/step_parts.h"
 #include "runtime/contact_body.h"
-#include "runtime/threads/thread_pool.h"
+#include "runtime/math/thread_pool.h"
 
 namespace tremolo {
 

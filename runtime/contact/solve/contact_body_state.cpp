@@ -5,7 +5,7 @@
 #include "common/hash.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/contact_body.h"
-#include "runtime/saved_body.h"
+#include "runtime/bodies/reduced/saved_body.h"
 
 namespace tremolo {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "common/mesh/tet_mesh.h"
 #include "runtime/contact/collider.h"
-#include "runtime/kernels/scattered_field.h"
+#include "runtime/math/kernels/scattered_field.h"
 #include "runtime/model.h"
 
 namespace tremolo {

@@ -1,8 +1,8 @@
 // One step of a body that is near colliders (docs/theory.md, section "Contact"). The step is that
-// of ep2 (runtime/integrators/energy_preserving.cpp), for a free body together with that of
-// runtime/frames/free_frame.h. The forces of contact_law.h on the body's points are solved for in
-// the same system. A force F on the point y = X + U q adds f = U^T Ro~^T F and the torque (Ro~ y~)
-// x F, so that the work of F is F.(x1 - x0) exactly.
+// of ep2 (runtime/bodies/reduced/integrators/energy_preserving.cpp), for a free body together with
+// that of runtime/bodies/reduced/frames/free_frame.h. The forces of contact_law.h on the body's
+// points are solved for in the same system. A force F on the point y = X + U q adds f = U^T Ro~^T F
+// and the torque (Ro~ y~) x F, so that the work of F is F.(x1 - x0) exactly.
 //
 // The unknowns are d = q1 - q0 and, for a free body, omega1 and the path e of its centre: r + 6.
 // Newton's method with a line search finds them.
@@ -15,14 +15,14 @@
 
 #include <Eigen/LU>
 
+#include "runtime/bodies/reduced/frames/free_frame.h"
+#include "runtime/bodies/reduced/integrators/solve/inertia_filter.h"
+#include "runtime/bodies/reduced/integrators/solve/strain_damping.h"
 #include "runtime/contact/contact_law.h"
 #include "runtime/contact/contact_values.h"
 #include "runtime/contact/solve/contact_points.h"
 #include "runtime/contact/solve/step_motion.h"
-#include "runtime/frames/free_frame.h"
 #include "runtime/integrator.h"
-#include "runtime/integrators/solve/inertia_filter.h"
-#include "runtime/integrators/solve/strain_damping.h"
 #include "runtime/parts.h"
 
 namespace tremolo {

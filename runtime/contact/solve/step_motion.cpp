@@ -1,6 +1,6 @@
 #include "runtime/contact/solve/step_motion.h"
 
-#include "runtime/frames/pose.h"
+#include "runtime/bodies/reduced/frames/pose.h"
 
 namespace tremolo {
 

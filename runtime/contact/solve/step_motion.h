@@ -4,8 +4,8 @@
 
 #include <Eigen/Core>
 
+#include "runtime/bodies/reduced/state.h"
 #include "runtime/parts.h"
-#include "runtime/values/state.h"
 
 namespace tremolo {
 

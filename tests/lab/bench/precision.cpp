@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "runtime/program/output/statistics.h"
+#include "runtime/apps/tremolo/output/statistics.h"
 #include "tests/lab/work/progress.h"
 
 namespace tremolo::bench {

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "runtime/program/output/statistics.h"
+#include "runtime/apps/tremolo/output/statistics.h"
 
 namespace tremolo::bench {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "runtime/program/output/statistics.h"
+#include "runtime/apps/tremolo/output/statistics.h"
 #include "tests/lab/bench/precision_report.h"
 
 namespace tremolo::bench {

@@ -6,10 +6,10 @@
 
 #include <Eigen/Core>
 
+#include "runtime/apps/tremolo/output/warnings.h"
 #include "runtime/integrator.h"
 #include "runtime/load.h"
 #include "runtime/model.h"
-#include "runtime/program/output/warnings.h"
 
 namespace tremolo::bench {
 

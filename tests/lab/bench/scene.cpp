@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "runtime/program/start/run_notes.h"
+#include "runtime/apps/tremolo/start/run_notes.h"
 #include "runtime/split.h"
 #include "tests/lab/work/failure.h"
 

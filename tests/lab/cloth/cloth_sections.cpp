@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "runtime/nodal/nodal_integrator.h"
+#include "runtime/step/nodal_integrator.h"
 #include "tests/lab/cloth/cloth_study.h"
 #include "tests/lab/work/progress.h"
 

@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 
 #include "common/processor.h"
-#include "runtime/cloth/cloth_model.h"
-#include "runtime/nodal/nodal_integrator.h"
-#include "runtime/program/output/statistics.h"
-#include "runtime/program/output/tell.h"
+#include "runtime/apps/tremolo/output/statistics.h"
+#include "runtime/apps/tremolo/output/tell.h"
+#include "runtime/bodies/cloth/cloth_model.h"
+#include "runtime/step/nodal_integrator.h"
 #include "tests/lab/cloth/cloth_sections.h"
 #include "tests/lab/cloth/cloth_study.h"
 #include "tests/lab/work/failure.h"

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "common/processor.h"
-#include "runtime/nodal/nodal_integrator.h"
+#include "runtime/step/nodal_integrator.h"
 #include "tests/lab/work/failure.h"
 
 namespace tremolo::cloth_study {

@@ -11,8 +11,8 @@
 
 #include <Eigen/Core>
 
-#include "runtime/cloth/cloth_model.h"
-#include "runtime/cloth/cloth_scene.h"
+#include "runtime/bodies/cloth/cloth_model.h"
+#include "runtime/bodies/cloth/cloth_scene.h"
 
 namespace tremolo::cloth_study {
 

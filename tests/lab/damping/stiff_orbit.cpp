@@ -8,7 +8,7 @@
 
 #include "common/packed_index.h"
 #include "common/text.h"
-#include "runtime/integrators/solve/damping.h"
+#include "runtime/bodies/reduced/integrators/solve/damping.h"
 #include "tests/lab/work/failure.h"
 
 namespace tremolo::damping {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/program/output/statistics.h"
+#include "runtime/apps/tremolo/output/statistics.h"
 #include "tests/lab/known/quartic_model.h"
 #include "tests/lab/known/spring_chain.h"
 #include "tests/lab/work/failure.h"

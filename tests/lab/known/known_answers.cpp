@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "runtime/program/output/tell.h"
+#include "runtime/apps/tremolo/output/tell.h"
 
 namespace tremolo::known {
 

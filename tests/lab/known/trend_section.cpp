@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "runtime/program/output/statistics.h"
+#include "runtime/apps/tremolo/output/statistics.h"
 #include "tests/lab/known/energy_trend.h"
 #include "tests/lab/known/known_answers.h"
 #include "tests/lab/known/step_properties.h"

@@ -7,7 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "common/result.h"
-#include "runtime/program/output/tell.h"
+#include "runtime/apps/tremolo/output/tell.h"
 
 namespace tremolo {
 

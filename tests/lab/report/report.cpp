@@ -7,7 +7,7 @@
 
 #include "formats/file/atomic_file.h"
 #include "formats/file/input_file.h"
-#include "runtime/page/document.h"
+#include "runtime/io/page/document.h"
 #include "tests/lab/work/failure.h"
 
 namespace tremolo {

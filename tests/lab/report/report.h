@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/result.h"
-#include "runtime/program/output/chart.h"
+#include "runtime/apps/tremolo/output/chart.h"
 #include "tests/lab/report/criterion.h"
 #include "tests/lab/report/table.h"
 
@@ -49,7 +49,7 @@ class Report {
   nlohmann::ordered_json json_;
 };
 
-// The page that shows `report` (runtime/page/document.h). Errors: kSystem.
+// The page that shows `report` (runtime/io/page/document.h). Errors: kSystem.
 Status write_page(const nlohmann::ordered_json& report, const std::string& path);
 
 // Writes the page of a report that a file holds. Errors: kContent if it is not JSON or its outline

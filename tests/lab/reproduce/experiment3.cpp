@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "runtime/program/output/tell.h"
+#include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/split.h"
 #include "tests/lab/reproduce/experiment3_parts.h"
 #include "tests/lab/reproduce/sections.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/program/output/chart.h"
-#include "runtime/program/output/statistics.h"
+#include "runtime/apps/tremolo/output/chart.h"
+#include "runtime/apps/tremolo/output/statistics.h"
 #include "tests/lab/report/table.h"
 #include "tests/lab/reproduce/long_run.h"
 #include "tests/lab/samples/thesis.h"

@@ -13,8 +13,8 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
+#include "runtime/apps/tremolo/output/warnings.h"
 #include "runtime/model.h"
-#include "runtime/program/output/warnings.h"
 
 namespace tremolo::reproduce {
 

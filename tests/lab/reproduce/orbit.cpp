@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "common/energy.h"
+#include "runtime/apps/tremolo/output/chart.h"
 #include "runtime/body.h"
-#include "runtime/program/output/chart.h"
 #include "tests/lab/work/failure.h"
 
 namespace tremolo::reproduce {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "runtime/apps/tremolo/output/warnings.h"
 #include "runtime/load.h"
 #include "runtime/model.h"
-#include "runtime/program/output/warnings.h"
 
 namespace tremolo::reproduce {
 

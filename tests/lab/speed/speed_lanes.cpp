@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "common/packed_index.h"
-#include "runtime/crowd/lane_force.h"
+#include "runtime/bodies/lanes/lane_force.h"
 #include "tests/lab/speed/speed_world.h"
 
 namespace tremolo::bench {

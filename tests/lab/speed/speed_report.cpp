@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "runtime/program/output/tell.h"
+#include "runtime/apps/tremolo/output/tell.h"
 #include "tests/lab/speed/speed.h"
 
 namespace tremolo::bench {

@@ -10,7 +10,7 @@
 #include "common/packed_index.h"
 #include "formats/basis/basis_reader.h"
 #include "formats/basis/basis_writer.h"
-#include "runtime/display/surface.h"
+#include "runtime/bodies/reduced/surface/surface.h"
 #include "runtime/model.h"
 #include "tests/lab/speed/speed.h"
 #include "tests/lab/work/failure.h"

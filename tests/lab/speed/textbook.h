@@ -49,7 +49,8 @@ class Textbook {
 
 // One Newmark step (beta 1/4, gamma 1/2, undamped, unloaded) with the textbook's force and tangent:
 // full Newton, each correction by a fresh Cholesky factor, to |residual| <= tolerance (the measure
-// of runtime/integrators/newmark.cpp). Returns the evaluations, negative if it did not converge.
+// of runtime/bodies/reduced/integrators/newmark.cpp). Returns the evaluations, negative if it did
+// not converge.
 int textbook_newmark_step(Textbook& textbook, double step, double tolerance, Eigen::VectorXd& q,
                           Eigen::VectorXd& v, Eigen::VectorXd& a);
 

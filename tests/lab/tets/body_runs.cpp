@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "common/processor.h"
-#include "runtime/tets/contact/tet_surface.h"
-#include "runtime/tets/motion/tet_body.h"
+#include "runtime/bodies/tets/contact/tet_surface.h"
+#include "runtime/bodies/tets/motion/tet_body.h"
 #include "tests/lab/work/failure.h"
 
 namespace tremolo::tets {

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "runtime/tets/motion/degree_choice.h"
+#include "runtime/bodies/tets/motion/degree_choice.h"
 #include "tests/lab/tets/shapes.h"
 
 namespace tremolo::tets {

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "runtime/program/output/tell.h"
+#include "runtime/apps/tremolo/output/tell.h"
 #include "tests/lab/tets/body_runs.h"
 
 namespace tremolo::tets {

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "common/parallel.h"
-#include "runtime/program/output/tell.h"
+#include "runtime/apps/tremolo/output/tell.h"
 
 namespace tremolo {
 

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-#include "runtime/frames/driven_frame.h"
+#include "runtime/bodies/reduced/frames/driven_frame.h"
 
 namespace tremolo::testing {
 

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "runtime/tets/elements/tet_element.h"
+#include "runtime/bodies/tets/elements/tet_element.h"
 
 namespace tremolo::testing {
 

@@ -1,0 +1,218 @@
+#include "runtime/apps/tremolo/cloth/cloth_log.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iterator>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "common/energy.h"
+#include "formats/surface/surface_writer.h"
+#include "runtime/apps/tremolo/output/plot.h"
+#include "runtime/apps/tremolo/run/run_files.h"
+#include "runtime/bodies/cloth/cloth_model.h"
+#include "runtime/energy_bound.h"
+
+namespace tremolo {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kTablePiece = std::size_t{1} << 16;  // bytes; a write some hundred rows
+
+SurfaceMesh shape_of(const ClothWorld& world, std::size_t cloth) {
+  SurfaceMesh surface;
+  const Eigen::VectorXd& x = world.positions(cloth);
+  surface.vertices.resize(world.particles(cloth));
+  for (std::size_t i = 0; i < surface.vertices.size(); ++i)
+    surface.vertices[i] = x.segment<3>(3 * i);
+  surface.triangles = world.triangles(cloth);
+  return surface;
+}
+
+// The author's surface; its normals are those of the triangles now.
+RenderSurface file_shape_of(const ClothParts& parts, const Eigen::VectorXd& x) {
+  RenderSurface surface = drawn_at(parts, x);
+  if (surface.normals.empty()) return surface;
+  const std::vector<Eigen::Vector3d> normals =
+      vertex_normals(SurfaceMesh{surface.vertices, surface.triangles});
+  for (std::size_t v = 0; v < normals.size(); ++v)
+    if (!normals[v].isZero()) surface.normals[v] = normals[v].cast<float>();
+  return surface;
+}
+
+}  // namespace
+
+Result<ClothTable> ClothTable::create(const std::string& path, const ClothScene& scene) {
+  Result<AtomicFile> file = AtomicFile::create(path);
+  if (!file) return file.error();
+  ClothTable table(std::move(*file));
+  table.text_ =
+      "t,kinetic,elastic,gravity,total,damped,wind,pins,contact,numerical,px,py,pz,lx,ly,lz,"
+      "penetration";
+  for (const SceneBall& ball : scene.balls)
+    table.text_ += fmt::format(",{0}x,{0}y,{0}z", ball.name);
+  table.text_ += '\n';
+  return table;
+}
+
+Status ClothTable::write(const ClothWorld& world, const ClothEnergy& energy) {
+  const Eigen::Vector3d p = world.linear_momentum(), l = world.angular_momentum();
+  auto out = std::back_inserter(text_);
+  fmt::format_to(out, "{:.9g}", world.time());
+  for (const double value :
+       {energy.kinetic, energy.elastic, energy.gravity, energy.total(), energy.damped, energy.wind,
+        energy.pins, energy.contact, energy.numerical, p.x(), p.y(), p.z(), l.x(), l.y(), l.z(),
+        world.penetration_max()})
+    fmt::format_to(out, ",{:.12g}", value);
+  for (const ClothWorld::Ball& ball : world.balls())
+    for (const double value : ball.position) fmt::format_to(out, ",{:.9g}", value);
+  text_ += '\n';
+  if (text_.size() < kTablePiece) return Success{};
+  const Status status = file_.write(text_);
+  text_.clear();
+  return status;
+}
+
+Status ClothTable::finish() {
+  if (Status s = file_.write(text_); !s) return s;
+  return file_.commit();
+}
+
+bool ClothFrames::due(std::int64_t steps) const {
+  if (written_ >= count_) return false;
+  return steps >= std::llround(static_cast<double>(steps_) * (written_ + 1) / count_);
+}
+
+Status ClothFrames::write(const ClothWorld& world, std::size_t cloth) {
+  const std::string name = frame_name(written_, world.time(), format_);
+  const std::string path = (fs::path(folder_) / name).string();
+  list_ += fmt::format("{},{:.9g},{}\n", written_, world.time(), name);
+  ++written_;
+  const ClothParts& parts = world.model(cloth).parts();
+  if (parts.drawn != nullptr) {
+    const RenderSurface surface = file_shape_of(parts, world.positions(cloth));
+    if (Status s = write_render_surface(path, surface); !s) return s;
+  } else if (Status s = write_surface(path, shape_of(world, cloth)); !s) {
+    return s;
+  }
+  files_.push_back(path);
+  return Success{};
+}
+
+Status ClothFrames::finish() {
+  if (written_ > 0) {
+    const std::string list = (fs::path(folder_) / kFramesName).string();
+    if (Status s = write_file(list, list_); !s) return s;
+    files_.push_back(list);
+  }
+  return Success{};
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+Momenta momenta_of(const ClothWorld& world) {
+  return {world.linear_momentum(), world.angular_momentum()};
+}
+
+// Energy given by wind, pins and contact less that taken by dampers, J.
+double external_energy(const ClothEnergy& energy) {
+  return energy.wind + energy.pins + energy.contact - energy.damped;
+}
+
+double cloth_turnover(const ClothEnergy& energy) {
+  return std::abs(energy.wind) + std::abs(energy.pins) + std::abs(energy.contact) +
+         std::abs(energy.damped);
+}
+
+}  // namespace
+
+double ClothReport::balance_error() const {
+  const double most = std::max(energy_max, turnover_max);
+  return most > 0.0 ? remainder_max / most : 0.0;
+}
+
+ClothLog::ClothLog(const ClothFile& file, const ClothWorld& world) : file_(&file) {
+  report_.start = world.energy();
+  report_.momenta_start = momenta_of(world);
+}
+
+Result<ClothLog> ClothLog::create(const ClothFile& file, const ClothWorld& world) {
+  ClothLog log(file, world);
+  if (file.outputs.out.empty()) return log;
+  const std::int64_t steps = std::llround(file.scene.duration / file.scene.options.step);
+  for (const SceneCloth& cloth : file.scene.cloths) {
+    const std::string folder = (fs::path(file.outputs.out) / cloth.name).string();
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) return system_error(folder + ": cannot create: " + error.message());
+    log.frames_.emplace_back(folder, file.outputs, steps);
+  }
+  const std::string csv = (fs::path(file.outputs.out) / kTableName).string();
+  Result<ClothTable> table = ClothTable::create(csv, file.scene);
+  if (!table) return table.error();
+  log.table_.emplace(std::move(*table));
+  return log;
+}
+
+void ClothLog::note_energy(const ClothEnergy& now) {
+  const double remainder = now.total() - report_.start.total() - external_energy(now);
+  const double moved = now.kinetic + now.elastic + std::abs(now.gravity - report_.start.gravity);
+  report_.end = now;
+  report_.energy_max = larger(report_.energy_max, moved);
+  report_.remainder_max = larger(report_.remainder_max, std::abs(remainder));
+  report_.turnover_max = larger(report_.turnover_max, cloth_turnover(now));
+}
+
+Result<bool> ClothLog::observe(const ClothWorld& world) {
+  const ClothEnergy now = world.energy();
+  note_energy(now);
+  if (!file_->outputs.out.empty()) {
+    if (world.steps() % file_->outputs.every == 0)
+      if (Status s = table_->write(world, now); !s) return s.error();
+    for (std::size_t i = 0; i < frames_.size(); ++i)
+      if (frames_[i].due(world.steps()))
+        if (Status s = frames_[i].write(world, i); !s) return s.error();
+  }
+  // Upper bound: the initial energy plus the sizes of all energy exchanged with gravity and others.
+  const double given = report_.start.kinetic + report_.start.elastic +
+                       std::abs(report_.start.gravity - now.gravity) + cloth_turnover(now);
+  const double present = now.kinetic + now.elastic;
+  if (std::isfinite(present) && present <= kEnergyBound * given) return true;
+  report_.exit_code = exit_code(ErrorKind::kBound);
+  report_.reason = fmt::format(
+      "at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that was put in",
+      world.time(), present, kEnergyBound);
+  return false;
+}
+
+void ClothLog::give_up(const Error& why) {
+  report_.exit_code = exit_code(why);
+  report_.reason = why.message;
+}
+
+Status ClothLog::finish(const ClothWorld& world) {
+  report_.momenta_end = momenta_of(world);
+  const SceneOutputs& outputs = file_->outputs;
+  if (outputs.out.empty()) return Success{};
+  const fs::path folder = outputs.out;
+  if (Status s = table_->finish(); !s) return s;
+  report_.files.push_back((folder / kTableName).string());
+  if (outputs.plot) {
+    const std::string picture = (folder / kPictureName).string();
+    const std::string label = fs::path(file_->path).stem().string();
+    if (Status s = plot_energies({{label, report_.files[0]}}, picture); !s) return s;
+    report_.files.push_back(picture);
+  }
+  for (ClothFrames& frames : frames_) {
+    if (Status s = frames.finish(); !s) return s;
+    report_.files.insert(report_.files.end(), frames.files().begin(), frames.files().end());
+  }
+  return Success{};
+}
+
+}  // namespace tremolo

@@ -1,0 +1,227 @@
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <limits>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "runtime/apps/tremolo/cloth/cloth_commands.h"
+#include "runtime/apps/tremolo/export/export.h"
+#include "runtime/apps/tremolo/export/motion_source.h"
+#include "runtime/apps/tremolo/run/run_body.h"
+#include "runtime/apps/tremolo/run/run_progress.h"
+#include "runtime/bodies/cloth/cloth_model.h"
+#include "runtime/bodies/cloth/cloth_parts.h"
+#include "runtime/bodies/cloth/cloth_world.h"
+#include "runtime/io/exchange/recording.h"
+
+namespace tremolo {
+namespace {
+
+// The cloth as it is cut, flat, which its vertices are displaced from.
+Result<AnimatedShape> cloth_shape(const SceneCloth& cloth) {
+  const Result<ClothParts> parts = make_cloth_parts(cloth);
+  if (!parts) return parts.error();
+  AnimatedShape shape;
+  shape.name = cloth.name;
+  RenderSurface& surface = shape.surface;
+  if (parts->drawn != nullptr) {
+    surface = *parts->drawn;
+    return shape;
+  }
+  surface.vertices.resize(static_cast<std::size_t>(parts->x.size()) / 3);
+  for (std::size_t i = 0; i < surface.vertices.size(); ++i)
+    surface.vertices[i] = parts->x.segment<3>(3 * i);
+  surface.triangles = parts->triangles;
+  surface.object_of.assign(surface.triangles.size(), 0);
+  surface.material_of.assign(surface.triangles.size(), 0);
+  surface.objects = surface.materials = {cloth.name};
+  return shape;
+}
+
+Result<Scenery> add_tracks_of(const ClothScene& scene, bool colliders, bool planes,
+                              Animation& animation) {
+  std::set<std::string> taken;
+  for (const SceneCloth& cloth : scene.cloths) {
+    Result<AnimatedShape> shape = cloth_shape(cloth);
+    if (!shape) return shape.error();
+    AnimatedBody body;
+    body.name = cloth.name;
+    body.shape = animation.shapes.size();
+    taken.insert(cloth.name);
+    animation.shapes.push_back(std::move(*shape));
+    animation.bodies.push_back(std::move(body));
+  }
+  for (const SceneBall& ball : scene.balls)
+    add_scenery(*collider_shape(SphereShape{ball.radius}, ball.name, 1.0), ball.name, taken,
+                animation);
+  return colliders ? add_colliders(scene.colliders, planes, taken, animation) : Scenery{};
+}
+
+void record_cloths(const ClothWorld& world, const Scenery& scenery, Animation& animation) {
+  animation.times.push_back(world.time());
+  for (std::size_t i = 0; i < world.cloths(); ++i) {
+    AnimatedBody& body = animation.bodies[i];
+    const std::vector<Eigen::Vector3d>& rest = animation.shapes[body.shape].surface.vertices;
+    const Eigen::VectorXd& x = world.positions(i);
+    const ClothParts& parts = world.model(i).parts();
+    const std::vector<VertexId>& sources = animation.shapes[body.shape].surface.sources;
+    for (std::size_t v = 0; v < rest.size(); ++v) {
+      const std::size_t vertex = sources.empty() ? v : static_cast<std::size_t>(sources[v]);
+      const auto particle = static_cast<Eigen::Index>(parts.particle_of_vertex(vertex));
+      for (int axis = 0; axis < 3; ++axis)
+        body.displacements.push_back(x[3 * particle + axis] - rest[v][axis]);
+    }
+    body.poses.emplace_back();
+  }
+  std::size_t next = world.cloths();
+  for (const ClothWorld::Ball& ball : world.balls()) {
+    Pose pose;
+    pose.position = ball.position;
+    pose.rotation = ball.rotation;
+    animation.bodies[next++].poses.push_back(pose);
+  }
+  for (const std::size_t k : scenery.colliders)
+    animation.bodies[next++].poses.push_back(world.collider_pose(k));
+}
+
+Result<RecordedMotion> animate_cloths(const ClothFile& file, const FrameRange& range,
+                                      bool colliders, bool planes) {
+  const ClothScene& scene = file.scene;
+  const Result<FrameSteps> frames = frame_steps(range, scene.options.step, scene.duration);
+  if (!frames) return frames.error();
+  Result<ClothWorld> world = ClothWorld::create(scene);
+  if (!world) return error_of_file(file.path, value_error(world.error()));
+  RecordedMotion motion;
+  motion.offset = frames->offset;
+  motion.even_step = frames->even_step;
+  motion.animation.rate = range.rate;
+  const Result<Scenery> scenery = add_tracks_of(scene, colliders, planes, motion.animation);
+  if (!scenery) return scenery.error();
+  motion.left_out = scenery->left_out;
+  ToldProgress progress(std::filesystem::path(file.path).stem().string(), scene.duration);
+  for (const std::int64_t step : frames->steps) {
+    while (world->steps() < step)
+      if (Status s = world->step(); !s) return error_of_file(file.path, s.error());
+    record_cloths(*world, *scenery, motion.animation);
+    progress.reached(world->time());
+  }
+  return motion;
+}
+
+constexpr double kRoom = 1.25;  // from a scene to the next, in its width
+
+// The extent of the cloths along x in the first frame, m.
+std::pair<double, double> cloths_extent(const Animation& animation) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const AnimatedBody& body : animation.bodies) {
+    const std::vector<Eigen::Vector3d>& rest = animation.shape_of(body).surface.vertices;
+    for (std::size_t i = 0; i < rest.size() && !body.displacements.empty(); ++i) {
+      const double x = body.poses[0].position.x() + rest[i].x() + body.displacements[3 * i];
+      low = std::min(low, x);
+      high = std::max(high, x);
+    }
+  }
+  return {low, high};
+}
+
+// Returns the name, with "-2" appended until it is unique, and adds it to `taken`.
+std::string free_name(std::string name, std::set<std::string>& taken) {
+  while (!taken.insert(name).second) name += "-2";
+  return name;
+}
+
+// Adds the second recording's bodies to the right of the first's.
+void put_beside(RecordedMotion& first, RecordedMotion second) {
+  Animation& all = first.animation;
+  const auto [low, high] = cloths_extent(all);
+  const auto [its_low, its_high] = cloths_extent(second.animation);
+  const double aside = low + kRoom * (high - low) - its_low;
+  std::set<std::string> taken;
+  for (const AnimatedBody& body : all.bodies) taken.insert(body.name);
+  for (AnimatedBody& body : second.animation.bodies) {
+    body.name = free_name(std::move(body.name), taken);
+    body.shape += all.shapes.size();
+    for (Pose& pose : body.poses) pose.position.x() += aside;
+  }
+  std::move(second.animation.shapes.begin(), second.animation.shapes.end(),
+            std::back_inserter(all.shapes));
+  std::move(second.animation.bodies.begin(), second.animation.bodies.end(),
+            std::back_inserter(all.bodies));
+  first.left_out.insert(first.left_out.end(), second.left_out.begin(), second.left_out.end());
+}
+
+class ClothMotion : public MotionSource {
+ public:
+  explicit ClothMotion(std::vector<ClothFile> files) : files_(std::move(files)) {}
+
+  std::vector<std::string> names() const override {
+    std::vector<std::string> names;
+    std::set<std::string> taken;
+    for (const ClothFile& file : files_)
+      for (const SceneCloth& cloth : file.scene.cloths)
+        names.push_back(free_name(cloth.name, taken));
+    return names;
+  }
+
+  std::vector<std::string> scenery() const override {
+    std::vector<std::string> names;
+    for (const ClothFile& file : files_) {
+      for (const SceneBall& ball : file.scene.balls) names.push_back(ball.name);
+      for (const SceneCollider& collider : file.scene.colliders) names.push_back(collider.name);
+    }
+    return names;
+  }
+
+  std::vector<NamedFile> inputs() const override {
+    std::vector<NamedFile> inputs;
+    for (const ClothFile& file : files_)
+      for (NamedFile& input : inputs_of(file)) inputs.push_back(std::move(input));
+    return inputs;
+  }
+
+  std::string told() const override {
+    const ClothScene& scene = files_.front().scene;
+    std::string methods;
+    for (const ClothFile& file : files_)
+      methods += (methods.empty() ? "`" : "; beside it by `") + file.scene.integrator + "`";
+    return fmt::format("{:.4g} s in steps of {:.4g} ms by {}", scene.duration,
+                       1e3 * scene.options.step, methods);
+  }
+
+  Status check(const MotionOutputs& outputs) const override {
+    if (outputs.modes > 0) return usage_error("--modes applies only to bodies: a cloth has none");
+    if (!outputs.extras.live.empty())
+      return usage_error("--live applies only to bodies: a page's engine moves no cloth");
+    return Success{};
+  }
+
+  Result<RecordedMotion> record(const FrameRange& range, bool colliders) const override {
+    Result<RecordedMotion> motion = animate_cloths(files_.front(), range, colliders, true);
+    for (std::size_t i = 1; motion && i < files_.size(); ++i) {
+      Result<RecordedMotion> next = animate_cloths(files_[i], range, colliders, false);
+      if (!next) return next.error();
+      if (next->animation.times != motion->animation.times)
+        return content_error(files_[i].path +
+                             ": its frames have other times than those of the first scene: say "
+                             "--step and --duration");
+      put_beside(*motion, std::move(*next));
+    }
+    return motion;
+  }
+
+ private:
+  std::vector<ClothFile> files_;
+};
+
+}  // namespace
+
+std::unique_ptr<MotionSource> cloth_motion(std::vector<ClothFile> files) {
+  return std::make_unique<ClothMotion>(std::move(files));
+}
+
+}  // namespace tremolo

@@ -1,0 +1,254 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "common/processor.h"
+#include "formats/file/atomic_file.h"
+#include "runtime/apps/tremolo/cloth/cloth_commands.h"
+#include "runtime/apps/tremolo/cloth/cloth_log.h"
+#include "runtime/apps/tremolo/output/plot.h"
+#include "runtime/apps/tremolo/output/statistics.h"
+#include "runtime/apps/tremolo/output/tell.h"
+#include "runtime/apps/tremolo/output/text_values.h"
+#include "runtime/apps/tremolo/run/run_body.h"
+#include "runtime/apps/tremolo/run/run_files.h"
+#include "runtime/apps/tremolo/run/run_progress.h"
+#include "runtime/apps/tremolo/world/scene_ending.h"
+#include "runtime/bodies/cloth/cloth_model.h"
+
+namespace tremolo {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// The end of a run. each: processor time of every step, us.
+struct ClothEnding : SceneEnding {
+  std::vector<double> each;
+};
+
+std::size_t all_particles(const ClothWorld& world) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < world.cloths(); ++i) count += world.particles(i);
+  return count;
+}
+std::size_t all_springs(const ClothWorld& world) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < world.cloths(); ++i) count += world.model(i).springs();
+  return count;
+}
+
+void add_energy_keys(Json& json, const ClothReport& report) {
+  const ClothEnergy &start = report.start, &end = report.end;
+  json["energy_initial"] = number_or_null(start.total());
+  json["energy_final"] = number_or_null(end.total());
+  json["energy_max"] = number_or_null(report.energy_max);
+  json["kinetic_final"] = number_or_null(end.kinetic);
+  json["elastic_final"] = number_or_null(end.elastic);
+  json["gravity_final"] = number_or_null(end.gravity);
+  json["energy_by_cause"] = {{"wind", number_or_null(end.wind)},
+                             {"support", number_or_null(end.pins)},
+                             {"contact", number_or_null(end.contact)},
+                             {"damping", number_or_null(-end.damped)},
+                             {"method", number_or_null(end.numerical)}};
+  json["energy_balance_error"] = number_or_null(report.balance_error());
+  json["work"] = number_or_null(end.wind + end.pins);
+  json["dissipated"] = number_or_null(end.damped);
+  json["linear_momentum_initial"] = vector_json(report.momenta_start.linear);
+  json["linear_momentum_final"] = vector_json(report.momenta_end.linear);
+  json["angular_momentum_initial"] = vector_json(report.momenta_start.angular);
+  json["angular_momentum_final"] = vector_json(report.momenta_end.angular);
+}
+
+void add_parts(Json& json, const ClothWorld& world) {
+  json["cloths"] = Json::array();
+  for (std::size_t i = 0; i < world.cloths(); ++i)
+    json["cloths"].push_back({{"cloth", world.scene().cloths[i].name},
+                              {"particles", world.particles(i)},
+                              {"springs", world.model(i).springs()},
+                              {"triangles", world.triangles(i).size()},
+                              {"joined", world.model(i).parts().joined}});
+  json["balls"] = Json::array();
+  for (std::size_t i = 0; i < world.balls().size(); ++i) {
+    const ClothWorld::Ball& ball = world.balls()[i];
+    json["balls"].push_back({{"ball", world.scene().balls[i].name},
+                             {"position", vector_json(ball.position)},
+                             {"velocity", vector_json(ball.velocity)},
+                             {"spin", vector_json(ball.spin)}});
+  }
+}
+
+Json cloth_json(const ClothFile& file, const ClothWorld& world, const ClothLog& log,
+                const ClothEnding& ending) {
+  const double step = file.scene.options.step, each = mean(ending.each);
+  const auto steps = static_cast<double>(world.steps());
+  Json json;
+  json["scene"] = file.path;
+  json["integrator"] = file.scene.integrator;
+  json["step"] = step;
+  json["duration"] = file.scene.duration;
+  json["particles"] = all_particles(world);
+  json["springs"] = all_springs(world);
+  json["steps"] = world.steps();
+  json["reached"] = world.time();
+  json["microseconds_per_step"] = number_or_null(each);
+  json["microseconds_per_step_median"] = number_or_null(median(ending.each));
+  json["real_time_factor"] = number_or_null(1e6 * step / each);
+  json["iterations_per_step"] = number_or_null(static_cast<double>(world.iterations()) / steps);
+  json["cut_steps"] = world.cut_steps();
+  json["stability_limit_s"] = number_or_null(world.stability_limit());
+  json["penetration_max"] = number_or_null(world.penetration_max());
+  add_energy_keys(json, log.report());
+  add_parts(json, world);
+  json["exit_code"] = ending.exit_code;
+  json["reason"] = ending.reason.empty() ? Json(nullptr) : Json(ending.reason);
+  json["files"] = log.report().files;
+  return json;
+}
+
+// Lists the files that a run of the scene writes.
+RunOutputs cloth_outputs(const ClothFile& file) {
+  const std::string& out = file.outputs.out;
+  RunOutputs outputs;
+  std::vector<std::string> names;
+  for (const SceneCloth& cloth : file.scene.cloths) names.push_back(cloth.name);
+  outputs.add_folder(out, names);
+  outputs.add_files(out, {kReportName, kTableName, kPictureName});
+  for (const std::string& name : names)
+    if (!out.empty()) outputs.add_files((fs::path(out) / name).string(), {kFramesName});
+  return outputs;
+}
+
+// Steps the world to the end of its time. A step that cannot be made and an energy that explodes
+// end the run.
+Result<ClothEnding> follow_cloths(const ClothFile& file, ClothWorld& world, ClothLog& log) {
+  const Interruption interruption;
+  ToldProgress progress(fs::path(file.path).stem().string(), file.scene.duration);
+  const std::int64_t steps = std::llround(file.scene.duration / file.scene.options.step);
+  ClothEnding ending;
+  Result<bool> inside = log.observe(world);
+  while (inside && *inside && world.steps() < steps && ending.signal == 0) {
+    const double before = processor_time();
+    const Status made = world.step();
+    if (!made) {
+      log.give_up(made.error());
+      break;
+    }
+    ending.each.push_back(1e6 * (processor_time() - before));
+    inside = log.observe(world);
+    progress.reached(world.time());
+    ending.interrupted(interruption.signal(), world.time());
+  }
+  if (!inside) return inside.error();
+  if (log.report().exit_code != 0) {
+    ending.exit_code = log.report().exit_code;
+    ending.reason = log.report().reason;
+  }
+  return ending;
+}
+
+void tell_cloths(const ClothFile& file, const ClothWorld& world, const ClothLog& log,
+                 const ClothEnding& ending) {
+  const ClothReport& report = log.report();
+  for (std::size_t i = 0; i < world.cloths(); ++i)
+    if (const std::size_t joined = world.model(i).parts().joined; joined > 0)
+      tell("cloth '{}': {} vertices of {} lie on others along seams and are joined with them\n",
+           world.scene().cloths[i].name, joined, world.scene().cloths[i].file);
+  tell("{}: {} particles reached {:.6g} of {:.6g} s by {} in steps of {:.4g} s, {:.2f} us each\n",
+       fs::path(file.path).stem().string(), all_particles(world), world.time(), file.scene.duration,
+       file.scene.integrator, file.scene.options.step, mean(ending.each));
+  tell(
+      "  energy {:.6g} -> {:.6g} J; wind {:.4g}, support {:.4g}, contact {:.4g}, damping {:.4g}, "
+      "the method itself {:.4g} J\n",
+      report.start.total(), report.end.total(), report.end.wind, report.end.pins,
+      report.end.contact, -report.end.damped, report.end.numerical);
+  if (std::isfinite(world.stability_limit()))
+    tell("  stable up to steps of {:.4g} s\n", world.stability_limit());
+  if (!report.files.empty())
+    tell("  wrote into {}: {}\n", file.outputs.out, list_files(report.files));
+}
+
+// written: paths.
+struct ClothRun {
+  Json json;
+  ClothEnding ending;
+  std::vector<std::string> written;
+};
+
+Result<ClothRun> run_cloths(const ClothFile& file) {
+  Result<ClothWorld> world = ClothWorld::create(file.scene);
+  if (!world) return error_of_file(file.path, value_error(world.error()));
+  Result<ClothLog> log = ClothLog::create(file, *world);
+  if (!log) return log.error();
+  Result<ClothEnding> ending = follow_cloths(file, *world, *log);
+  if (!ending) return ending.error();
+  if (Status s = log->finish(*world); !s) return s.error();
+  tell_cloths(file, *world, *log, *ending);
+  return ClothRun{cloth_json(file, *world, *log, *ending), std::move(*ending), log->report().files};
+}
+
+}  // namespace
+
+std::vector<NamedFile> inputs_of(const ClothFile& file) {
+  std::vector<NamedFile> inputs{{file.path, "the scene"}};
+  for (const std::string& csv : file.files) inputs.push_back({csv, "a CSV file of the scene"});
+  for (const SceneCloth& cloth : file.scene.cloths)
+    if (!cloth.file.empty()) inputs.push_back({cloth.file, "a cloth's mesh", true});
+  for (const SceneCollider& collider : file.scene.colliders)
+    if (!collider.file.empty()) inputs.push_back({collider.file, "a collider file"});
+  return inputs;
+}
+
+int run_cloth_command(const ClothFile& file, bool json) {
+  const std::vector<NamedFile> inputs = inputs_of(file);
+  const RunOutputs outputs = cloth_outputs(file);
+  if (Status s = outputs.check(inputs); !s) return report_error(s.error());
+  const GuardedInputs guard(inputs);
+  const Result<ClothRun> run = run_cloths(file);
+  if (!run) return report_error(run.error());
+  return end_scene_run(file.outputs, outputs, run->written, run->json, run->ending, json);
+}
+
+namespace {
+
+// Flags of reduced bodies; a cloth has no modes, no loads and no probes.
+constexpr const char* kOfBodies[] = {
+    "--load",       "--signal",     "--at",           "--force",         "--scale",  "--deflect",
+    "--start",      "--wav",        "--listen",       "--modes",         "--linear", "--hull",
+    "--alpha",      "--beta",       "--newmark-beta", "--newmark-gamma", "--split",  "--safety",
+    "--coordinate", "--velocities", "--probe",        "--save",          "--restore"};
+
+}  // namespace
+
+Status apply_cloth_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
+                         ClothFile& file) {
+  for (const char* flag : kOfBodies)
+    if (given(flag))
+      return usage_error(fmt::format(
+          "{} applies only to bodies: a scene with [[cloths]] takes --integrator, --step, "
+          "--duration, --tolerance, --max-iterations and flags of outputs",
+          flag));
+  const auto names = nodal_integrator_names();
+  if (given("--integrator")) {
+    if (std::find(names.begin(), names.end(), flags.integrator) == names.end())
+      return usage_error(fmt::format("--integrator: cloth has no method '{}'; there are {}",
+                                     flags.integrator, fmt::join(names, ", ")));
+    file.scene.integrator = flags.integrator;
+  }
+  NodalOptions& options = file.scene.options;
+  if (given("--step")) options.step = flags.step;
+  if (given("--tolerance")) options.tolerance = flags.tolerance;
+  if (given("--max-iterations")) options.max_iterations = flags.max_iterations;
+  if (given("--duration")) file.scene.duration = flags.duration;
+  if (Status s = apply_output_flags(flags, given, file.outputs); !s) return s;
+  if (Status s = check_times(given, options.step, file.scene.duration); !s) return s;
+  return check_scene(file.scene);
+}
+
+}  // namespace tremolo

@@ -1,0 +1,222 @@
+#include "runtime/apps/tremolo/export/animate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "runtime/apps/tremolo/run/run_body.h"
+#include "runtime/apps/tremolo/run/run_progress.h"
+#include "runtime/apps/tremolo/run/simulate.h"
+#include "runtime/io/exchange/recording.h"
+#include "runtime/world/scene_world.h"
+
+namespace tremolo {
+
+Result<FrameSteps> frame_steps(const FrameRange& range, double h, double duration) {
+  if (!(range.rate > 0.0) || !std::isfinite(range.rate))
+    return content_error(fmt::format("--rate {}: must be positive and finite", range.rate));
+  const double to = range.to.value_or(duration);
+  if (!(range.from >= 0.0) || !(to >= range.from))
+    return content_error(
+        fmt::format("--from {} --to {}: the range must begin at 0 or later and end behind that",
+                    range.from, to));
+  if (to > duration * (1.0 + 1e-9))
+    return content_error(
+        fmt::format("--to {}: the run lasts {} s; --duration makes it longer", to, duration));
+  if (range.rate * h > 1.0 + 1e-9)
+    return content_error(
+        fmt::format("--rate {}: a second has only {:.6g} steps of {} s; --step {:.6g} makes more",
+                    range.rate, 1.0 / h, h, 1.0 / range.rate));
+  // A frame that the range's end just reaches is one of them, whatever the last digit says.
+  const double count = std::floor((to - range.from) * range.rate + 1e-6) + 1.0;
+  if (!(count < 1e8)) return content_error(fmt::format("{} frames are too many", count));
+  FrameSteps frames;
+  frames.even_step = 1.0 / (range.rate * std::ceil(1.0 / (range.rate * h) - 1e-9));
+  const std::int64_t last = std::llround(duration / h);
+  for (std::int64_t k = 0; static_cast<double>(k) < count; ++k) {
+    const double wanted = range.from + static_cast<double>(k) / range.rate;
+    const std::int64_t step = std::min<std::int64_t>(std::llround(wanted / h), last);
+    if (!frames.steps.empty() && step <= frames.steps.back()) break;  // after the last step
+    frames.steps.push_back(step);
+    frames.offset = std::max(frames.offset, std::abs(static_cast<double>(step) * h - wanted));
+  }
+  return frames;
+}
+
+namespace {
+
+// A body during its run, with everything that it refers to.
+struct StartedBody {
+  RunInput input;
+  std::optional<Body> body;
+};
+
+Status check_together(const std::vector<RunOptions>& bodies) {
+  for (const RunOptions& one : bodies)
+    if (one.step != bodies[0].step || one.duration != bodies[0].duration)
+      return content_error(one.scene + ": bodies '" + bodies[0].name + "' and '" + one.name +
+                           "' have other steps or durations, and frames are of all bodies: say "
+                           "--step and --duration");
+  return Success{};
+}
+
+Result<std::vector<std::unique_ptr<StartedBody>>> start_bodies(
+    const std::vector<RunOptions>& bodies) {
+  std::vector<std::unique_ptr<StartedBody>> started;
+  for (const RunOptions& options : bodies) {
+    Result<RunInput> input = prepare_run(options);
+    if (!input) return input.error();
+    auto one = std::make_unique<StartedBody>(StartedBody{std::move(*input), {}});
+    Result<Body> body = make_body(one->input.options, one->input.model, one->input.table);
+    if (!body) return body.error();
+    one->body.emplace(std::move(*body));
+    started.push_back(std::move(one));
+  }
+  return started;
+}
+
+Error step_error(const std::string& name, const StepReport& report, double time) {
+  return {error_kind(report.failure), "body '" + name + "': " + why_not_made(report, time)};
+}
+
+Status step_to(StartedBody& one, std::int64_t step) {
+  Body& body = *one.body;
+  while (body.steps() < step)
+    if (const StepReport report = body.step(); !report.converged)
+      return step_error(one.input.options.name, report, body.time());
+  return Success{};
+}
+
+Status step_to(SceneWorld& world, std::int64_t step) {
+  while (world.steps() < step)
+    for (const auto& [body, report] : world.step())
+      return step_error(world.name(body), report, world.body(body).time());
+  return Success{};
+}
+
+// The radius of drawn planes: the largest extent of the bodies in all frames, with a margin.
+double reach_of(const Animation& animation, const Eigen::Vector3d& centre) {
+  double reach = 0.0;
+  for (const AnimatedBody& body : animation.bodies) {
+    if (body.collider) continue;
+    const AnimatedShape& shape = animation.shape_of(body);
+    const BoundingBox box = bounding_box(shape.surface.vertices);
+    const double size = std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff());
+    for (const Pose& pose : body.poses)
+      reach = std::max(reach, (pose.position - centre).norm() + size);
+  }
+  return 1.25 * reach;
+}
+
+// colliders: numbers, in the world, of the recorded ones, which follow the bodies.
+void widen_planes(const SceneWorld& world, const std::vector<std::size_t>& colliders,
+                  Animation& animation) {
+  for (std::size_t k = 0; k < colliders.size(); ++k) {
+    if (!std::holds_alternative<PlaneShape>(world.colliders()[colliders[k]].shape)) continue;
+    const AnimatedBody& plane = animation.bodies[world.size() + k];
+    const double reach = reach_of(animation, plane.poses[0].position);
+    for (Eigen::Vector3d& x : animation.shapes[plane.shape].surface.vertices) x *= reach;
+  }
+}
+
+// The tracks of a world: its bodies, then of its colliders those that can be drawn.
+struct WorldTracks {
+  std::vector<std::size_t> colliders;
+  std::vector<std::string> left_out;
+};
+
+Result<WorldTracks> add_tracks(const SceneWorld& world, bool colliders, Recording& recording) {
+  for (std::size_t i = 0; i < world.size(); ++i)
+    if (const auto added = recording.add(world.body(i), world.name(i)); !added)
+      return added.error();
+  WorldTracks tracks;
+  for (std::size_t k = 0; colliders && k < world.colliders().size(); ++k) {
+    std::string name = world.scene().colliders[k].name;
+    std::optional<AnimatedShape> shape = collider_shape(world.colliders()[k].shape, name, 1.0);
+    if (!shape) {
+      tracks.left_out.push_back(name);
+      continue;
+    }
+    while (world.find(name)) name += "-collider";
+    if (const auto added = recording.add(std::move(*shape), name); !added) return added.error();
+    tracks.colliders.push_back(k);
+  }
+  return tracks;
+}
+
+Status record_frame(const SceneWorld& world, const WorldTracks& tracks, Recording& recording) {
+  if (Status s = recording.begin_frame(world.time()); !s) return s;
+  for (std::size_t i = 0; i < world.size(); ++i)
+    if (Status s = recording.record(i, world.body(i)); !s) return s;
+  for (std::size_t k = 0; k < tracks.colliders.size(); ++k) {
+    // The collider at the end of the last step; before the first step, at its start.
+    const PlacedCollider& placed = world.colliders()[tracks.colliders[k]];
+    const Pose& pose = world.steps() == 0 ? placed.start : placed.end;
+    if (Status s = recording.record(world.size() + k, {}, std::span(&pose, 1)); !s) return s;
+  }
+  return Success{};
+}
+
+}  // namespace
+
+Result<RecordedMotion> animate_bodies(const std::vector<RunOptions>& bodies,
+                                      const FrameRange& range) {
+  if (Status s = check_together(bodies); !s) return s.error();
+  for (const RunOptions& options : bodies)
+    if (Status s = check_run(options); !s) return s.error();
+  const Result<FrameSteps> frames = frame_steps(range, bodies[0].step, bodies[0].duration);
+  if (!frames) return frames.error();
+  Result<std::vector<std::unique_ptr<StartedBody>>> started = start_bodies(bodies);
+  if (!started) return started.error();
+  Recording recording(range.rate);
+  for (const auto& one : *started)
+    if (const auto added = recording.add(*one->body, one->input.options.name); !added)
+      return added.error();
+  ToldProgress progress(bodies[0].name, bodies[0].duration);
+  for (const std::int64_t step : frames->steps) {
+    for (const auto& one : *started)
+      if (Status s = step_to(*one, step); !s) return s.error();
+    if (Status s = recording.begin_frame(static_cast<double>(step) * bodies[0].step); !s)
+      return s.error();
+    for (std::size_t i = 0; i < started->size(); ++i)
+      if (Status s = recording.record(i, *(*started)[i]->body); !s) return s.error();
+    progress.reached(static_cast<double>(step) * bodies[0].step);
+  }
+  RecordedMotion motion;
+  motion.offset = frames->offset;
+  motion.even_step = frames->even_step;
+  if (Status s = take(motion.animation, recording.animation()); !s) return s.error();
+  return motion;
+}
+
+Result<RecordedMotion> animate_world(const SceneFile& file, const FrameRange& range,
+                                     bool colliders) {
+  const Result<FrameSteps> frames = frame_steps(range, file.scene.step, file.scene.duration);
+  if (!frames) return frames.error();
+  Result<SceneWorld> world = SceneWorld::create(file.scene);
+  if (!world) return error_of_file(file.path, value_error(world.error()));
+  Recording recording(range.rate);
+  const Result<WorldTracks> tracks = add_tracks(*world, colliders, recording);
+  if (!tracks) return tracks.error();
+  ToldProgress progress(std::filesystem::path(file.path).stem().string(), file.scene.duration);
+  for (const std::int64_t step : frames->steps) {
+    if (Status s = step_to(*world, step); !s) return error_of_file(file.path, s.error());
+    if (Status s = record_frame(*world, *tracks, recording); !s) return s.error();
+    progress.reached(world->time());
+  }
+  RecordedMotion motion;
+  motion.offset = frames->offset;
+  motion.even_step = frames->even_step;
+  motion.left_out = tracks->left_out;
+  if (Status s = take(motion.animation, recording.animation()); !s) return s.error();
+  widen_planes(*world, tracks->colliders, motion.animation);
+  return motion;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,54 @@
+// Runs bodies or a world and records what they do.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "runtime/apps/tremolo/run/run_options.h"
+#include "runtime/io/exchange/animation.h"
+#include "runtime/io/scenes/scene_reader.h"
+
+namespace tremolo {
+
+// The requested frames.
+struct FrameRange {
+  double rate = 60.0;        // frames per second
+  double from = 0.0;         // s, of the run
+  std::optional<double> to;  // s; empty: the end of the run
+};
+
+// Frame k is the state at the end of the step nearest to from + k/rate; its own time is step times
+// h.
+struct FrameSteps {
+  std::vector<std::int64_t> steps;  // numbers of steps, ascending
+  double offset = 0.0;              // the largest difference between the two times, s
+  double even_step = 0.0;           // a step, s, with which the difference would be zero
+};
+
+// h: the step, s; duration: of the run, s. Errors: kContent for an empty range, one beyond the run,
+// or more frames than steps.
+Result<FrameSteps> frame_steps(const FrameRange& range, double h, double duration);
+
+// offset, even_step: as of FrameSteps. left_out: names of colliders that have no triangles.
+struct RecordedMotion {
+  Animation animation;
+  double offset = 0.0;
+  double even_step = 0.0;
+  std::vector<std::string> left_out;
+};
+
+// Bodies as `tremolo run` starts and steps them, each by itself; steps and durations must agree.
+// Errors: those of prepare_run and make_body; kContent for a range that does not fit; kSolver and
+// kBound for a step that could not be made.
+Result<RecordedMotion> animate_bodies(const std::vector<RunOptions>& bodies,
+                                      const FrameRange& range);
+
+// A scene with [[bodies]]. colliders: they are recorded too. Errors: those of SceneWorld::create,
+// and as above.
+Result<RecordedMotion> animate_world(const SceneFile& file, const FrameRange& range,
+                                     bool colliders);
+
+}  // namespace tremolo

@@ -1,0 +1,134 @@
+// The CSV of a run: a row for each recorded state, written during the run.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "formats/file/atomic_file.h"
+#include "runtime/apps/tremolo/run/run_options.h"
+#include "runtime/body.h"
+#include "runtime/energy.h"
+#include "runtime/model.h"
+
+namespace tremolo {
+
+// The state of a body at the end of a step. work, dissipated, iterations and halved_steps count
+// from the start.
+struct Moment {
+  std::int64_t steps = 0;
+  double time = 0.0;        // s
+  State state;              // p: the momentum at the time of q
+  double work = 0.0;        // J
+  double dissipated = 0.0;  // J
+  std::int64_t iterations = 0;
+  std::int64_t halved_steps = 0;
+  bool loaded = false;         // a load can still act
+  std::optional<Split> split;  // of a splitting method
+  EnergyBound bound;           // with the energy put in so far
+};
+
+// Copies the body's state into `moment`; allocates only if it has not held as many coordinates
+// before.
+void look_at(const Body& body, Moment& moment);
+
+// Steps a body in blocks. Energies, shapes and CSV rows use far more memory than a step and would
+// evict a step's data from the caches: so the states of a block are stored, and examined when the
+// block is complete.
+class March {
+ public:
+  // block: steps at once, at least 1. The body must outlive this.
+  March(Body& body, std::size_t block);
+
+  // Makes the next block of steps, which is shorter where the body reaches `last` steps or a step
+  // does not converge. The result is valid until the next call.
+  std::span<const Moment> advance(std::int64_t last);
+
+  // The step that did not converge, after the last state; nullopt while all have.
+  const std::optional<StepReport>& failed() const { return failed_; }
+  // The mean processor time of a step in microseconds: this thread's, over all blocks.
+  double microseconds_per_step() const;
+
+ private:
+  Body& body_;
+  std::vector<Moment> moments_;
+  std::optional<StepReport> failed_;
+  double seconds_ = 0.0;
+  std::int64_t tried_ = 0;
+};
+
+// coordinates: whose q is recorded; probes: vertices whose displacement is. velocities: p of these
+// coordinates and the velocities of these vertices too. further: names of columns whose values are
+// given with each row.
+struct RecordedColumns {
+  std::vector<int> coordinates;
+  std::vector<int> probes;
+  bool velocities = false;
+  std::vector<std::string> further;
+};
+
+// Columns: t (s), kinetic, potential, total, high_band, work, dissipated (J), the further ones,
+// q<i> (kg^1/2 m) and p<i> (kg^1/2 m/s) of chosen coordinates, u<v>x u<v>y u<v>z (m) and v<v>x
+// v<v>y v<v>z (m/s) of chosen vertices. Whole lines are written to a temporary file, which finish()
+// renames.
+class Recorder {
+ public:
+  // path: of the CSV; empty: nothing is recorded. parked: its file is closed between pieces, for
+  // runs with more recorders than a process may have open files. Errors: kUsage for a vertex that
+  // the model does not have; kSystem if the file cannot be made.
+  static Result<Recorder> create(const Model& model, const RecordedColumns& columns,
+                                 const std::string& path, bool parked = false);
+
+  // further: as many values as there are further columns.
+  Status record(const Moment& moment, const Energy& energy, std::span<const double> further = {});
+  // Writes the buffered rows, so that they can be read in the temporary file.
+  Status flush();
+  Status finish();
+
+ private:
+  struct Probe {
+    int vertex;
+    Eigen::Matrix<double, 3, Eigen::Dynamic> rows;
+  };
+
+  RecordedColumns columns_;
+  std::vector<Probe> probes_;
+  std::string text_;
+  std::optional<AtomicFile> file_;
+  bool parked_ = false;
+};
+
+// Writes the present shape of `body` as it is drawn: its render surface, else the boundary.
+// materials: the name of the .mtl file that an .obj refers to; empty: none. Errors: those of the
+// writers.
+Status write_shape(const Body& body, const std::string& path, const std::string& materials = "");
+
+class Frames {
+ public:
+  // steps: of the whole run. The options must outlive this.
+  Frames(const RunOptions& options, std::int64_t steps) : options_(options), steps_(steps) {}
+
+  // True if a surface is due after `steps` steps. Surfaces are due at k/N of the run, k = 1 ... N.
+  bool due(std::int64_t steps) const;
+  // body: as it is at `time`, s.
+  Status write(const Body& body, double time);
+  // Writes frames.csv (frame, t in s, file) and, for .obj files with materials, surface.mtl.
+  Status finish(const Model& model);
+
+  const std::vector<std::string>& files() const { return files_; }  // paths, all that is written
+
+ private:
+  Status keep(const std::string& path, Status status);
+
+  const RunOptions& options_;
+  std::int64_t steps_;
+  int written_ = 0;
+  std::string list_ = "frame,t,file\n";
+  std::vector<std::string> files_;
+};
+
+}  // namespace tremolo

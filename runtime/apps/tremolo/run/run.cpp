@@ -1,0 +1,202 @@
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/file/atomic_file.h"
+#include "formats/file/output_guard.h"
+#include "runtime/apps/tremolo/output/tell.h"
+#include "runtime/apps/tremolo/output/warnings.h"
+#include "runtime/apps/tremolo/run/run_body.h"
+#include "runtime/apps/tremolo/run/run_files.h"
+#include "runtime/apps/tremolo/run/simulate.h"
+
+namespace tremolo {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json to_json(const RunReport& report, const RunOptions& options) {
+  Json json;
+  json["body"] = report.name;
+  json["model"] = options.model;
+  json["integrator"] = report.integrator;
+  json["load"] = options.signal.empty() ? options.load : options.signal;
+  json["scale"] = number(report.scale);
+  json["deflect"] = options.deflect.empty() ? Json(nullptr) : Json(options.deflect);
+  json["start"] = options.start.empty() ? Json(nullptr) : Json(options.start);
+  json["step"] = report.step;
+  json["duration"] = report.duration;
+  json["steps"] = report.steps;
+  json["reached"] = report.reached;
+  json["iterations_per_step"] = number(report.iterations_per_step);
+  json["microseconds_per_step"] = number(report.microseconds_per_step);
+  json["real_time_factor"] = number(report.step * 1e6 / report.microseconds_per_step);
+  json["energy_initial"] = number(report.energy_initial);
+  json["energy_reference"] = number(report.energy_reference);
+  json["energy_final"] = number(report.energy_final);
+  json["energy_drift_max"] = number(report.energy_drift_max);
+  json["high_band_final"] = number(report.high_band_final);
+  json["work"] = number(report.work);
+  json["dissipated"] = number(report.dissipated);
+  json["low_modes"] = report.split ? Json(report.split->low) : Json(nullptr);
+  json["high_modes"] = report.split ? Json(report.split->high) : Json(nullptr);
+  Json moves = Json::array();
+  for (const SplitMove& move : report.moves)
+    moves.push_back(
+        {{"time", move.time}, {"low_before", move.low_before}, {"low_after", move.low_after}});
+  json["split_moves"] = moves;
+  json["halved_steps"] = report.halved_steps;
+  json["stretch_min"] = number(report.stretch.smallest);
+  json["stretch_max"] = number(report.stretch.largest);
+  json["squeezed_at"] = report.squeezed_at < 0 ? Json(nullptr) : Json(report.squeezed_at);
+  json["size"] = number(report.size);
+  json["largest_displacement"] = number(report.farthest.distance);
+  json["largest_displacement_share"] = number(report.farthest.distance / report.size);
+  json["largest_displacement_vertex"] = report.farthest.vertex;
+  json["largest_displacement_at"] = number(report.farthest_at);
+  json["rigid_modes"] = report.rigid ? Json(report.rigid->rigid_modes) : Json(0);
+  json["load_rigid_share"] = report.rigid ? number(report.rigid->share) : Json(nullptr);
+  if (!options.probes.empty()) json["largest_probe_displacement"] = number(report.largest_probe);
+  json["exit_code"] = report.exit_code;
+  json["reason"] = report.reason.empty() ? Json(nullptr) : Json(report.reason);
+  json["notes"] = report.notes;
+  json["files"] = report.files;
+  return json;
+}
+
+void print_rigid_loss(const RigidLoss& loss) {
+  tell("  a free body: it vibrates where it is, {} motions without strain are left out",
+       loss.rigid_modes);
+  if (std::isfinite(loss.share))
+    tell(
+        ", and with them {:.3g} % of what this load sets in motion (net force {:.4g} N, torque "
+        "{:.4g} N m about its centre; mass taken as spread evenly)\n",
+        100 * loss.share, loss.force, loss.torque);
+  else
+    tell(", and with them what this load's net force of {:.4g} N and torque set in motion\n",
+         loss.force);
+}
+
+Warnings warnings_of(const RunReport& report) {
+  Warnings warnings;
+  const std::string step = step_warning(report.first_frequency, report.step, "the ", "--step ");
+  if (!step.empty()) warnings.push_back(step);
+  if (!report.sound_warning.empty()) warnings.push_back(report.sound_warning);
+  if (report.squeezed_at >= 0)
+    warnings.push_back(fmt::format(
+        "at t = {:.4g} s the surface is squeezed below {:.2f} of its length (at the worst to "
+        "{:.2f}): StVK softens there and may turn inside out; use a smaller load or a stiffer "
+        "material",
+        report.squeezed_at, kSofteningStretch, report.stretch.smallest));
+  return warnings;
+}
+
+void print_text(const RunReport& report, const Warnings& warnings) {
+  tell("{}: {} reached {:.6g} of {:.6g} s in {} steps of {:.4g} s\n", report.name,
+       report.integrator, report.reached, report.duration, report.steps, report.step);
+  if (report.split)
+    tell("  {} coordinates explicit, {} implicit\n", report.split->low, report.split->high);
+  constexpr std::size_t kShown = 8;
+  for (std::size_t i = 0; i < std::min(report.moves.size(), kShown); ++i)
+    tell("  t = {:.6g} s: {} -> {} coordinates explicit\n", report.moves[i].time,
+         report.moves[i].low_before, report.moves[i].low_after);
+  if (report.moves.size() > kShown)
+    tell("  ... and {} moves more (--json lists them)\n", report.moves.size() - kShown);
+  if (report.halved_steps > 0) tell("  {} steps were taken in parts\n", report.halved_steps);
+  const std::string pace = pace_text(report.step * 1e6 / report.microseconds_per_step);
+  tell("  {:.2f} us a step{}, {:.2f} iterations\n", report.microseconds_per_step,
+       pace.empty() ? pace : " (" + pace + ")", report.iterations_per_step);
+  if (std::isfinite(report.energy_drift_max))
+    tell("  energy {:.6g} J at the end, largest drift {:.2e}\n", report.energy_final,
+         report.energy_drift_max);
+  print_warnings(warnings);
+  if (report.size > 0)
+    tell("  moved by {:.4g} m at most, {:.3g} % of its size (vertex {}, t = {:.4g} s)\n",
+         report.farthest.distance, 100 * report.farthest.distance / report.size,
+         report.farthest.vertex, report.farthest_at);
+  if (report.rigid) print_rigid_loss(*report.rigid);
+}
+
+// Writes report.json and prints the list of all files of the run, including `files`.
+Status write_report(const RunOptions& options, std::vector<std::string> files, const Json& json,
+                    std::vector<std::string>& written) {
+  if (options.out.empty()) return Success{};
+  const std::string path = (std::filesystem::path(options.out) / kReportName).string();
+  if (Status status = write_file(path, json_text(json)); !status) return status;
+  files.push_back(path);
+  tell("  wrote into {}: {}\n", options.out, list_files(files));
+  written.insert(written.end(), files.begin(), files.end());
+  return Success{};
+}
+
+// Of several bodies, the reports of those that have a folder in the same one.
+Status write_reports(const std::vector<RunOptions>& bodies, const Json& objects,
+                     std::vector<std::string>& written) {
+  std::map<std::string, Json> reports;
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    if (!bodies[i].out.empty()) reports[folder_of_all(bodies[i], bodies)].push_back(objects[i]);
+  for (const auto& [folder, report] : reports) {
+    const std::string path = (std::filesystem::path(folder) / kReportName).string();
+    if (Status s = write_file(path, json_text(Json{{"bodies", report}})); !s) return s;
+    written.push_back(path);
+  }
+  return Success{};
+}
+
+// Options, outputs and inputs of all bodies. Errors: kUsage, kContent, kSystem.
+Status check_bodies(const std::vector<RunOptions>& bodies, const RunOutputs& outputs,
+                    const std::vector<NamedFile>& inputs) {
+  for (const RunOptions& options : bodies)
+    if (Status s = check_run(options); !s) return s;
+  return outputs.check(inputs);
+}
+
+}  // namespace
+
+int run_command(const std::vector<RunOptions>& bodies, bool json) {
+  const RunOutputs outputs = outputs_of(bodies);
+  std::vector<NamedFile> inputs;
+  for (const RunOptions& body : bodies)
+    for (NamedFile& input : inputs_of(body)) inputs.push_back(std::move(input));
+  if (Status s = check_bodies(bodies, outputs, inputs); !s) return report_error(s.error());
+  const GuardedInputs guard(inputs);
+  std::vector<std::string> written;
+  Json objects = Json::array();
+  int code = 0, signal = 0;
+  for (const RunOptions& options : bodies) {
+    Result<RunReport> report = simulate(options);
+    if (!report) return report_error(report.error());
+    const Warnings warnings = warnings_of(*report);
+    print_text(*report, warnings);
+    objects.push_back(to_json(*report, options));
+    objects.back()["warnings"] = warnings;
+    if (Status status = write_report(options, report->files, objects.back(), written); !status)
+      return report_error(status.error());
+    if (report->exit_code != 0) {
+      tell("tremolo: {}: {}\n", report->name, report->reason);
+      code = report->exit_code;
+    }
+    signal = report->signal;
+    if (signal != 0) break;
+  }
+  if (bodies.size() > 1)
+    if (Status s = write_reports(bodies, objects, written); !s) return report_error(s.error());
+  if (Status s = outputs.remove_earlier(written); !s) return report_error(s.error());
+  if (json) print_json(objects.size() == 1 ? objects.front() : Json{{"bodies", objects}});
+  const Status printed = flush_standard_output();
+  // The calling process sees that a signal ended this one.
+  if (signal != 0) ::raise(signal);
+  return printed ? code : report_error(printed.error());
+}
+
+}  // namespace tremolo

@@ -1,0 +1,164 @@
+#include "runtime/apps/tremolo/run/watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "runtime/apps/tremolo/output/plot.h"
+#include "runtime/apps/tremolo/run/run_files.h"
+
+namespace tremolo {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Steps between two measurements of the shape: it moves by the slow modes, and a measurement costs
+// more than a step. With a fortieth of the slowest mode's period it misses 0.3 % of the amplitude
+// at most.
+std::int64_t steps_between_shapes(const Body& body) {
+  constexpr std::int64_t kLeast = 10;
+  const double slowest = std::sqrt(std::max(body.model().lambda()(0), 0.0));  // rad/s
+  const double steps = 2 * std::numbers::pi / 40 / slowest / body.step_size();
+  return steps < 1e6 ? std::max(kLeast, static_cast<std::int64_t>(steps)) : kLeast;
+}
+
+std::string why_out_of_bound(double time, double energy) {
+  if (!std::isfinite(energy))
+    return fmt::format("at t = {:.6g} s the energy is no longer a finite number", time);
+  return fmt::format(
+      "at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that the load put in",
+      time, energy, kEnergyBound);
+}
+
+// Any method without a momentum of its own kind will do: the copy is never stepped.
+Result<Body> make_seen(const Body& body, const RunOptions& options) {
+  IntegratorOptions settings;
+  settings.step = body.step_size();
+  Result<SplitOptions> split = parse_split(options.split);
+  if (!split) return split.error();
+  settings.split = *split;
+  settings.split.safety = options.safety;
+  return Body::create(body.model_pointer(), "verlet", settings);
+}
+
+}  // namespace
+
+Result<Watch> Watch::create(const RunOptions& options, const Body& body, const int* first_probe,
+                            std::int64_t steps, Recorder recorder, RunReport& report) {
+  Result<Body> seen = make_seen(body, options);
+  if (!seen) return seen.error();
+  Watch watch(options, std::move(*seen), steps, std::move(recorder), report);
+  if (first_probe != nullptr) {
+    Result<VertexRows> rows = body.model().vertex(*first_probe);
+    if (!rows) return rows.error();
+    watch.probe_ = std::move(rows->rows);
+  }
+  if (!options.wav.empty())
+    if (Status s = take(watch.ear_, Ear::create(options.listen, body.model(),
+                                                1.0 / (options.step * options.sound_steps)));
+        !s)
+      return s.error();
+  return watch;
+}
+
+Watch::Watch(const RunOptions& options, Body seen, std::int64_t steps, Recorder recorder,
+             RunReport& report)
+    : options_(&options),
+      report_(&report),
+      seen_(std::move(seen)),
+      recorder_(std::move(recorder)),
+      frames_(options, steps),
+      stretch_(std::make_unique<SurfaceStretch>(seen_.model())),
+      shape_looks_(seen_.model(), steps_between_shapes(seen_), steps) {
+  report_->size = stretch_->size();
+}
+
+Result<bool> Watch::observe(const Moment& moment) {
+  note_split(moment);
+  Energy energy;
+  if (seen_.set_state(moment.state.q, moment.state.p))
+    energy = seen_.energy();
+  else
+    energy.potential = std::numeric_limits<double>::quiet_NaN();
+  note_energy(moment, energy);
+  if (moment.steps % options_->every == 0)
+    if (Status status = recorder_.record(moment, energy); !status) return status.error();
+  if (frames_.due(moment.steps))
+    if (Status status = frames_.write(seen_, moment.time); !status) return status.error();
+  const bool inside = moment.bound.sound(energy.total());
+  if (!inside) {
+    report_->exit_code = exit_code(ErrorKind::kBound);
+    report_->reason = why_out_of_bound(moment.time, energy.total());
+  }
+  // At rest the shape does not change.
+  const bool due = shape_looks_.due(moment.steps, moment.state.q);
+  if (due && (moment.steps > 0 || !options_->start.empty())) note_shape(moment);
+  if (probe_.cols() > 0)
+    report_->largest_probe = std::max(report_->largest_probe, (probe_ * moment.state.q).norm());
+  if (ear_ && moment.steps % options_->sound_steps == 0) sound_.add(ear_->place(moment.state.q));
+  last_ = moment;
+  return inside;
+}
+
+void Watch::note_energy(const Moment& moment, const Energy& energy) {
+  drift_.observe(energy.total(), moment.work, moment.dissipated, moment.loaded);
+  if (moment.steps == 0) report_->energy_initial = energy.total();
+  if (moment.loaded || moment.steps == 0 || was_loaded_) report_->energy_reference = energy.total();
+  was_loaded_ = moment.loaded;
+  report_->energy_final = energy.total();
+  report_->high_band_final = energy.high_band;
+}
+
+void Watch::note_split(const Moment& moment) {
+  if (moment.steps > 0 && last_.split && moment.split && last_.split->low != moment.split->low)
+    report_->moves.push_back({last_.time, last_.split->low, moment.split->low});
+  report_->split = moment.split;
+}
+
+void Watch::note_shape(const Moment& moment) {
+  shape_seen_ = moment.steps;
+  if (!shape_looks_.can_exceed(moment.state.q, report_->farthest.distance, report_->stretch))
+    return;
+  const StretchRange now = stretch_->measure(seen_);
+  report_->stretch.smallest = std::min(report_->stretch.smallest, now.smallest);
+  report_->stretch.largest = std::max(report_->stretch.largest, now.largest);
+  if (report_->squeezed_at < 0 && now.smallest < kSofteningStretch)
+    report_->squeezed_at = moment.time;
+  const Excursion here = stretch_->farthest();
+  if (here.distance <= report_->farthest.distance) return;
+  report_->farthest = here;
+  report_->farthest_at = moment.time;
+}
+
+Status Watch::finish() {
+  if (last_.steps > 0 && shape_seen_ != last_.steps) note_shape(last_);
+  report_->steps = last_.steps;
+  report_->reached = last_.time;
+  report_->work = last_.work;
+  report_->dissipated = last_.dissipated;
+  report_->halved_steps = last_.halved_steps;
+  report_->iterations_per_step = static_cast<double>(last_.iterations) /
+                                 static_cast<double>(std::max<std::int64_t>(last_.steps, 1));
+  report_->energy_drift_max = drift_.worst();
+  if (ear_)
+    if (Status status = sound_.write(options_->wav, options_->step * options_->sound_steps);
+        !status)
+      return status;
+  if (options_->out.empty()) return Success{};
+  if (Status status = frames_.finish(seen_.model()); !status) return status;
+  report_->files = frames_.files();
+  const std::string csv = (fs::path(options_->out) / kTableName).string();
+  if (Status status = recorder_.finish(); !status) return status;
+  report_->files.push_back(csv);
+  if (options_->plot && report_->signal == 0)
+    if (Status s = plot_run({options_->integrator, csv}, options_->out, report_->files); !s)
+      return s;
+  return Success{};
+}
+
+}  // namespace tremolo

@@ -1,0 +1,81 @@
+#include "runtime/apps/tremolo/tets/tets_commands.h"
+
+#include <fmt/format.h>
+
+#include "runtime/apps/tremolo/output/scene_places.h"
+#include "runtime/apps/tremolo/output/tell.h"
+#include "runtime/apps/tremolo/run/run_body.h"
+#include "runtime/apps/tremolo/world/scene_ending.h"
+
+namespace tremolo {
+namespace {
+
+Result<ScenePlaces> places_of(const TetScene& scene) {
+  const Result<TetsBodies> bodies = make_tets_bodies(scene);
+  if (!bodies) return error_of_file(scene.path, value_error(bodies.error()));
+  ScenePlaces places{scene.path, "a world of tetrahedra", scene.step, scene.duration, true, {}, {},
+                     {}};
+  places.warnings = keyframe_warnings({}, scene.colliders);
+  std::vector<Eigen::Vector3f> normals;
+  for (std::size_t i = 0; i < bodies->group->size(); ++i) {
+    const TetSceneBody& wanted = scene.bodies[i];
+    PlacedBody body{wanted.name, "tets", wanted.model, wanted.pose, {}, {}};
+    const std::size_t vertices = bodies->kind(i).surface->rest().vertices.size();
+    body.surface.resize(vertices);
+    normals.resize(vertices);
+    bodies->kind(i).surface->place(bodies->group->body(i).positions(), body.surface, normals);
+    places.bodies.push_back(std::move(body));
+  }
+  for (const SceneCollider& collider : scene.colliders)
+    places.colliders.push_back({collider.name, collider.shape, collider.pose});
+  return places;
+}
+
+}  // namespace
+
+int inspect_tets_command(const TetScene& scene, bool json) {
+  const Result<ScenePlaces> places = places_of(scene);
+  if (!places) return report_error(places.error());
+  print_places(*places, json);
+  return 0;
+}
+
+namespace {
+
+Status apply_tets_method(const RunOptions& flags, const std::string& degree,
+                         const std::function<bool(const char*)>& given, TetBodyOptions& options) {
+  if (given("--integrator"))
+    if (Status s = take(options.method, parse_tet_method(flags.integrator)); !s) return s;
+  if (given("--degree"))
+    if (Status s = take(options.degree.kind, parse_degree(degree)); !s) return s;
+  if (given("--alpha")) options.alpha = flags.alpha;
+  if (given("--beta")) options.beta = flags.beta;
+  if (given("--tolerance")) options.tolerance = flags.tolerance;
+  if (given("--max-iterations")) options.max_iterations = flags.max_iterations;
+  return Success{};
+}
+
+}  // namespace
+
+Status apply_tets_flags(const RunOptions& flags, const std::string& degree,
+                        const std::function<bool(const char*)>& given, TetScene& scene) {
+  for (const char* flag :
+       {"--load",         "--signal",        "--at",     "--force",  "--scale",  "--deflect",
+        "--start",        "--wav",           "--listen", "--modes",  "--linear", "--hull",
+        "--newmark-beta", "--newmark-gamma", "--split",  "--safety", "--probe",  "--coordinate",
+        "--velocities",   "--plot",          "--save",   "--restore"})
+    if (given(flag))
+      return usage_error(fmt::format("{} does not apply to bodies of kind \"tets\"", flag));
+  if (given("--step")) scene.step = flags.step;
+  if (given("--duration")) scene.duration = flags.duration;
+  if (Status s = apply_output_flags(flags, given, scene.outputs); !s) return s;
+  if (Status s = check_times(given, scene.step, scene.duration); !s) return s;
+  for (TetSceneBody& body : scene.bodies) {
+    if (Status s = apply_tets_method(flags, degree, given, body.options); !s) return s;
+    body.options.step = scene.step;
+    if (Status s = check(body.options); !s) return s;
+  }
+  return Success{};
+}
+
+}  // namespace tremolo

@@ -1,0 +1,202 @@
+#include "runtime/apps/tremolo/tets/tets_log.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "formats/file/atomic_file.h"
+#include "formats/surface/surface_writer.h"
+#include "runtime/apps/tremolo/run/run_files.h"
+
+namespace tremolo {
+namespace {
+
+constexpr const char* kTetsColumns =
+    "t,kinetic,elastic,gravity,energy,switched_energy,quadratic_share,iterations,x,y,z,px,py,pz,"
+    "lx,ly,lz,displacement\n";
+
+std::string tets_folder(const TetScene& scene, std::size_t body) {
+  if (scene.outputs.out.empty()) return "";
+  return (std::filesystem::path(scene.outputs.out) / scene.bodies[body].name).string();
+}
+
+}  // namespace
+
+void MomentumLoss::note(const TetBody& body, bool alone) {
+  // A body that moves by less than this part of its size in a step has no momentum to lose.
+  constexpr double kLeastWay = 1e-9;
+  const TetModel& model = body.model();
+  const Momenta before = now_;
+  const Eigen::Vector3d centre = body.system().momentum(body.positions()) / model.mass();
+  pushed_.resize(body.velocities().size());
+  model.mass_times(body.velocities(), pushed_);
+  now_ = {body.momentum(), Eigen::Vector3d::Zero()};
+  double linear = 0.0, angular = 0.0;
+  for (Eigen::Index i = 0; i < pushed_.size(); i += 3) {
+    const Eigen::Vector3d arm = body.positions().segment<3>(i) - centre;
+    now_.angular += arm.cross(pushed_.segment<3>(i));
+    linear += pushed_.segment<3>(i).norm();
+    angular += arm.norm() * pushed_.segment<3>(i).norm();
+  }
+  const double size = model.rest_box().diagonal(), step = body.options().step;
+  const double least = kLeastWay * model.mass() * size / step;
+  linear_size_ = std::max({linear_size_, linear, least});
+  angular_size_ = std::max({angular_size_, angular, least * size});
+  if (known_ && alone) {
+    linear_ += now_.linear - before.linear - model.mass() * step * body.options().gravity;
+    angular_ += now_.angular - before.angular;
+    most_linear_ = std::max(most_linear_, linear_.norm());
+    most_angular_ = std::max(most_angular_, angular_.norm());
+  }
+  known_ = true;
+}
+
+TetsLog::TetsLog(const TetScene& scene, const TetsKind& kind, std::size_t body)
+    : outputs_(scene.outputs),
+      folder_(tets_folder(scene, body)),
+      steps_(std::llround(scene.duration / scene.step)),
+      surface_(kind.surface),
+      held_(kind.held),
+      forces_(kind.model, scene.bodies[body].options.law),
+      table_(kTetsColumns) {
+  force_.resize(kind.model->rest().size());
+}
+
+Result<TetsLog> TetsLog::create(const TetScene& scene, const TetsKind& kind, std::size_t body) {
+  TetsLog log(scene, kind, body);
+  if (log.folder_.empty()) return log;
+  std::error_code error;
+  std::filesystem::create_directories(log.folder_, error);
+  if (error) return system_error(log.folder_ + ": cannot create: " + error.message());
+  return log;
+}
+
+// The sums of the elastic forces and of their torques, which are to be zero.
+void TetsLog::note_forces(const TetBody& body) {
+  forces_.set_degrees(body.system().degrees());
+  forces_.evaluate(body.positions());
+  report_.inverted = forces_.inverted();
+  report_.inverted_most = std::max(report_.inverted_most, report_.inverted);
+  force_.setZero();
+  forces_.add_force(force_);
+  const Eigen::Vector3d centre =
+      Eigen::Map<const Eigen::Matrix3Xd>(body.positions().data(), 3, body.positions().size() / 3)
+          .rowwise()
+          .mean();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero(), torque = Eigen::Vector3d::Zero();
+  double size = 0.0, torque_size = 0.0;
+  for (Eigen::Index i = 0; i < force_.size(); i += 3) {
+    const Eigen::Vector3d f = force_.segment<3>(i);
+    const Eigen::Vector3d turn = (body.positions().segment<3>(i) - centre).cross(f);
+    sum += f;
+    torque += turn;
+    size += f.norm();
+    torque_size += turn.norm();
+  }
+  force_sum_ = std::max(force_sum_, sum.norm());
+  torque_sum_ = std::max(torque_sum_, torque.norm());
+  force_size_ = std::max(force_size_, size);
+  torque_size_ = std::max(torque_size_, torque_size);
+  if (force_size_ > 0.0 && torque_size_ > 0.0)
+    report_.elastic_error = std::max(force_sum_ / force_size_, torque_sum_ / torque_size_);
+}
+
+void TetsLog::look(TetBody& body) {
+  const TetsEnergies now{body.kinetic_energy(), body.elastic_energy(), body.gravity_energy(),
+                         report_.end.switches};
+  if (first_.size() == 0) {
+    report_.start = now;
+    first_ = body.positions();
+  }
+  report_.end = now;
+  const Eigen::Index corners = body.model().vertices();
+  for (Eigen::Index v = 0; v < corners; ++v) {
+    const double moved = (body.positions() - first_).segment<3>(3 * v).norm();
+    report_.displacement = std::max(report_.displacement, moved);
+  }
+  note_forces(body);
+}
+
+void TetsLog::write_row(const TetBody& body, const TetStepReport& step) {
+  const TetsEnergies& e = report_.end;
+  const Eigen::Vector3d p = body.momentum(), l = body.angular_momentum();
+  // The first moment of mass about the origin gives the centre.
+  const Eigen::Vector3d centre = body.system().momentum(body.positions()) / body.model().mass();
+  table_ += fmt::format(
+      "{:.9g},{:.12g},{:.12g},{:.12g},{:.12g},{:.6g},{:.6g},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},"
+      "{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n",
+      body.time(), e.kinetic, e.elastic, e.gravity, e.total(), e.switches,
+      body.system().quadratic_share(), step.iterations, centre.x(), centre.y(), centre.z(), p.x(),
+      p.y(), p.z(), l.x(), l.y(), l.z(), report_.displacement);
+}
+
+Status TetsLog::write_frame(double time, const std::vector<Eigen::Vector3d>& vertices,
+                            const std::vector<Eigen::Vector3f>& normals) {
+  RenderSurface drawn;
+  drawn.vertices = vertices;
+  drawn.normals = normals;
+  drawn.triangles = surface_->rest().triangles;
+  drawn.uvs = surface_->rest().uvs;
+  drawn.sources = surface_->rest().sources;
+  drawn.object_of.assign(drawn.triangles.size(), 0);
+  drawn.material_of.assign(drawn.triangles.size(), 0);
+  drawn.objects = {"body"};
+  drawn.materials = {"body"};
+  const std::string name = frame_name(frames_, time, outputs_.surface_format);
+  const std::string path = (std::filesystem::path(folder_) / name).string();
+  list_ += fmt::format("{},{:.9g},{}\n", frames_++, time, name);
+  if (Status s = write_render_surface(path, drawn); !s) return s;
+  report_.files.push_back(path);
+  return Success{};
+}
+
+void TetsLog::note_momenta(const TetBody& body, bool touched) {
+  loss_.note(body, !held_ && !touched && !(body.options().drag > 0.0));
+  if (first_.size() == 0) report_.momenta_start = loss_.now();
+  report_.momenta_end = loss_.now();
+  report_.linear_lost = loss_.linear();
+  report_.angular_lost = loss_.angular();
+}
+
+Status TetsLog::observe(TetBody& body, const TetStepReport& step,
+                        const std::vector<Eigen::Vector3d>& vertices,
+                        const std::vector<Eigen::Vector3f>& normals, bool touched) {
+  note_momenta(body, touched);
+  report_.guarded += step.guarded > 0 ? 1 : 0;
+  report_.iterations += step.iterations;
+  report_.switched += static_cast<std::int64_t>(step.switched);
+  report_.in_parts += step.parts > 1 ? 1 : 0;
+  report_.linearised += step.linearised ? 1 : 0;
+  report_.unsolved += step.unsolved ? 1 : 0;
+  report_.end.switches += step.energy_of_switch;
+  report_.jump = std::max(report_.jump, step.jump);
+  share_sum_ += body.system().quadratic_share();
+  report_.share = share_sum_ / static_cast<double>(body.steps() + 1);
+  if (body.steps() % outputs_.every == 0 || body.steps() == steps_) {
+    look(body);
+    if (!folder_.empty()) write_row(body, step);
+  }
+  const auto due = [this] {
+    return std::llround(static_cast<double>(steps_) * (frames_ + 1) / outputs_.surfaces);
+  };
+  if (folder_.empty() || frames_ >= outputs_.surfaces || body.steps() < due()) return Success{};
+  return write_frame(body.time(), vertices, normals);
+}
+
+Status TetsLog::finish() {
+  if (folder_.empty()) return Success{};
+  const std::string csv = (std::filesystem::path(folder_) / kTableName).string();
+  if (Status s = write_file(csv, table_); !s) return s;
+  report_.files.push_back(csv);
+  if (frames_ > 0) {
+    const std::string list = (std::filesystem::path(folder_) / kFramesName).string();
+    if (Status s = write_file(list, list_); !s) return s;
+    report_.files.push_back(list);
+  }
+  return Success{};
+}
+
+}  // namespace tremolo

@@ -1,0 +1,294 @@
+#include "runtime/apps/tremolo/world/body_log.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "common/energy.h"
+#include "runtime/apps/tremolo/output/plot.h"
+#include "runtime/apps/tremolo/run/run_body.h"
+#include "runtime/apps/tremolo/run/run_files.h"
+#include "runtime/contact/solve/contact_step.h"
+
+namespace tremolo {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kStepsBetweenShapes = 10;
+constexpr std::size_t kMostOpen = 64;  // files of one run
+
+const std::vector<std::string> kFurther = {"load",
+                                           "support",
+                                           "gravity",
+                                           "contact",
+                                           "friction",
+                                           "damping",
+                                           "x",
+                                           "y",
+                                           "z",
+                                           "qw",
+                                           "qx",
+                                           "qy",
+                                           "qz",
+                                           "px",
+                                           "py",
+                                           "pz",
+                                           "lx",
+                                           "ly",
+                                           "lz",
+                                           "restitution",
+                                           "hand",
+                                           "contact_energy",
+                                           "contact_force",
+                                           "joint",
+                                           "contact_fx",
+                                           "contact_fy",
+                                           "contact_fz",
+                                           "hand_fx",
+                                           "hand_fy",
+                                           "hand_fz"};
+
+// The mean forces of contact and of hands on the body in the last step, N, world.
+struct TouchForces {
+  Eigen::Vector3d contact = Eigen::Vector3d::Zero(), hands = contact;
+};
+
+TouchForces touch_forces(const SceneWorld& world, std::size_t body) {
+  TouchForces forces;
+  const ContactBody& known = world.body(body);
+  forces.contact = known.contact_account().impulse_vector / known.step_size();
+  for (const Grip& grip : known.grips()) forces.hands += grip.force;
+  return forces;
+}
+
+BodyPlace place_of(const SceneWorld& world, std::size_t body) {
+  return {world.body(body).pose(), world.momenta(body)};
+}
+
+// Energy exchanged, J, the sum over all causes without sign.
+double turnover(const EnergyAccount& account) {
+  double sum = 0.0;
+  for (const double cause :
+       {account.load, account.support, account.gravity, account.contact_given, account.restitution,
+        account.friction, account.hand, account.joint, account.damping})
+    sum += std::abs(cause);
+  return sum;
+}
+
+std::unique_ptr<RunOptions> options_of(const SceneFile& file, const SceneBody& body) {
+  auto options = std::make_unique<RunOptions>();
+  options->name = body.name;
+  options->model = body.model;
+  options->scene = file.path;
+  options->integrator = body.integrator;
+  options->step = file.scene.step;
+  options->duration = file.scene.duration;
+  options->probes = body.columns.probes;
+  options->coordinates = body.columns.coordinates;
+  options->velocities = body.columns.velocities;
+  const SceneOutputs& outputs = file.outputs;
+  if (!outputs.out.empty()) options->out = (fs::path(outputs.out) / body.name).string();
+  options->every = outputs.every;
+  options->surfaces = outputs.surfaces;
+  options->surface_format = outputs.surface_format;
+  options->plot = outputs.plot;
+  return options;
+}
+
+Result<RecordedColumns> columns_of(const RunOptions& options, const Model& model) {
+  RecordedColumns columns;
+  columns.velocities = options.velocities;
+  columns.further = kFurther;
+  if (Status s = take(columns.coordinates, coordinates_of(options.coordinates, model.modes())); !s)
+    return value_error(s.error());
+  if (Status s = take(columns.probes, probes_of(options.probes, model)); !s)
+    return value_error(s.error());
+  for (const int probe : columns.probes)
+    if (const Result<VertexRows> rows = model.vertex(probe); !rows)
+      return value_error(rows.error());
+  return columns;
+}
+
+}  // namespace
+
+Status check_columns(const SceneFile& file, const SceneWorld& world, std::size_t body) {
+  const std::unique_ptr<RunOptions> options = options_of(file, world.scene().bodies[body]);
+  const Result<RecordedColumns> columns = columns_of(*options, world.body(body).model());
+  return columns ? Status(Success{}) : Status(columns.error());
+}
+
+Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, std::size_t body,
+                                SharedLooks& shared) {
+  std::unique_ptr<RunOptions> options = options_of(file, world.scene().bodies[body]);
+  const Model& model = world.body(body).model();
+  const Result<RecordedColumns> columns = columns_of(*options, model);
+  if (!columns) return columns.error();
+  std::string csv;
+  if (!options->out.empty()) {
+    std::error_code error;
+    fs::create_directories(options->out, error);
+    if (error) return system_error(options->out + ": cannot create: " + error.message());
+    csv = (fs::path(options->out) / kTableName).string();
+  }
+  Result<Recorder> recorder = Recorder::create(model, *columns, csv, world.size() > kMostOpen);
+  if (!recorder) return value_error(recorder.error());
+  const std::int64_t steps = std::llround(file.scene.duration / file.scene.step);
+  const auto looks = shared.looks.find(&model);
+  const ShapeLooks& first =
+      looks != shared.looks.end()
+          ? looks->second
+          : shared.looks.try_emplace(&model, model, kStepsBetweenShapes, steps).first->second;
+  BodyLog log(body, std::move(options), std::move(*recorder), first, steps, shared);
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& x : model.surface().rest) box.extend(x);
+  log.report_.size = box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
+  log.report_.start = place_of(world, body);
+  return log;
+}
+
+BodyLog::BodyLog(std::size_t body, std::unique_ptr<RunOptions> options, Recorder recorder,
+                 const ShapeLooks& looks, std::int64_t steps, SharedLooks& shared)
+    : body_(body),
+      options_(std::move(options)),
+      recorder_(std::move(recorder)),
+      frames_(*options_, steps),
+      shape_looks_(looks),
+      shared_(&shared) {}
+
+Result<bool> BodyLog::observe(const SceneWorld& world) {
+  const ContactBody& body = world.body(body_);
+  look_at(body, moment_);
+  const EnergyAccount account = world.account(body_);
+  report_.account = account;
+  report_.energy_max = larger(report_.energy_max, account.total());
+  report_.remainder_max = larger(report_.remainder_max, std::abs(account.remainder()));
+  report_.turnover_max = larger(report_.turnover_max, turnover(account));
+  if (shape_looks_.due(moment_.steps, moment_.state.q)) note_shape(world);
+  // The drawn surface can be at its deepest only if the contact points are.
+  if (world.penetration_max(body_) > deepest_) note_depth(world);
+  rebound_.observe(world, body_);
+  if (!options_->out.empty() && moment_.steps % options_->every == 0) {
+    const auto [pose, momenta] = place_of(world, body_);
+    const TouchForces touching = touch_forces(world, body_);
+    const Eigen::Quaterniond& turn = pose.rotation;
+    further_ = {account.load,
+                account.support,
+                account.gravity,
+                account.contact_given,
+                account.friction,
+                account.damping,
+                pose.position.x(),
+                pose.position.y(),
+                pose.position.z(),
+                turn.w(),
+                turn.x(),
+                turn.y(),
+                turn.z(),
+                momenta.linear.x(),
+                momenta.linear.y(),
+                momenta.linear.z(),
+                momenta.angular.x(),
+                momenta.angular.y(),
+                momenta.angular.z(),
+                account.restitution,
+                account.hand,
+                account.contact,
+                body.contact_account().impulse / body.step_size(),
+                account.joint,
+                touching.contact.x(),
+                touching.contact.y(),
+                touching.contact.z(),
+                touching.hands.x(),
+                touching.hands.y(),
+                touching.hands.z()};
+    if (Status s = recorder_.record(moment_, body.energy(), further_); !s) return s.error();
+  }
+  if (frames_.due(moment_.steps))
+    if (Status s = frames_.write(body, moment_.time); !s) return s.error();
+  // Energy stored in contact is not yet energy of the body.
+  if (moment_.bound.sound(account.total() - account.contact)) return true;
+  report_.exit_code = exit_code(ErrorKind::kBound);
+  report_.reason = fmt::format(
+      "at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that was put in",
+      moment_.time, account.total(), kEnergyBound);
+  return false;
+}
+
+void BodyLog::note_shape(const SceneWorld& world) {
+  const ContactBody& body = world.body(body_);
+  const Eigen::VectorXd& q = body.state().q;
+  const double known = report_.largest_displacement;
+  // Nothing is known of stretches here.
+  if (shape_looks_.can_exceed(q, known, {-HUGE_VAL, HUGE_VAL})) {
+    const Eigen::VectorXd moved = body.model().surface().rows * q;
+    for (Eigen::Index row = 0; row + 2 < moved.size(); row += 3)
+      report_.largest_displacement =
+          std::max(report_.largest_displacement, moved.segment<3>(row).norm());
+  }
+  note_depth(world);
+}
+
+void BodyLog::note_depth(const SceneWorld& world) {
+  deepest_ = world.penetration_max(body_);
+  // A sleeping body has not moved since the last measurement.
+  if (world.asleep(body_)) return;
+  report_.penetration_surface_max =
+      std::max(report_.penetration_surface_max, depth_.measure(world, body_, shared_->near));
+}
+
+void BodyLog::give_up(const StepReport& step, double time) {
+  report_.exit_code = exit_code(error_kind(step.failure));
+  report_.reason = why_not_made(step, time);
+}
+
+// Checks the methods whose energy balances to rounding. A run that ended early has its own reason.
+void BodyLog::judge_balance(const std::string& method) {
+  if (method != "avf" && method != "ep2" && method != "ep4") return;
+  const double most = std::max(report_.energy_max, report_.turnover_max);
+  if (report_.exit_code != 0 || report_.remainder_max <= kBalanceBound * most) return;
+  report_.exit_code = exit_code(ErrorKind::kBound);
+  report_.reason = fmt::format(
+      "the energy balance has an error of {:.3g} J, more than {:g} of the {:.3g} J that were "
+      "there or were given",
+      report_.remainder_max, kBalanceBound, most);
+}
+
+Status BodyLog::finish(const SceneWorld& world) {
+  const ContactBody& body = world.body(body_);
+  note_shape(world);
+  report_.rebound = rebound_.ratio();
+  report_.end = place_of(world, body_);
+  report_.account = world.account(body_);
+  report_.high_band_final = body.energy().high_band;
+  report_.steps = body.steps();
+  report_.iterations = body.iterations();
+  report_.halved_steps = body.halved_steps();
+  report_.penetration_max = world.penetration_max(body_);
+  report_.contact_speed_max = world.contact_speed_max(body_);
+  report_.passed_through = world.passed_through(body_);
+  report_.contacts = world.contacts(body_);
+  report_.asleep = world.asleep(body_);
+  report_.begins_within = world.begins_within(body_);
+  if (body.contact() != nullptr) {
+    report_.friction_held_steps = body.contact()->held_steps();
+    const std::vector<SceneCollider>& colliders = world.scene().colliders;
+    for (std::size_t c = 0; c < colliders.size(); ++c)
+      report_.collider_impulses.emplace_back(colliders[c].name, world.collider_impulse(body_, c));
+  }
+  judge_balance(world.scene().bodies[body_].integrator);
+  if (options_->out.empty()) return Success{};
+  if (Status s = frames_.finish(body.model()); !s) return s;
+  report_.files = frames_.files();
+  const std::string csv = (fs::path(options_->out) / kTableName).string();
+  if (Status s = recorder_.finish(); !s) return s;
+  report_.files.push_back(csv);
+  if (options_->plot)
+    if (Status s = plot_run({options_->name, csv}, options_->out, report_.files); !s) return s;
+  return Success{};
+}
+
+}  // namespace tremolo

@@ -1,0 +1,115 @@
+// Measurements and output files of a run of a world for one body.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "runtime/apps/tremolo/run/recorder.h"
+#include "runtime/apps/tremolo/run/run_options.h"
+#include "runtime/apps/tremolo/run/stretch.h"
+#include "runtime/apps/tremolo/world/surface_depth.h"
+#include "runtime/io/scenes/scene_reader.h"
+#include "runtime/world/scene_world.h"
+
+namespace tremolo {
+
+// Limit for the energy balance of a body that avf, ep2 or ep4 moves, relative to the larger of the
+// body's largest energy and the sum of all energy exchanged; beyond it the run ends with exit code
+// 5. The error of the methods is rounding, that of contact the tolerance of its solve, 1e-10 of the
+// momenta in a step.
+inline constexpr double kBalanceBound = 1e-6;
+
+// Position and motion of a body as a whole. pose: of the mesh's frame.
+struct BodyPlace {
+  Pose pose;
+  Momenta momenta;
+};
+
+// Energies in J.
+struct BodyReport {
+  BodyPlace start, end;
+  EnergyAccount account;       // at the end
+  double energy_max = 0.0;     // of T + V and the energy stored in contact
+  double remainder_max = 0.0;  // the largest |change of that - all energy exchanged|
+  double turnover_max = 0.0;   // the largest sum of |energy exchanged| over all causes
+  double high_band_final = 0.0;
+  double largest_displacement = 0.0;  // of the surface's vertices in the body's frame, m
+  double size = 0.0;                  // the largest extent of the surface at rest, m
+  std::int64_t steps = 0;             // that this body made
+  std::int64_t iterations = 0;
+  std::int64_t halved_steps = 0;
+  std::int64_t contacts = 0;             // how often it began to touch something
+  bool asleep = false;                   // at the end
+  double begins_within = 0.0;            // of the margin of a collider, m
+  std::int64_t friction_held_steps = 0;  // ContactStep::held_steps()
+  // Of the body on each collider since the start, N s, world.
+  std::vector<std::pair<std::string, Eigen::Vector3d>> collider_impulses;
+  double penetration_max = 0.0;          // of the size
+  double penetration_surface_max = 0.0;  // m, of the drawn surface, in all samples
+  std::optional<double> rebound;         // surface_depth.h
+  double contact_speed_max = 0.0;        // m/s
+  std::int64_t passed_through = 0;
+  int exit_code = 0;  // 0, 4 or 5
+  std::string reason;
+  std::vector<std::string> notes;  // start/run_notes.h
+  std::vector<std::string> files;
+
+  // |change of the energy - all energy exchanged| over the largest energy; 0 if nothing ever moved.
+  double balance_error() const { return energy_max > 0.0 ? remainder_max / energy_max : 0.0; }
+};
+
+// Checks that the model has the columns requested for the body. Call it for all bodies before
+// anything is written. Errors: kUsage, kContent.
+Status check_columns(const SceneFile& file, const SceneWorld& world, std::size_t body);
+
+// Data shared by the logs of many bodies. looks: of a model; each body of it starts with a copy.
+struct SharedLooks {
+  std::map<const Model*, ShapeLooks> looks;
+  NearBodies near;
+};
+
+class BodyLog {
+ public:
+  // Makes the body's folder, out/NAME, if there is an `out`. shared: data of all bodies' logs; it
+  // must outlive them. Errors: kUsage and kContent for columns that the model does not have;
+  // kSystem.
+  static Result<BodyLog> create(const SceneFile& file, const SceneWorld& world, std::size_t body,
+                                SharedLooks& shared);
+
+  // Takes the start and then every step. False: the orbit has left its energy bound, and the report
+  // says so.
+  Result<bool> observe(const SceneWorld& world);
+  void give_up(const StepReport& step, double time);
+  // Renames the files from their temporary names.
+  Status finish(const SceneWorld& world);
+
+  void add_notes(const std::vector<std::string>& notes) { report_.notes = notes; }
+
+  const BodyReport& report() const { return report_; }
+  const RunOptions& options() const { return *options_; }
+
+ private:
+  BodyLog(std::size_t body, std::unique_ptr<RunOptions> options, Recorder recorder,
+          const ShapeLooks& looks, std::int64_t steps, SharedLooks& shared);
+  void note_shape(const SceneWorld& world);
+  void note_depth(const SceneWorld& world);
+  void judge_balance(const std::string& method);
+
+  std::size_t body_;
+  std::unique_ptr<RunOptions> options_;  // the folder and its surfaces; frames_ refers to it
+  Recorder recorder_;
+  Frames frames_;
+  ShapeLooks shape_looks_;
+  double deepest_ = 0.0;  // of the points when the surface was measured, a share of the size
+  Moment moment_;
+  std::vector<double> further_;
+  BodyReport report_;
+  SurfaceDepth depth_;
+  SharedLooks* shared_;
+  Rebound rebound_;
+};
+
+}  // namespace tremolo

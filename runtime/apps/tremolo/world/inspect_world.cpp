@@ -1,0 +1,100 @@
+#include "common/units.h"
+#include "runtime/apps/tremolo/output/scene_places.h"
+#include "runtime/apps/tremolo/output/tell.h"
+#include "runtime/apps/tremolo/run/run_body.h"
+#include "runtime/apps/tremolo/start/start_state.h"
+#include "runtime/apps/tremolo/world/world_commands.h"
+#include "runtime/io/scenes/csv_rows.h"
+#include "runtime/world/scene_world.h"
+
+namespace tremolo {
+namespace {
+
+Result<std::vector<Eigen::Vector3d>> boundary_of(const Body& body) {
+  std::vector<double> numbers(3 * body.model().surface().rest.size());
+  if (Status s = body.boundary_positions(std::span<double>(numbers)); !s) return s.error();
+  std::vector<Eigen::Vector3d> places;
+  for (std::size_t v = 0; v < numbers.size(); v += 3) places.emplace_back(numbers.data() + v);
+  return places;
+}
+
+Result<PlacedBody> placed(const std::string& name, const std::string& kind,
+                          const std::string& model, const Body& body) {
+  PlacedBody place{name, kind, model, body.pose(), {}, {}};
+  if (Status s = take(place.surface, boundary_of(body)); !s) return s.error();
+  const double first = hertz(body.model().lambda()(0));
+  if (first > 0.0) place.first_mode = first;
+  return place;
+}
+
+std::string kind_name(FrameKind kind) {
+  return kind == FrameKind::kFixed ? "fixed" : kind == FrameKind::kDriven ? "driven" : "free";
+}
+
+void warn_of_step(const PlacedBody& body, double step, ScenePlaces& places) {
+  if (!body.first_mode) return;
+  const std::string warning =
+      step_warning(*body.first_mode, step, "body '" + body.name + "': its ", "a step of ");
+  if (!warning.empty()) places.warnings.push_back(warning);
+}
+
+Result<ScenePlaces> places_of(const SceneFile& file) {
+  const Result<SceneWorld> world = SceneWorld::create(file.scene);
+  if (!world) return error_of_file(file.path, value_error(world.error()));
+  ScenePlaces places{
+      file.path, "a world of bodies", world->step_size(), file.scene.duration, true, {}, {}, {}};
+  places.warnings = keyframe_warnings(file.scene.bodies, file.scene.colliders);
+  for (std::size_t i = 0; i < world->size(); ++i) {
+    const SceneBody& wanted = file.scene.bodies[i];
+    Result<PlacedBody> body =
+        placed(wanted.name, kind_name(wanted.kind), wanted.model, world->body(i));
+    if (!body) return body.error();
+    warn_of_step(*body, places.step, places);
+    places.bodies.push_back(std::move(*body));
+  }
+  for (std::size_t c = 0; c < world->colliders().size(); ++c) {
+    const PlacedCollider& collider = world->colliders()[c];
+    places.colliders.push_back({file.scene.colliders[c].name, collider.shape, collider.start});
+  }
+  return places;
+}
+
+Result<ScenePlaces> places_of(const std::vector<RunOptions>& bodies, const std::string& path) {
+  ScenePlaces places{
+      path, "bodies, each by itself", bodies.front().step, bodies.front().duration, false, {}, {},
+      {}};
+  for (const RunOptions& options : bodies) {
+    if (Status s = check_run(options); !s) return s.error();
+    Result<Model::Pointer> model = load_model(options);
+    if (!model) return model.error();
+    SignalTable table;
+    if (!options.signal.empty())
+      if (Status s = take(table, read_signal(options.signal)); !s) return s.error();
+    Result<Body> made = make_body(options, std::move(*model), table);
+    if (!made) return made.error();
+    Result<PlacedBody> body = placed(options.name, "fixed", options.model, *made);
+    if (!body) return body.error();
+    warn_of_step(*body, options.step, places);
+    places.bodies.push_back(std::move(*body));
+  }
+  return places;
+}
+
+int print_or_fail(const Result<ScenePlaces>& places, bool json) {
+  if (!places) return report_error(places.error());
+  print_places(*places, json);
+  return 0;
+}
+
+}  // namespace
+
+int inspect_world_command(const SceneFile& file, bool json) {
+  return print_or_fail(places_of(file), json);
+}
+
+int inspect_bodies_command(const std::vector<RunOptions>& bodies, const std::string& path,
+                           bool json) {
+  return print_or_fail(places_of(bodies, path), json);
+}
+
+}  // namespace tremolo

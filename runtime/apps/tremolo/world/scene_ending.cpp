@@ -1,0 +1,66 @@
+#include "runtime/apps/tremolo/world/scene_ending.h"
+
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include "formats/file/atomic_file.h"
+#include "runtime/apps/tremolo/output/tell.h"
+#include "runtime/apps/tremolo/run/run_files.h"
+
+namespace tremolo {
+
+Status apply_output_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
+                          SceneOutputs& outputs) {
+  if (given("--out")) outputs.out = flags.out;
+  if (given("--every")) outputs.every = flags.every;
+  if (given("--surfaces")) outputs.surfaces = flags.surfaces;
+  if (given("--surface-format")) outputs.surface_format = flags.surface_format;
+  if (given("--plot")) outputs.plot = flags.plot;
+  if ((outputs.surfaces > 0 || outputs.plot) && outputs.out.empty())
+    return usage_error("--surfaces and --plot need --out DIR");
+  if (outputs.every < 1) return content_error("--every must be at least 1");
+  if (outputs.surfaces < 0) return content_error("--surfaces must not be negative");
+  return Success{};
+}
+
+Status check_times(const std::function<bool(const char*)>& given, double step, double duration) {
+  for (const auto& [flag, value] : {std::pair{"--step", step}, {"--duration", duration}})
+    if (given(flag) && !(value > 0.0 && std::isfinite(value)))
+      return content_error(fmt::format("{} must be positive and finite (s)", flag));
+  if (duration < 0.5 * step)
+    return content_error(
+        fmt::format("the duration, {:g} s, is shorter than half a step of {:g} s: nothing would be "
+                    "done; give a longer --duration or a shorter --step",
+                    duration, step));
+  return Success{};
+}
+
+bool SceneEnding::interrupted(int now, double time) {
+  signal = now;
+  if (signal == 0) return false;
+  exit_code = 128 + signal;
+  reason =
+      fmt::format("ended at t = {:.6g} s by signal {} ({})", time, signal, ::strsignal(signal));
+  return true;
+}
+
+int end_scene_run(const SceneOutputs& outputs, const RunOutputs& files,
+                  std::vector<std::string> written, const nlohmann::ordered_json& json,
+                  const SceneEnding& ending, bool print) {
+  if (!outputs.out.empty()) {
+    const std::string path = (std::filesystem::path(outputs.out) / kReportName).string();
+    if (Status s = write_file(path, json_text(json)); !s) return report_error(s.error());
+    written.push_back(path);
+    if (Status s = files.remove_earlier(written); !s) return report_error(s.error());
+  }
+  if (ending.exit_code != 0) tell("tremolo: {}\n", ending.reason);
+  if (print) print_json(json);
+  const Status printed = flush_standard_output();
+  if (ending.signal != 0) ::raise(ending.signal);
+  return printed ? ending.exit_code : report_error(printed.error());
+}
+
+}  // namespace tremolo

@@ -1,0 +1,125 @@
+#include "runtime/apps/tremolo/world/surface_depth.h"
+
+#include <algorithm>
+#include <string>
+
+#include "runtime/contact/solve/contact_points.h"
+#include "runtime/contact/solve/contact_step.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+// Velocity of a point fixed to the collider, m/s.
+Vector3d velocity_at(const PlacedCollider& collider, const Vector3d& x, double h) {
+  const Vector3d local = collider.end.rotation.conjugate() * (x - collider.end.position);
+  return (collider.end * local - collider.start * local) / h;
+}
+
+// A sphere around the contact points of a body, m, world.
+struct Ball {
+  Vector3d centre;
+  double radius;
+};
+
+Ball ball_of(const ContactBody& body) {
+  const ContactPoints& points = body.contact()->points();
+  const double deformed = body.state().q.cwiseAbs().dot(points.reach);
+  return {body.pose() * points.centre, points.radius + deformed};
+}
+
+bool feels(const ContactBody& body) {
+  return body.contact() != nullptr && body.contact()->feels();
+}
+
+}  // namespace
+
+std::span<const std::size_t> NearBodies::of(const SceneWorld& world, std::size_t body) {
+  if (steps_ != world.steps()) {
+    steps_ = world.steps();
+    balls_.clear();
+    for (std::size_t i = 0; i < world.size(); ++i) {
+      if (!feels(world.body(i))) continue;
+      const Ball ball = ball_of(world.body(i));
+      balls_.add(i, ball.centre, ball.radius);
+    }
+    balls_.sort();
+  }
+  return balls_.of(body);
+}
+
+double SurfaceDepth::behind_body(const ContactBody& other, const Vector3d& x) {
+  const ContactPoints& points = other.contact()->points();
+  const Pose pose = other.pose();
+  const BentShape bent{other.contact()->shape(), &points, &displacement_};
+  return -bent_distance(bent, pose.rotation.conjugate() * (x - pose.position));
+}
+
+double SurfaceDepth::measure(const SceneWorld& world, std::size_t body, NearBodies& near) {
+  const ContactBody& own = world.body(body);
+  if (!feels(own)) return 0.0;
+  positions_.resize(3 * own.model().drawn().rest.size());
+  if (!own.surface_positions(positions_)) return 0.0;
+  const Eigen::Map<const Eigen::Matrix3Xd> places(positions_.data(), 3,
+                                                  static_cast<Eigen::Index>(positions_.size() / 3));
+  const Ball ball = ball_of(own);
+  double depth = 0.0;
+  for (const PlacedCollider& collider : world.colliders()) {
+    const auto into = [&collider](const Vector3d& x) {
+      return Vector3d(collider.end.rotation.conjugate() * (x - collider.end.position));
+    };
+    if (signed_distance(collider.shape, into(ball.centre)).distance > ball.radius) continue;
+    for (const auto& x : places.colwise())
+      depth = std::max(depth, -signed_distance(collider.shape, into(x)).distance);
+  }
+  for (const std::size_t i : near.of(world, body)) {
+    const ContactBody& other = world.body(i);
+    if (other.contact()->shape() == nullptr || world.passes_through(body, i)) continue;
+    const Ball its = ball_of(other);
+    other.contact()->points().displacement(other.state().q, displacement_);
+    for (const auto& x : places.colwise()) {
+      if ((x - its.centre).norm() > its.radius) continue;
+      depth = std::max(depth, behind_body(other, x));
+    }
+  }
+  return depth;
+}
+
+double Rebound::speed_away(const SceneWorld& world, std::size_t body) const {
+  const RigidState rigid = world.body(body).rigid_state();
+  const PlacedCollider& collider = world.colliders()[collider_];
+  return normal_.dot(rigid.velocity - velocity_at(collider, rigid.centre, world.step_size()));
+}
+
+void Rebound::observe(const SceneWorld& world, std::size_t body) {
+  if (phase_ == Phase::kOver || world.body(body).frame() != FrameKind::kFree) return;
+  const RigidState rigid = world.body(body).rigid_state();
+  if (phase_ == Phase::kBefore) {
+    for (const ContactEvent& event : world.events()) {
+      if (event.body != body || event.collider == ContactEvent::kNone) continue;
+      collider_ = event.collider;
+      const PlacedCollider& collider = world.colliders()[collider_];
+      normal_ = collider.end.rotation *
+                signed_distance(collider.shape, collider.end.rotation.conjugate() *
+                                                    (rigid.centre - collider.end.position))
+                    .normal;
+      arrival_ = normal_.dot(velocity_at(collider, rigid.centre, world.step_size()) - velocity_);
+      phase_ = arrival_ > 0.0 ? Phase::kTouching : Phase::kOver;
+      break;
+    }
+    velocity_ = rigid.velocity;
+    if (phase_ != Phase::kTouching) return;
+  }
+  const double away = speed_away(world, body);
+  if (away > 0.0) phase_ = Phase::kLeaving;
+  if (away <= 0.0 && phase_ == Phase::kLeaving) phase_ = Phase::kOver;
+  departure_ = std::max(departure_, away);
+}
+
+std::optional<double> Rebound::ratio() const {
+  if (!(arrival_ > 0.0)) return std::nullopt;
+  return departure_ / arrival_;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,38 @@
+// `tremolo run` and `inspect` of a scene with several bodies.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "formats/file/output_guard.h"
+#include "runtime/apps/tremolo/run/run_options.h"
+#include "runtime/io/scenes/scene_reader.h"
+
+namespace tremolo {
+
+// Applies command-line flags, which override the scene; those of a method apply to every body.
+// given: whether a flag, such as "--step", is on the command line. Errors: kUsage for a flag that
+// does not apply to a world or names something that does not exist; kContent for a value out of
+// range.
+Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
+                   SceneFile& file);
+
+// The files that a run of the scene reads; of the scene alone: those that its parts name.
+std::vector<NamedFile> inputs_of(const Scene& scene);
+std::vector<NamedFile> inputs_of(const SceneFile& file);
+
+// Runs the scene. threads: that step its bodies, 0: one per core. json: one object on stdout, also
+// when the run failed. Returns the exit code; errors are printed on stderr.
+int run_world_command(const SceneFile& file, unsigned threads, bool json);
+
+// A scene with [[bodies]]; returns the exit code. Errors are those with which a run would end
+// before its first step.
+int inspect_world_command(const SceneFile& file, bool json);
+
+// For a scene with one table per body; each body is in a world of its own.
+int inspect_bodies_command(const std::vector<RunOptions>& bodies, const std::string& path,
+                           bool json);
+
+}  // namespace tremolo

@@ -1,0 +1,88 @@
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "common/material.h"
+#include "runtime/apps/tremolo/run/sound.h"
+#include "runtime/apps/tremolo/world/scene_ending.h"
+#include "runtime/apps/tremolo/world/world_commands.h"
+#include "runtime/integrator.h"
+#include "runtime/split.h"
+
+namespace tremolo {
+namespace {
+
+Status apply_to_body(const RunOptions& flags, const std::function<bool(const char*)>& given,
+                     SceneBody& body) {
+  IntegratorOptions& options = body.options;
+  if (given("--integrator")) body.integrator = flags.integrator;
+  if (given("--modes")) body.model_options.modes = flags.modes;
+  if (given("--linear")) body.model_options.linear = flags.linear;
+  if (given("--hull")) body.model_options.hull = flags.hull;
+  if (given("--alpha")) {
+    options.alpha = flags.alpha;
+    body.alphas.clear();
+  }
+  if (given("--beta")) {
+    options.beta = flags.beta;
+    body.betas.clear();
+  }
+  if (given("--damping-ratio")) {
+    const Result<RayleighDamping> damping = parse_damping_ratios(flags.damping_ratio);
+    if (!damping) return damping.error();
+    options.alpha = damping->alpha;
+    options.beta = damping->beta;
+    body.alphas.clear();
+    body.betas.clear();
+  }
+  if (given("--newmark-beta")) options.newmark_beta = flags.newmark_beta;
+  if (given("--newmark-gamma")) options.newmark_gamma = flags.newmark_gamma;
+  if (given("--tolerance")) options.tolerance = flags.tolerance;
+  if (given("--max-iterations")) options.max_iterations = flags.max_iterations;
+  if (given("--probe")) body.columns.probes = flags.probes;
+  if (given("--coordinate")) body.columns.coordinates = flags.coordinates;
+  if (given("--velocities")) body.columns.velocities = flags.velocities;
+  if (given("--split")) {
+    const double safety = options.split.safety;
+    if (Status s = take(options.split, parse_split(flags.split)); !s) return s;
+    options.split.safety = safety;
+  }
+  if (given("--safety")) options.split.safety = flags.safety;
+  return Success{};
+}
+
+}  // namespace
+
+Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
+                   SceneFile& file) {
+  for (const char* flag : {"--load", "--signal", "--at", "--force", "--scale", "--deflect",
+                           "--start", "--frequency", "--sweep", "--load-duration", "--rescale"})
+    if (given(flag))
+      return usage_error(fmt::format(
+          "{} applies only to one body: set it in the scene, where {} has its own table", flag,
+          file.scene.bodies.size() == 1 ? "the body" : "each body"));
+  const auto names = integrator_names();
+  if (given("--integrator") &&
+      std::find(names.begin(), names.end(), flags.integrator) == names.end())
+    return usage_error(fmt::format("--integrator: unknown integrator '{}'; there are {}",
+                                   flags.integrator, fmt::join(names, ", ")));
+  for (SceneBody& body : file.scene.bodies)
+    if (Status s = apply_to_body(flags, given, body); !s) return s;
+  if (given("--step")) file.scene.step = flags.step;
+  if (given("--duration")) file.scene.duration = flags.duration;
+  SceneOutputs& outputs = file.outputs;
+  if (given("--wav")) outputs.wav = flags.wav;
+  if (given("--listen")) outputs.listen = flags.listen;
+  if (!outputs.wav.empty() && !given("--step")) {
+    file.scene.step = kSoundStep;
+    outputs.sound_steps = 0;
+  }
+  if (Status s = check_sound(outputs.wav, file.scene.step); !s) return s;
+  if (Status s = apply_output_flags(flags, given, outputs); !s) return s;
+  if (Status s = check_times(given, file.scene.step, file.scene.duration); !s) return s;
+  return check_scene(file.scene);
+}
+
+}  // namespace tremolo

@@ -1,0 +1,48 @@
+// The sound of a scene with [[bodies]]: the sum over the bodies, all at equal distance.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/result.h"
+#include "runtime/apps/tremolo/run/sound.h"
+#include "runtime/world/scene_world.h"
+
+namespace tremolo {
+
+// The least number of steps a sample with which each body's modes keep their frequencies
+// (steps_a_sample()). The world's step is that of the samples.
+int steps_a_sample(const SceneWorld& world);
+// The warnings about a step that shifts modes, one per model. rate: samples per second.
+std::vector<std::string> sound_warnings(const SceneWorld& world, double rate);
+
+class WorldSound {
+ public:
+  // listen: of --listen, "BODY:SELECTOR", where BODY is a body's name or that of its copies, or a
+  // selector alone, for all bodies; empty: the default load of bodies that have one. steps: per
+  // sample. Errors: those of Ear::create with the body's name; kContent if no body is heard.
+  static Result<WorldSound> create(const std::string& listen, const SceneWorld& world, int steps);
+
+  // Call it at the start and after every step. Rigid motion makes no sound.
+  void add(const SceneWorld& world);
+
+  // As SoundTrack::write.
+  Status write(const std::string& path) const { return track_.write(path, interval_); }
+
+ private:
+  struct HeardBody {
+    std::size_t body;
+    Ear ear;
+  };
+
+  WorldSound(int steps, double interval) : steps_(steps), interval_(interval) {}
+
+  std::vector<HeardBody> heard_;
+  int steps_;        // a sample
+  double interval_;  // between samples, s
+  SoundTrack track_;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,212 @@
+#include "runtime/apps/view/live/live_world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+
+#include "common/text.h"
+#include "runtime/apps/tremolo/run/run_body.h"
+#include "runtime/apps/tremolo/start/start_state.h"
+#include "runtime/scene/scene_start.h"
+
+namespace tremolo {
+namespace {
+
+constexpr double kShareOfWay =
+    0.8;  // of the hand's displacement that the body follows under a slow pull
+constexpr double kFreePull = 2.0;      // Hz, with which a free body swings about the hand
+constexpr double kDampingShare = 0.5;  // of the critical one
+
+}  // namespace
+
+HandSprings suitable_springs(const ContactBody& body, const VertexRows& place) {
+  // Compliance of the vertex at rest, m/N; its inverse mass, 1/kg, is below.
+  const Eigen::Matrix3d give =
+      place.rows * body.model().lambda().cwiseInverse().asDiagonal() * place.rows.transpose();
+  const double most = give.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
+  const double inverse_mass =
+      Eigen::Matrix3d(place.rows * place.rows.transpose()).diagonal().mean();
+  double stiffness = kShareOfWay / (1.0 - kShareOfWay) / most;
+  double mass = 1.0 / std::max(inverse_mass, 1e-30);
+  if (body.frame() == FrameKind::kFree && body.model().inertia() != nullptr) {
+    mass = body.model().inertia()->mass;
+    stiffness = mass * std::pow(2.0 * std::numbers::pi * kFreePull, 2);
+  }
+  return {stiffness, 2.0 * kDampingShare * std::sqrt(stiffness * mass)};
+}
+
+void LiveHand::make_holdable(SceneWorld& world) {
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    ContactBody& body = world.body(i);
+    if (body.contact() == nullptr) {
+      // As the scene would if it had the hand.
+      ContactOptions contact = world.scene().bodies[i].contact;
+      contact.colliders = world.scene().bodies[i].feels_contact;
+      // For a body that cannot be grabbed the error is reported when the user tries.
+      (void)body.set_contact(contact);
+    }
+    if (body.contact() != nullptr) body.reserve_contact(world.colliders(), 2);
+  }
+}
+
+Status LiveHand::take(SceneWorld& world, const SceneWorld::Hit& hit, double firmness) {
+  let_go(world);
+  ContactBody& body = world.body(hit.body);
+  const auto refused = [&](const std::string& why) {
+    return usage_error(world.name(hit.body) + ": " + why);
+  };
+  Result<VertexRows> place = body.model().vertex(hit.hit.vertex);
+  if (!place) return refused(place.error().message);
+  if (body.frame() != FrameKind::kFree && place->rows.isZero(0.0))
+    return refused("vertex " + std::to_string(hit.hit.vertex) + " does not move, it is fixed");
+  if (body.contact() == nullptr) {
+    const Status why = body.set_contact();
+    return refused("no hand holds it: " + (why ? "it was made without" : why.error().message));
+  }
+  body_ = hit.body;
+  vertex_ = hit.hit.vertex;
+  place_ = std::move(*place);
+  springs_ = suitable_springs(body, place_);
+  // A number that is written with few digits, so that a record of it says the same.
+  for (double* number : {&springs_.stiffness, &springs_.damping})
+    *number = std::stod(number_text(*number * firmness));
+  begun_ = held(world);
+  way_.setZero();
+  const Result<std::size_t> number =
+      body.grab(vertex_, place_, springs_.stiffness, springs_.damping);
+  if (!number) return refused(number.error().message);
+  number_ = *number;
+  return Success{};
+}
+
+Eigen::Vector3d LiveHand::held(const SceneWorld& world) const {
+  const ContactBody& body = world.body(body_);
+  return body.pose() * Eigen::Vector3d(place_.rest + place_.rows * body.state().q);
+}
+
+void LiveHand::before_step(SceneWorld& world) {
+  // The number is valid, since the body returned it, and the point is finite.
+  if (number_) (void)world.body(body_).move_hand(*number_, point());
+}
+
+void LiveHand::let_go(SceneWorld& world) {
+  if (number_) (void)world.body(body_).release(*number_);
+  number_.reset();
+}
+
+namespace {
+
+// The body's loads at t = 0, r.
+Result<Eigen::VectorXd> push_at_start(const SceneBody& wanted, const ContactBody& body) {
+  Eigen::VectorXd push = Eigen::VectorXd::Zero(body.model().modes());
+  for (const SceneLoad& load : wanted.loads) {
+    Signal signal = load.signal;
+    signal.table = load.table.get();
+    const Result<DefaultLoad> forces = forces_of(load, body.model());
+    if (!forces) return forces.error();
+    const Result<Eigen::VectorXd> reduced =
+        reduce_load(body.model(), *forces, sample_signal(signal, 0.0, body.step_size()).start);
+    if (!reduced) return reduced.error();
+    push += *reduced;
+  }
+  return push;
+}
+
+Status start_body(const SceneBody& wanted, const std::string& start, ContactBody& body) {
+  if (start.empty()) return Success{};
+  const Result<Eigen::VectorXd> push = push_at_start(wanted, body);
+  if (!push) return push.error();
+  const Result<State> state = start_state(start, body.model(), *push);
+  if (!state) return state.error();
+  return body.set_state(state->q, state->p);
+}
+
+}  // namespace
+
+Result<LiveWorld> LiveWorld::create(const ViewedScene& viewed, ModelCache& models) {
+  LiveWorld course;
+  course.viewed_ = viewed;
+  if (Status s = course.begin(models); !s)
+    return error_of_file(viewed.file, value_error(s.error()));
+  return course;
+}
+
+Status LiveWorld::begin_again(ModelCache& models) {
+  viewed_.scene.step = world_->step_size();
+  for (std::size_t i = 0; i < world_->size(); ++i) {
+    SceneBody& body = viewed_.scene.bodies[i];
+    body.integrator = world_->body(i).integrator().name();
+    body.options.alpha = world_->body(i).alpha();
+    body.options.beta = world_->body(i).beta();
+  }
+  return begin(models);
+}
+
+Status LiveWorld::begin(ModelCache& models) {
+  Result<SceneWorld> world = SceneWorld::create(viewed_.scene, models.source());
+  if (!world) return world.error();
+  world_ = std::make_unique<SceneWorld>(std::move(*world));
+  hand_ = LiveHand();
+  trouble_.clear();
+  trouble_code_ = 0;
+  LiveHand::make_holdable(*world_);
+  for (std::size_t i = 0; i < world_->size(); ++i)
+    if (Status s = start_body(viewed_.scene.bodies[i], viewed_.starts[i], world_->body(i)); !s)
+      return s;
+  held_.clear();
+  for (std::size_t i = 0; i < viewed_.scene.hands.size(); ++i) {
+    const ContactBody& body = world_->body(*world_->find(viewed_.scene.hands[i].body));
+    Result<VertexRows> place = body.model().vertex(world_->hand(i).vertex());
+    if (!place) return place.error();
+    held_.push_back(std::move(*place));
+  }
+  return refresh();
+}
+
+Status LiveWorld::look(WorldMoment& moment) const {
+  if (Status s = look_at_world(*world_, moment); !s) return s;
+  moment.hands.resize(held_.size() + 1);
+  for (std::size_t i = 0; i < held_.size(); ++i) {
+    const ContactBody& body = world_->body(*world_->find(viewed_.scene.hands[i].body));
+    HandMoment& hand = moment.hands[i];
+    hand.holds = world_->hand(i).holds();
+    hand.held = body.pose() * Eigen::Vector3d(held_[i].rest + held_[i].rows * body.state().q);
+    hand.point = hand.held;  // a scene's hand does not say where it is
+  }
+  HandMoment& mine = moment.hands.back();
+  mine.holds = hand_.holds();
+  if (!mine.holds) return Success{};
+  mine.held = hand_.held(*world_);
+  mine.point = hand_.point();
+  return Success{};
+}
+
+Status LiveWorld::refresh() {
+  if (Status s = look(moments_[newest_]); !s) return s;
+  moments_[1 - newest_] = moments_[newest_];
+  return Success{};
+}
+
+Status LiveWorld::step() {
+  hand_.before_step(*world_);
+  for (const auto& [body, report] : world_->step()) {
+    if (!trouble_.empty()) continue;
+    trouble_ =
+        "body '" + world_->name(body) + "': " + why_not_made(report, world_->body(body).time());
+    trouble_code_ = exit_code(error_kind(report.failure));
+  }
+  newest_ = 1 - newest_;
+  return look(moments_[newest_]);
+}
+
+void LiveWorld::at(double t, WorldMoment& out) const {
+  const double step = now().time - before().time;
+  const double share = step > 0.0 ? std::clamp((t - before().time) / step, 0.0, 1.0) : 1.0;
+  between(before(), now(), share, out);
+}
+
+}  // namespace tremolo

@@ -1,0 +1,108 @@
+// A running world with its last two states and the user's hand.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/result.h"
+#include "runtime/apps/view/live/viewed_scene.h"
+#include "runtime/apps/view/live/world_moment.h"
+#include "runtime/world/scene_world.h"
+
+namespace tremolo {
+
+// Stiffness and damping that suit a vertex, N/m and N s/m. The body follows four fifths of the
+// hand's displacement where only the elastic force resists; a free body oscillates at 2 Hz about
+// the hand. The damping is half critical.
+struct HandSprings {
+  double stiffness = 0.0, damping = 0.0;
+};
+HandSprings suitable_springs(const ContactBody& body, const VertexRows& place);
+
+class LiveHand {
+ public:
+  // Enables every body of the world to be grabbed, where possible; `world` must be before its first
+  // step. For a body that cannot be grabbed take() returns the reason.
+  static void make_holdable(SceneWorld& world);
+
+  // Grabs the vertex with the largest weight at the hit point, with springs `firmness` times the
+  // suitable ones. Errors: kUsage if the body cannot be grabbed or the vertex does not move.
+  Status take(SceneWorld& world, const SceneWorld::Hit& hit, double firmness);
+  // way: displacement of the hand, from the vertex's position when it was grabbed to the end of the
+  // next step, m, world.
+  void move(const Eigen::Vector3d& way) { way_ = way; }
+  // Call this before each step of the world.
+  void before_step(SceneWorld& world);
+  void let_go(SceneWorld& world);
+
+  bool holds() const { return number_.has_value(); }
+  std::size_t body() const { return body_; }
+  VertexId vertex() const { return vertex_; }
+  HandSprings springs() const { return springs_; }
+  // Present and initial position of the hand, m, world.
+  Eigen::Vector3d point() const { return begun_ + way_; }
+  const Eigen::Vector3d& begun() const { return begun_; }
+  const Eigen::Vector3d& way() const { return way_; }
+  // Position of the vertex, m, world; only while holds().
+  Eigen::Vector3d held(const SceneWorld& world) const;
+
+ private:
+  std::size_t body_ = 0;
+  VertexId vertex_ = 0;
+  VertexRows place_;
+  HandSprings springs_;
+  Eigen::Vector3d begun_ = Eigen::Vector3d::Zero(), way_ = Eigen::Vector3d::Zero();
+  std::optional<std::size_t> number_;
+};
+
+class LiveWorld {
+ public:
+  // Errors of SceneWorld::create, and of the bodies' starts.
+  static Result<LiveWorld> create(const ViewedScene& viewed, ModelCache& models);
+
+  // Restarts with the present methods and step.
+  Status begin_again(ModelCache& models);
+
+  SceneWorld& world() { return *world_; }
+  const SceneWorld& world() const { return *world_; }
+  const ViewedScene& viewed() const { return viewed_; }
+  LiveHand& hand() { return hand_; }
+  const LiveHand& hand() const { return hand_; }
+
+  // Steps the world. A body whose step fails stays at rest from then on, and trouble() gives the
+  // reason. Errors of look_at_world.
+  Status step();
+  // The message of the first body that failed; empty: none has. code: its exit code.
+  const std::string& trouble() const { return trouble_; }
+  int trouble_code() const { return trouble_code_; }
+
+  // Moments before and after the last step; the same before the first.
+  const WorldMoment& before() const { return moments_[1 - newest_]; }
+  const WorldMoment& now() const { return moments_[newest_]; }
+  // The state at t, s, interpolated between these two; outside of them the nearer one.
+  void at(double t, WorldMoment& out) const;
+  // Looks again, where something has been changed from outside.
+  Status refresh();
+
+ private:
+  LiveWorld() = default;
+  Status begin(ModelCache& models);
+  Status look(WorldMoment& moment) const;
+
+  ViewedScene viewed_;
+  std::unique_ptr<SceneWorld> world_;
+  LiveHand hand_;
+  std::vector<VertexRows> held_;  // by the scene's hands
+  WorldMoment moments_[2];
+  int newest_ = 0;
+  std::string trouble_;
+  int trouble_code_ = 0;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,130 @@
+// The bodies, colliders and hands of a world as drawn things.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "runtime/apps/view/camera/camera.h"
+#include "runtime/apps/view/draw/renderer.h"
+#include "runtime/apps/view/live/world_moment.h"
+#include "runtime/apps/view/picture/png_file.h"
+#include "runtime/apps/view/shape/surface_stress.h"
+#include "runtime/bodies/reduced/surface/surface.h"
+#include "runtime/contact/collider.h"
+
+namespace tremolo {
+
+// An image for a material of the drawn surface; an empty name: for all that have texture
+// coordinates.
+struct StageImage {
+  std::string material;
+  Picture picture;
+};
+
+// The colours of bodies: their own, the distance of each vertex from its rest position in the
+// body's frame, or von Mises' stress (runtime/apps/view/shape/surface_stress.h). Bodies on bones
+// keep their own colours, as do those of unknown material with kStress.
+enum class ColourBy { kBody, kMoved, kStress };
+
+struct StageLook {
+  ColourBy colour = ColourBy::kBody;
+  bool colliders = true;
+};
+
+class Stage {
+ public:
+  // A context must be current, as long as the stage lives. world: before its first step; its models
+  // must outlive the stage. paints: a colour per body, linear light. solids: a material per body,
+  // if it is known. Errors: kContent for an image whose material no body has, or for images if no
+  // body has texture coordinates.
+  static Result<std::unique_ptr<Stage>> create(const SceneWorld& world, UpAxis up,
+                                               const std::vector<Eigen::Vector3f>& paints,
+                                               const std::vector<StageImage>& images,
+                                               const std::vector<std::optional<Material>>& solids);
+
+  // Computes all positions and normals at the given time. Needs no OpenGL.
+  void pose(const WorldMoment& moment);
+  // Uploads them to the card, with the stresses if those are shown.
+  void upload(const StageLook& look);
+  // The drawn things, valid until the next call; call it after upload(). A collider between the eye
+  // (m, world) and the middle of a body is drawn as glass.
+  const std::vector<DrawnThing>& things(const StageLook& look, const Eigen::Vector3d& eye);
+  // The ball around everything that casts shadows in the last pose(); it does not shrink.
+  const ShownBall& ball() const { return ball_; }
+
+  // All drawn vertices of bodies in the last pose(), x y z ..., m, world; empty for a world without
+  // bodies.
+  std::vector<double> points() const;
+  // The height of the ground along the up axis, m, and whether there is one: that of a collider
+  // that is a level plane, else of the lowest point in the first pose; none if a body is free and
+  // nothing stops it.
+  double ground() const { return ground_; }
+  bool has_ground() const { return has_ground_; }
+  // The largest displacement of a vertex in its body's frame, m, of the last pose().
+  float most_moved() const { return most_moved_; }
+  // The largest stress of a vertex, Pa, in the last upload() that computed it.
+  float most_stressed() const { return most_stressed_; }
+  // True if the stress of at least one body can be computed.
+  bool knows_stress() const;
+
+ private:
+  struct MaterialRange {
+    std::size_t first, count, material;
+  };
+  struct StagedBody {
+    Model::Pointer model;
+    GpuMesh mesh;
+    std::vector<MaterialRange> ranges;
+    Paint paint = Paint::kOne;
+    Eigen::Vector3f colour;
+    Pose pose;
+    std::vector<float> positions, normals;
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // of its box, m, world
+    std::vector<GLuint> images;                        // one a range; 0: none
+    bool own_frame = true;
+    std::optional<SurfaceStress> stress;
+    std::vector<float> stresses, stress_paint, own_paint;  // of vertices; the paints r g b a
+  };
+  struct StagedCollider {
+    GpuMesh mesh;
+    TriangleShape shape;
+    Collider solid;
+    Pose pose;
+    bool is_ground = false, is_plane = false;
+  };
+
+  Stage() = default;
+  void add_body(const Body& body, const Eigen::Vector3f& colour,
+                const std::optional<Material>& solid);
+  void upload_stress(StagedBody& body);
+  Status add_images(const std::vector<StageImage>& images);
+  void add_colliders(const SceneWorld& world);
+  void find_ground(const SceneWorld& world);
+  void pose_bodies(const WorldMoment& moment);
+  void enclose();
+  void add_hands(std::vector<DrawnThing>& things) const;
+  bool hides_a_body(const StagedCollider& collider, const Eigen::Vector3d& eye) const;
+
+  UpAxis up_ = UpAxis::kZ;
+  std::vector<StagedBody> bodies_;
+  std::vector<StagedCollider> colliders_;
+  std::vector<HandMoment> hands_;
+  std::vector<GlHandle> images_;
+  GpuMesh hand_mesh_;
+  SurfaceWorkspace workspace_;
+  std::vector<DrawnThing> things_;
+  ShownBall ball_;
+  bool posed_ = false;
+  double ground_ = 0.0, size_ = 1.0;
+  bool has_ground_ = true;
+  float most_moved_ = 0.0f, most_stressed_ = 0.0f;
+};
+
+// "#rrggbb" as linear light, 0 to 1 each.
+Eigen::Vector3f linear_colour(std::uint32_t rgb);
+
+}  // namespace tremolo

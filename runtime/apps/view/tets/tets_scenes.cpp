@@ -1,0 +1,204 @@
+#include "runtime/apps/view/tets/tets_scenes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "formats/file/input_file.h"
+#include "runtime/apps/tremolo/output/tell.h"
+#include "runtime/apps/tremolo/tets/tets_commands.h"
+#include "runtime/apps/view/surfaces/moving_surfaces.h"
+#include "runtime/apps/view/surfaces/surface_window.h"
+#include "runtime/io/scenes/scene_keys.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+// The fraction of the element's six edges that are quadratic.
+float quadratic_share(const TetModel& model, const TetModelElement& element,
+                      std::span<const std::uint8_t> degrees) {
+  int quadratic = 0;
+  for (std::size_t k = 4; k < kMostNodes; ++k)
+    if (degrees[element.nodes[k] - model.vertices()] == 2) ++quadratic;
+  return static_cast<float>(quadratic) / 6.0F;
+}
+
+}  // namespace
+
+bool is_tets_file(const std::string& file) {
+  if (!file.ends_with(".toml")) return false;
+  const Result<std::string> text = read_whole_file(file);
+  if (!text) return false;
+  const Result<SceneKind> kind = scene_kind(*text, file);
+  return kind && *kind == SceneKind::kTets;
+}
+
+Result<TetsScenes> TetsScenes::create(TetScene scene, bool by_degree) {
+  TetsScenes scenes;
+  scenes.scene_ = std::move(scene);
+  scenes.by_degree_ = by_degree;
+  if (Status s = scenes.begin_again(); !s) return s.error();
+  return scenes;
+}
+
+Status TetsScenes::begin_again() {
+  steps_ = 0;
+  hold_.reset();
+  reports_.resize(scene_.bodies.size());
+  return tremolo::take(bodies_, make_tets_bodies(scene_));
+}
+
+SceneGravity TetsScenes::gravity() const {
+  SceneGravity gravity;
+  gravity.times = {0.0};
+  gravity.values = {scene_.gravity};
+  return gravity;
+}
+
+std::vector<ShownSheet> TetsScenes::sheets() const {
+  std::vector<ShownSheet> sheets;
+  for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+    const TetSurface& surface = *bodies_.kind(i).surface;
+    sheets.push_back(
+        {scene_.bodies[i].name, surface.rest().triangles, surface.vertices(), by_degree_});
+  }
+  return sheets;
+}
+
+std::vector<ShownSolid> TetsScenes::solids() const {
+  std::vector<ShownSolid> solids;
+  for (const SceneCollider& collider : scene_.colliders)
+    solids.push_back({collider.name, 0.0, &collider});
+  return solids;
+}
+
+void TetsScenes::place(std::size_t sheet, SheetNow& now) const {
+  const TetSurface& surface = *bodies_.kind(sheet).surface;
+  const TetBody& body = bodies_.group->body(sheet);
+  std::vector<Eigen::Vector3d> places(surface.vertices());
+  std::vector<Eigen::Vector3f> normals(surface.vertices());
+  surface.place(body.positions(), places, normals);
+  now.positions.clear();
+  now.normals.clear();
+  for (const Eigen::Vector3d& x : places)
+    now.positions.insert(now.positions.end(), x.begin(), x.end());
+  for (const Eigen::Vector3f& n : normals)
+    now.normals.insert(now.normals.end(), n.begin(), n.end());
+  now.numbers.clear();
+  if (!by_degree_) return;
+  for (const std::uint32_t element : surface.rest().tetrahedra)
+    now.numbers.push_back(
+        quadratic_share(body.model(), body.model().elements()[element], body.system().degrees()));
+}
+
+Status TetsScenes::step() {
+  if (hold_) {
+    TetHand& hand = hold_->hand;
+    hand.velocity = (hold_->goal - hand.point) / scene_.step;
+    hand.point = hold_->goal;
+    if (Status s = bodies_.group->set_hand(hold_->body, hand); !s) return s;
+  }
+  if (!bodies_.group->step(reports_))
+    for (std::size_t i = 0; i < reports_.size(); ++i)
+      if (!reports_[i].converged)
+        return Error{ErrorKind::kSolver,
+                     fmt::format("{}: body '{}': the step from t = {:.6g} s could not be solved",
+                                 scene_.path, scene_.bodies[i].name, time())};
+  ++steps_;
+  return Success{};
+}
+
+std::vector<std::string> TetsScenes::told() const {
+  const TetGroup& group = *bodies_.group;
+  double share = 0.0;
+  for (std::size_t i = 0; i < group.size(); ++i)
+    share += group.body(i).system().quadratic_share() / static_cast<double>(group.size());
+  return {fmt::format("{} bodies, {} asleep", group.size(), group.sleeping()),
+          fmt::format("{:.0f} % of their edges quadratic", 100.0 * share)};
+}
+
+bool TetsScenes::take(const CameraRay& ray) {
+  let_go();
+  double nearest = std::numeric_limits<double>::infinity();
+  std::size_t body = 0, vertex = 0;
+  for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+    const TetSurface& surface = *bodies_.kind(i).surface;
+    std::vector<Vector3d> at(surface.vertices());
+    std::vector<Eigen::Vector3f> normals(surface.vertices());
+    surface.place(bodies_.group->body(i).positions(), at, normals);
+    for (const Triangle& t : surface.rest().triangles) {
+      const auto place = [&at](VertexId v) { return at[v]; };
+      const auto far = meets(ray, place(t[0]), place(t[1]), place(t[2]));
+      if (!far || *far >= nearest) continue;
+      nearest = *far;
+      body = i;
+      const Vector3d met = ray.origin + *far * ray.direction;
+      const auto off = [&](VertexId v) { return (place(v) - met).squaredNorm(); };
+      vertex = static_cast<std::size_t>(*std::min_element(
+          t.begin(), t.end(), [&off](VertexId a, VertexId b) { return off(a) < off(b); }));
+    }
+  }
+  if (!std::isfinite(nearest)) return false;
+  TetBody& held = bodies_.group->body(body);
+  TetHand hand = hand_at(held.model(), bodies_.kind(body).surface->rest(), vertex);
+  if (!suit_springs(held, hand)) return false;
+  hand.point = hand.of(held.positions());
+  hold_ = Hold{body, hand, hand.point};
+  return true;
+}
+
+void TetsScenes::move_to(const Vector3d& point) {
+  if (hold_) hold_->goal = point;
+}
+
+void TetsScenes::let_go() {
+  // The body is one that was taken.
+  if (hold_) (void)bodies_.group->set_hand(hold_->body, std::nullopt);
+  hold_.reset();
+}
+
+std::optional<Vector3d> TetsScenes::hand() const {
+  if (!hold_) return std::nullopt;
+  return hold_->goal;
+}
+
+std::optional<Vector3d> TetsScenes::held() const {
+  if (!hold_) return std::nullopt;
+  return hold_->hand.of(bodies_.group->body(hold_->body).positions());
+}
+
+namespace {
+
+Result<int> view_tets(const ViewerOptions& options, const ViewFlags& flags) {
+  if (Status s = refuse_body_flags(options, "tetrahedra"); !s) return s.error();
+  if (options.colour != "body" && options.colour != "degree")
+    return usage_error("--colour " + options.colour + " is not of bodies of tetrahedra");
+  const Result<std::string> text = read_whole_file(options.file);
+  if (!text) return text.error();
+  Result<TetScene> scene = parse_tets_scene(*text, options.file);
+  if (!scene) return scene.error();
+  if (Status s = apply_tets_flags(flags.flags, "", flags.told, *scene); !s) return s.error();
+  const std::vector<NamedFile> inputs = inputs_of(*scene);
+  Result<TetsScenes> scenes = TetsScenes::create(std::move(*scene), options.colour == "degree");
+  if (!scenes) return scenes.error();
+  return view_surfaces(options, inputs, *scenes);
+}
+
+}  // namespace
+
+int view_tets_command(const ViewerOptions& options, const ViewFlags& flags) {
+  const Result<int> code = view_tets(options, flags);
+  if (!code) return report_error(code.error());
+  const int printed = flushed(*code);
+  // Whoever started the program shall see that a signal ended it.
+  if (*code > 128) ::raise(*code - 128);
+  return printed;
+}
+
+}  // namespace tremolo

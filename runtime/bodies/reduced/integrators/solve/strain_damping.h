@@ -1,0 +1,111 @@
+// Stiffness damping by strain rates, independent of rotation (Kelvin-Voigt; docs/theory.md,
+// "Stiffness damping"). The force on a velocity v at q is beta J(q)^T G J(q) v, of which the
+// methods include beta Lambda v in D = alpha + beta Lambda (damping.h). This file adds the
+// remaining part
+//
+//     rest(q) v = beta [J(q)^T G J(q) - Lambda] v        (runtime/math/kernels/strain_matrix.h),
+//
+// In a step with d = q1 - q0 and the middle qm, beta/h J(qm)^T G J(qm) d takes beta/h Dy^T G Dy >=
+// 0 of the energy, Dy = y(q1) - y(q0), exactly.
+//
+// A model without G (imported, or of a file before 1.4) is damped by the positive part of the
+// tangent K at one position of the step, beta [K_+ - Lambda] v: rotation is not damped there either
+// where K is positive, and no velocity gains energy.
+// where K is positive, and no velocity gains energy.
+#pragma once
+
+#include <memory>
+
+#include <Eigen/Eigenvalues>
+
+#include "runtime/bodies/reduced/integrators/solve/damping.h"
+#include "runtime/math/kernels/potential.h"
+#include "runtime/math/kernels/small_matrices.h"
+#include "runtime/math/kernels/strain_matrix.h"
+#include "runtime/model.h"
+
+namespace tremolo {
+
+class StrainDamping {
+ public:
+  // beta: s. The model must outlive this, and its strain_matrix() must have been read if it has one
+  // (make_integrator() does that).
+  StrainDamping(const Model& model, double beta);
+
+  // False: beta = 0 or a linear model; the rest is zero.
+  bool present() const { return beta_ > 0.0; }
+  double beta() const { return beta_; }  // s; 0 where not present
+
+  // Sets the position, r, at which K_+ is computed from now on, for a model without G; else does
+  // nothing.
+  void stand_at(const Eigen::VectorXd& q);
+
+  // out = rest(q) v. Returns v . rest(q) v, which is at least -v . beta Lambda v. r each; nothing
+  // is allocated.
+  double force(const Eigen::VectorXd& q, const Eigen::VectorXd& v, Eigen::VectorXd& out);
+
+  // stand_at(q) and force(q, v): for methods that evaluate the force where it acts.
+  double force_at(const Eigen::VectorXd& q, const Eigen::VectorXd& v, Eigen::VectorXd& out) {
+    stand_at(q);
+    return force(q, v, out);
+  }
+
+ private:
+  // For a model without G.
+  struct Tangent {
+    PotentialWorkspace workspace;
+    Evaluation evaluation;
+    Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen;
+    SmallCholesky factor;
+    Eigen::MatrixXd product;
+    Eigen::MatrixXd rest;  // K_+ - Lambda
+  };
+
+  double beta_ = 0.0;
+  const Potential* potential_ = nullptr;
+  std::shared_ptr<const StrainMatrix> strains_;
+  StrainMatrix::Workspace workspace_;
+  std::unique_ptr<Tangent> tangent_;
+};
+
+// DampedKick (damping.h) with the damping of StrainDamping at the position of the kick: the kick by
+// f - rest(q) v, where v is the mean velocity in the half step that results from that force itself.
+//
+// With the reach and path of DampedKick, F the total force and s = h/2,
+//
+//     F = f - rest(q) v,      s v = reach p + path F,
+//
+// that is (path + path rest(q) path/s) F = path (f - rest(q) reach p/s): symmetric, and positive
+// because path beta Lambda/s < 1. Conjugate gradients preconditioned by `path` solve it.
+
+class StrainKick {
+ public:
+  StrainKick() = default;
+  // rates: D of all coordinates, same as for DampedKick.
+  StrainKick(const Eigen::VectorXd& rates, double step)
+      : kick_(rates, step), half_step_(0.5 * step) {
+    for (Eigen::VectorXd* v : {&force_, &residual_, &direction_, &image_, &velocity_})
+      v->setZero(rates.size());
+  }
+
+  // Kicks p at q by f, r each. Returns the energy that damping took, J. Nothing is allocated.
+  double operator()(StrainDamping& strain, const Eigen::VectorXd& q, const Eigen::VectorXd& f,
+                    Eigen::VectorXd& p);
+
+ private:
+  DampedKick kick_;
+  double half_step_ = 0.0;
+  Eigen::VectorXd force_, residual_, direction_, image_, velocity_;
+};
+
+struct StrainFlowScratch {
+  Eigen::VectorXd term, next, path;  // r each
+};
+
+// The exact flow of p' = g - rest(q) p over the time s, which may be negative. Returns the energy
+// that damping took, J. The series ends where its terms are below rounding.
+double flow_with_strain_damping(StrainDamping& strain, const Eigen::VectorXd& q,
+                                const Eigen::VectorXd& g, double s, Eigen::VectorXd& p,
+                                StrainFlowScratch& scratch);
+
+}  // namespace tremolo

@@ -1,0 +1,173 @@
+// Contact of a body of tetrahedra with fixed solids and other bodies, at points of its surface
+// (tet_contact.h). With the signed distance d of a solid at the point and its outward normal n,
+//   f = k <-d> n  -  mu k <-d> v_t / sqrt(|v_t|^2 + v_0^2),     v_t = v - (v.n) n,
+// <a> = max(a, 0), and v is the point's velocity relative to the solid. The first part has the
+// potential 1/2 k <-d>^2. The second only dissipates, and below v_0 it permits creep. A sticking
+// point has the stiffness mu k <-d> / (v_0 h) for a step h: a larger v_0 is easier to solve. This
+// is a penalty: under a load F a point penetrates by F/k.
+//
+// For another body, d is its distance at rest, phi, at the point X that its deformed elements map
+// to the contact point (tet_tree.h): x = sum_I B_I(X) x_I, so that with F = dx/dX
+//   d phi = g . (dx - sum_I B_I dx_I),     g = F^-T grad phi,
+// and f = -k phi g acts on the point, -B_I f on the other body's control points. This is the exact
+// slope of 1/2 k phi^2, at one position, so that momentum and angular momentum are conserved. Where
+// two points press on each other, k is that of both springs in series. Changes of g are left out of
+// the stiffness, which is then k g g^T, never negative.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/distance/distance_grid.h"
+#include "formats/tets/tets_file.h"
+#include "runtime/bodies/reduced/frames/pose.h"
+#include "runtime/bodies/tets/contact/tet_tree.h"
+#include "runtime/bodies/tets/elements/tet_model.h"
+#include "runtime/bodies/tets/elements/tet_system.h"
+#include "runtime/bodies/tets/solve/active_solve.h"
+#include "runtime/contact/collider.h"
+
+namespace tremolo {
+
+// A contact point.
+struct TetPoint {
+  std::uint32_t count = 0;
+  // Control points of one element; both ends of an edge are included if its control point is.
+  std::array<std::uint32_t, kMostNodes> nodes{};
+  std::array<double, kMostNodes> shares{};  // weights
+  // Twice the mean stiffness at rest of the rows of these nodes by their weights, N/m. A body then
+  // penetrates about as much as it deforms there, and the system's condition is unchanged.
+  double stiffness = 0.0;
+};
+
+// The weighted sum of x, any vector of the control points.
+Eigen::Vector3d at_point(const TetPoint& point, const Eigen::VectorXd& x);
+
+// The vertices of the mesh's boundary and the midpoints of its edges.
+std::vector<TetPoint> boundary_points(const TetModel& model);
+
+// Vertices of a surface attached to the body, in their order, thinned evenly if there are more than
+// the mesh's boundary has vertices and edges.
+std::vector<TetPoint> surface_points(const TetModel& model, const TetsSurface& surface);
+
+// The contact surface that all bodies of one kind have.
+struct TetHull {
+  TetHull(TetModelPointer of, std::vector<TetPoint> with, std::optional<DistanceGrid> distances);
+
+  TetModelPointer model;
+  std::vector<TetPoint> points;
+  // Distances at rest; without it the points of other bodies pass through.
+  std::optional<DistanceGrid> grid;
+  TetTree tree;
+  double stiffness = 0.0;  // mean of the points' stiffness, N/m
+
+  std::size_t bytes() const;
+};
+using TetHullPointer = std::shared_ptr<const TetHull>;
+// The hull of the mesh's boundary, without distances.
+TetHullPointer boundary_hull(TetModelPointer model);
+
+// A fixed obstacle.
+struct TetObstacle {
+  Collider shape;
+  Pose pose;
+  double friction = 0.3;  // mu of the pair
+};
+
+inline constexpr double kTetCreep = 1e-3;  // default of v_0, m/s
+
+class TetContact;
+
+// Another body nearby.
+struct TetPartner {
+  std::uint32_t member = 0;  // its number in the island (tet_island.h)
+  const TetContact* contact = nullptr;
+  const Eigen::VectorXd* s = nullptr;  // its control points where forces are evaluated, m
+  const Eigen::VectorXd* v = nullptr;  // their velocities, m/s
+  double friction = 0.3;               // of the pair
+};
+
+inline constexpr std::uint32_t kNoPartner = ~std::uint32_t{0};
+
+// A point in contact.
+struct TetTouch {
+  std::uint32_t point = 0;
+  std::uint32_t partner = kNoPartner;             // kNoPartner for a fixed obstacle
+  std::uint32_t obstacle = 0;                     // without a partner
+  std::array<std::uint32_t, kMostNodes> nodes{};  // the partner's control points there
+  std::array<double, kMostNodes> values{};        // their weights
+  // depth: m. stiffness: k, N/m. energy: of the penalty, J.
+  double depth = 0.0, stiffness = 0.0, energy = 0.0;
+  Eigen::Vector3d slope;         // g
+  Eigen::Vector3d force;         // on the point, N
+  Eigen::Matrix3d place, speed;  // -df/dx and -df/dv between point and partner
+};
+
+class TetContact {
+ public:
+  // creep: v_0 of the body's points, m/s, above 0.
+  TetContact(TetHullPointer hull, std::vector<TetObstacle> obstacles, double creep = kTetCreep);
+
+  const TetHull& hull() const { return *hull_; }
+  // The bodies nearby, in a fixed order. Bodies without distances are skipped.
+  void clear_partners() { partners_.clear(); }
+  void add_partner(const TetPartner& partner) { partners_.push_back(partner); }
+  std::span<const TetPartner> partners() const { return partners_; }
+
+  // Fits the boxes of the body's elements to x; call it before any search.
+  void fit(const Eigen::VectorXd& x);
+  const TetTree::Box& box() const { return boxes_.front(); }
+
+  // Finds the contacts of the points at positions s with velocities v; the body and its partners
+  // have been fitted. If none of them has moved since the last call, as between the end of a step
+  // and the start of the next, the positions in the partners are reused. May be called for several
+  // bodies at once.
+  void find(const Eigen::VectorXd& s, const Eigen::VectorXd& v);
+  std::span<const TetTouch> touches() const { return touches_; }
+
+  // f += the forces on the body's own control points, not condensed.
+  void add_forces(Eigen::VectorXd& f) const;
+  // f += the forces of its contacts with one partner on that partner.
+  void add_partner_forces(std::uint32_t partner, Eigen::VectorXd& f) const;
+
+  // Statistics of the last search.
+  struct Look {
+    // energy: of the penalty, J. depth: of the deepest point, m.
+    double energy = 0.0, depth = 0.0;
+    std::size_t touching = 0;  // number of points in contact
+  };
+  Look look() const;
+  // The same for fixed obstacles alone, at positions x.
+  Look look(const Eigen::VectorXd& x) const;
+  std::size_t bytes() const;
+
+ private:
+  struct Fitted {
+    const TetContact* contact = nullptr;
+    std::uint64_t times = 0;
+    bool operator==(const Fitted&) const = default;
+  };
+  bool places_are_known();
+  void find_places(const Eigen::VectorXd& s);
+  void find_obstacles(std::uint32_t p, const Eigen::Vector3d& place);
+  void find_partner(std::uint32_t p, const Eigen::Vector3d& place, std::uint32_t number);
+
+  TetHullPointer hull_;
+  double creep_;
+  std::vector<TetObstacle> obstacles_;
+  std::vector<TetPartner> partners_;
+  std::vector<TetTree::Box> boxes_;
+  std::vector<TetTouch> touches_;
+  std::vector<std::uint8_t> near_;  // the obstacles that the body's box reaches
+  Eigen::VectorXd fitted_;          // x of the last fit()
+  std::uint64_t times_ = 0;         // number of fits with another x
+  std::vector<Fitted> known_;       // the body and its partners when positions were last found
+};
+
+}  // namespace tremolo

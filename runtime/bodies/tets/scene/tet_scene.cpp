@@ -1,0 +1,116 @@
+#include "runtime/bodies/tets/scene/tet_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "formats/tets/tets_file.h"
+
+namespace tremolo {
+namespace {
+
+Result<TetsKind> read_tets_kind(const TetSceneBody& body) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(body.model, ignored)) {
+    const std::string usual = "tremolo-precompute tets MESH -o " + body.model;
+    return system_error(body.model + ": there is no such file; it is made by `" +
+                        (body.made_by.empty() ? usual : body.made_by) + "`");
+  }
+  Result<TetsFile> file = read_tets(body.model);
+  if (!file) return file.error();
+  TetsKind kind;
+  kind.path = body.model;
+  kind.held = !file->held.empty();
+  if (Status s =
+          take(kind.model, TetModel::create(std::move(file->mesh), file->materials, file->held));
+      !s)
+    return error_of_file(body.model, s.error());
+  kind.hull = std::make_shared<const TetHull>(
+      kind.model, surface_points(*kind.model, file->surface), std::move(file->grid));
+  kind.surface = std::make_shared<const TetSurface>(kind.model, std::move(file->surface));
+  return kind;
+}
+
+// The rest shape at the body's pose, with its velocity and spin about the centre of mass; fixed
+// points are at rest.
+Status place_tets_body(const TetSceneBody& wanted, TetBody& body) {
+  const TetModel& model = body.model();
+  const Eigen::Index size = model.rest().size();
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(size);
+  Eigen::VectorXd x(size), v = Eigen::VectorXd::Zero(size), weight(size);
+  model.mass_times(ones, weight);
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (Eigen::Index i = 0; i < size; i += 3) {
+    const Eigen::Vector3d rest = model.rest().segment<3>(i);
+    x.segment<3>(i) = wanted.pose * rest;
+    centre += weight[i] / model.mass() * x.segment<3>(i);
+  }
+  for (Eigen::Index i = 0; i < size; i += 3) {
+    const Eigen::Vector3d arm = x.segment<3>(i) - centre;
+    if (model.held()[i / 3] == 0) v.segment<3>(i) = wanted.velocity + wanted.spin.cross(arm);
+  }
+  return body.set_state(x, v);
+}
+
+}  // namespace
+
+std::size_t TetsBodies::elements() const {
+  std::size_t sum = 0;
+  for (std::size_t i = 0; i < group->size(); ++i) sum += group->body(i).model().elements().size();
+  return sum;
+}
+
+std::size_t TetsBodies::bytes() const {
+  std::size_t sum = 0;
+  for (const TetsKind& one : kinds)
+    sum += one.model->bytes() + one.surface->bytes() + one.hull->bytes();
+  return sum + group->bytes();
+}
+
+namespace {
+
+// The friction of a pair is the geometric mean.
+std::vector<TetObstacle> tets_obstacles(const TetBodiesScene& scene, const TetSceneBody& body) {
+  std::vector<TetObstacle> obstacles;
+  for (const SceneCollider& collider : scene.colliders)
+    obstacles.push_back(
+        {collider.shape, collider.pose, std::sqrt(collider.friction * body.friction)});
+  return obstacles;
+}
+
+}  // namespace
+
+Result<TetsBodies> make_tets_bodies(const TetBodiesScene& scene) {
+  TetsBodies made;
+  std::vector<TetBody> bodies;
+  std::vector<TetContact> contacts;
+  std::vector<double> frictions;
+  for (const TetSceneBody& wanted : scene.bodies) {
+    const auto told = [&](const Error& error) {
+      const std::string file = scene.path.empty() ? "" : scene.path + ": ";
+      return Error{error.kind, file + "body '" + wanted.name + "': " + error.message};
+    };
+    auto found = std::find_if(made.kinds.begin(), made.kinds.end(),
+                              [&](const TetsKind& kind) { return kind.path == wanted.model; });
+    if (found == made.kinds.end()) {
+      Result<TetsKind> kind = read_tets_kind(wanted);
+      if (!kind) return told(kind.error());
+      found = made.kinds.insert(made.kinds.end(), std::move(*kind));
+    }
+    Result<TetBody> body = TetBody::create(found->model, wanted.options);
+    if (!body) return told(body.error());
+    if (Status s = place_tets_body(wanted, *body); !s) return told(s.error());
+    made.kind_of.push_back(static_cast<std::size_t>(found - made.kinds.begin()));
+    bodies.push_back(std::move(*body));
+    contacts.emplace_back(found->hull, tets_obstacles(scene, wanted), wanted.creep);
+    frictions.push_back(wanted.friction);
+  }
+  made.group = std::make_unique<TetGroup>(std::move(bodies), std::move(contacts),
+                                          std::move(frictions), scene.group);
+  return made;
+}
+
+}  // namespace tremolo

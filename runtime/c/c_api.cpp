@@ -1,0 +1,75 @@
+#include "runtime/c/c_api.h"
+
+namespace tremolo::c_api {
+namespace {
+
+thread_local std::string last_error;
+
+}  // namespace
+
+tremolo_status fail(tremolo_status status, const char* message) noexcept {
+  try {
+    last_error = message;
+  } catch (...) {
+    last_error.clear();  // no memory even for the message
+  }
+  return status;
+}
+
+tremolo_status to_status(ErrorKind kind) noexcept {
+  switch (kind) {
+    case ErrorKind::kUsage:
+      return TREMOLO_USAGE;
+    case ErrorKind::kContent:
+      return TREMOLO_CONTENT;
+    case ErrorKind::kSolver:
+      return TREMOLO_SOLVER;
+    case ErrorKind::kBound:
+      return TREMOLO_BOUND;
+    default:
+      return TREMOLO_SYSTEM;
+  }
+}
+
+Status need(std::initializer_list<Argument> arguments) {
+  for (const auto& [pointer, name] : arguments)
+    if (pointer == nullptr) return usage_error(std::string(name) + " is NULL");
+  return Success{};
+}
+
+Status need_buffer(const void* buffer, std::size_t length, std::size_t needed) {
+  if (Status s = need({{buffer, "the buffer"}}); !s) return s;
+  if (length != needed)
+    return usage_error("the buffer's length is " + std::to_string(length) + ", must be " +
+                       std::to_string(needed));
+  return Success{};
+}
+
+Status copy_state(const State& state, double* q, double* p, std::size_t length) {
+  if (Status s = need_buffer(q, length, static_cast<std::size_t>(state.q.size())); !s) return s;
+  std::copy(state.q.begin(), state.q.end(), q);
+  if (p != nullptr) std::copy(state.p.begin(), state.p.end(), p);
+  return Success{};
+}
+
+void copy_energy(const Energy& energy, double* kinetic, double* potential, double* high_band) {
+  if (kinetic != nullptr) *kinetic = energy.kinetic;
+  if (potential != nullptr) *potential = energy.potential;
+  if (high_band != nullptr) *high_band = energy.high_band;
+}
+
+Result<VertexId> to_vertex(std::uint32_t vertex) {
+  if (!std::in_range<VertexId>(vertex))
+    return usage_error("the model has no vertex " + std::to_string(vertex));
+  return static_cast<VertexId>(vertex);
+}
+
+}  // namespace tremolo::c_api
+
+const char* tremolo_last_error(void) {
+  return tremolo::c_api::last_error.c_str();
+}
+
+const char* tremolo_version(void) {
+  return TREMOLO_VERSION;
+}

@@ -1,0 +1,213 @@
+#include "runtime/io/exchange/recording.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+
+#include "runtime/bodies/reduced/surface/surface.h"
+
+namespace tremolo {
+
+AnimatedShape animated_shape(const Model& model, std::string name) {
+  AnimatedShape shape;
+  shape.name = std::move(name);
+  const DrawnSurface drawn = model.drawn();
+  shape.modes.resize(drawn.rows.rows(), drawn.rows.cols() + drawn.response.cols());
+  shape.modes << drawn.rows, drawn.response;
+  shape.response_columns = drawn.response.cols();
+  if (const RenderBlock* render = model.render()) {
+    shape.surface = render->surface;
+    shape.smooth_groups = find_smooth_patches(render->surface).group_of;
+    return shape;
+  }
+  shape.surface.vertices = drawn.rest;
+  shape.surface.triangles = drawn.triangles;
+  shape.surface.object_of.assign(drawn.triangles.size(), 0);
+  shape.surface.material_of.assign(drawn.triangles.size(), 0);
+  shape.surface.objects = {shape.name};
+  shape.surface.materials = {shape.name};
+  return shape;
+}
+
+Status Recording::add_body(AnimatedBody body) {
+  if (animation_.frames() > 0)
+    return usage_error("body '" + body.name + "' comes after the first frame");
+  for (const AnimatedBody& other : animation_.bodies)
+    if (other.name == body.name) return usage_error("two bodies are called '" + body.name + "'");
+  if (body.name.empty()) return usage_error("a body needs a name");
+  animation_.bodies.push_back(std::move(body));
+  recorded_.push_back(0);
+  return Success{};
+}
+
+Result<std::size_t> Recording::add(const Model::Pointer& model, std::string name,
+                                   const std::shared_ptr<const Skin>& skin) {
+  AnimatedBody body;
+  if (skin && skin->bones() > 1) {
+    body.weights = skin->drawn;
+    body.bone_names = skin->names;
+  }
+  if (body.weights.cols() > 0 &&
+      std::cmp_not_equal(body.weights.rows(), model->drawn().rest.size()))
+    return usage_error("body '" + name + "': its skin is of another model");
+  const auto [place, is_new] = shapes_.try_emplace(model.get(), animation_.shapes.size());
+  body.shape = place->second;
+  body.name = name;
+  if (Status s = add_body(std::move(body)); !s) {
+    if (is_new) shapes_.erase(place);
+    return s.error();
+  }
+  if (is_new) {
+    models_.push_back(model);
+    animation_.shapes.push_back(animated_shape(*model, std::move(name)));
+  }
+  return recorded_.size() - 1;
+}
+
+Result<std::size_t> Recording::add(const Body& body, std::string name) {
+  std::shared_ptr<const Skin> skin;
+  if (body.skin() != nullptr) skin = std::make_shared<const Skin>(*body.skin());
+  return add(body.model_pointer(), std::move(name), skin);
+}
+
+Result<std::size_t> Recording::add(AnimatedShape shape, std::string name) {
+  AnimatedBody body;
+  body.name = std::move(name);
+  body.shape = animation_.shapes.size();
+  body.collider = true;
+  if (Status s = add_body(std::move(body)); !s) return s.error();
+  animation_.shapes.push_back(std::move(shape));
+  return recorded_.size() - 1;
+}
+
+Status Recording::check_whole() const {
+  for (std::size_t track = 0; track < recorded_.size(); ++track)
+    if (recorded_[track] != animation_.frames())
+      return usage_error("body '" + animation_.bodies[track].name +
+                         "' is not in the frame at t = " + std::to_string(animation_.times.back()) +
+                         " s");
+  return Success{};
+}
+
+Status Recording::begin_frame(double time) {
+  if (Status s = check_whole(); !s) return s;
+  if (!std::isfinite(time) || (!animation_.times.empty() && time <= animation_.times.back()))
+    return usage_error("a frame's time must be finite and later than the last one's");
+  animation_.times.push_back(time);
+  return Success{};
+}
+
+Status Recording::record(std::size_t track, std::span<const double> q,
+                         std::span<const Pose> poses) {
+  if (track >= recorded_.size())
+    return usage_error("there are " + std::to_string(recorded_.size()) + " tracks, no track " +
+                       std::to_string(track));
+  AnimatedBody& body = animation_.bodies[track];
+  if (recorded_[track] >= animation_.frames())
+    return usage_error("body '" + body.name + "': begin a frame first, which it is not in yet");
+  const AnimatedShape& shape = animation_.shape_of(body);
+  const Eigen::Index modes = shape.modes.cols() - shape.response_columns;
+  if (std::cmp_not_equal(q.size(), modes) && std::cmp_not_equal(q.size(), shape.modes.cols()))
+    return usage_error("body '" + body.name + "': it has " + std::to_string(modes) +
+                       " coordinates, not " + std::to_string(q.size()));
+  if (poses.size() != body.bones())
+    return usage_error("body '" + body.name + "': it has " + std::to_string(body.bones()) +
+                       " frames, not " + std::to_string(poses.size()));
+  for (const double value : q)
+    if (!std::isfinite(value))
+      return usage_error("body '" + body.name + "': a coordinate is not finite");
+  body.q.insert(body.q.end(), q.begin(), q.end());
+  body.q.resize(body.q.size() + static_cast<std::size_t>(shape.modes.cols()) - q.size(), 0.0);
+  body.poses.insert(body.poses.end(), poses.begin(), poses.end());
+  ++recorded_[track];
+  return Success{};
+}
+
+Status Recording::record(std::size_t track, const Body& body) {
+  poses_.clear();
+  for (std::size_t b = 0; b < body.bones(); ++b) poses_.push_back(body.bone_pose(b));
+  if (body.bones() < 2) poses_.assign(1, body.pose());
+  const Eigen::VectorXd& q = body.shown();
+  return record(track, {q.data(), static_cast<std::size_t>(q.size())}, poses_);
+}
+
+Result<Animation> Recording::animation() const {
+  if (Status s = check_whole(); !s) return s.error();
+  if (Status s = check_animation(animation_); !s) return s.error();
+  return animation_;
+}
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// The squares of singular values resolve no smaller ones.
+constexpr double kLeastSquare = 1e-13;
+
+double farthest(const MatrixXd& rest) {
+  double most = 0.0;
+  for (Index frame = 0; frame < rest.cols(); ++frame)
+    for (Index k = 0; k < rest.rows(); k += 3)
+      most = std::max(most, rest.col(frame).segment<3>(k).squaredNorm());
+  return std::sqrt(most);
+}
+
+// Leaves the body's shape with modes and q; the largest distance that is left, m.
+double describe(AnimatedShape& shape, AnimatedBody& body, Index most, double enough) {
+  const Index rows = 3 * shape.surface.vertices.size();
+  const auto frames = static_cast<Index>(body.displacements.size()) / rows;
+  const Eigen::Map<const MatrixXd> motion(body.displacements.data(), rows, frames);
+  MatrixXd products = MatrixXd::Zero(frames, frames);
+  products.selfadjointView<Eigen::Lower>().rankUpdate(motion.transpose());
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(products);
+  const double largest = solver.eigenvalues()[frames - 1];
+  MatrixXd left = motion, modes(rows, std::min(most, frames));
+  Index count = 0;
+  double off = farthest(left);
+  while (count < modes.cols() && off > enough) {
+    const Index k = frames - 1 - count;
+    if (!(solver.eigenvalues()[k] > kLeastSquare * largest)) break;
+    modes.col(count) = motion * solver.eigenvectors().col(k);
+    modes.col(count).normalize();
+    // Coordinates of the residual, not of the whole motion: the next mode corrects the rounding of
+    // this one.
+    const VectorXd shares = left.transpose() * modes.col(count);
+    left.noalias() -= modes.col(count) * shares.transpose();
+    off = farthest(left);
+    ++count;
+  }
+  shape.modes = modes.leftCols(count);
+  const MatrixXd q = shape.modes.transpose() * motion;
+  off = farthest(motion - shape.modes * q);
+  body.q.assign(q.data(), q.data() + q.size());
+  body.displacements.clear();
+  return off;
+}
+
+}  // namespace
+
+Result<double> describe_by_modes(Animation& animation, std::size_t most, double enough) {
+  if (Status s = check_animation(animation); !s) return s.error();
+  double worst = 0.0;
+  for (AnimatedBody& body : animation.bodies) {
+    if (body.displacements.empty()) continue;
+    const bool shared =
+        std::count_if(animation.bodies.begin(), animation.bodies.end(),
+                      [&body](const AnimatedBody& other) { return other.shape == body.shape; }) > 1;
+    if (shared) {
+      animation.shapes.push_back(animation.shapes[body.shape]);
+      animation.shapes.back().name = body.name;
+      body.shape = animation.shapes.size() - 1;
+    }
+    AnimatedShape& shape = animation.shapes[body.shape];
+    const double size = std::max(largest_extent(shape), 1e-300);
+    worst = std::max(worst, describe(shape, body, static_cast<Index>(most), enough * size) / size);
+  }
+  return worst;
+}
+
+}  // namespace tremolo

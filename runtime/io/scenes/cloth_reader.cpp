@@ -1,0 +1,230 @@
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "formats/file/input_file.h"
+#include "runtime/io/scenes/nodal_readers.h"
+#include "runtime/io/scenes/part_readers.h"
+#include "runtime/io/scenes/toml_keys.h"
+
+namespace tremolo {
+namespace {
+
+constexpr const char* kClothTables = "cloths";
+
+// Along an edge of the grid the particles are counted by an int somewhere: no grid is larger.
+constexpr int kMostAlongAnEdge = 10000;
+
+std::size_t read_count(TomlKeys& keys, const char* key) {
+  int count = 0;
+  keys.read(key, count);
+  if (keys.has(key) && keys.good() && !(count >= 2 && count <= kMostAlongAnEdge))
+    keys.fail(key,
+              std::string("'") + key + "' must be from 2 to " + std::to_string(kMostAlongAnEdge));
+  return keys.good() ? static_cast<std::size_t>(count) : 0;
+}
+
+// Reads a direction of any length but zero and normalises it.
+void read_direction(TomlKeys& keys, const char* key, Eigen::Vector3d& direction) {
+  keys.read(key, direction);
+  if (!(direction.norm() > 0.0)) return keys.fail(key, std::string("'") + key + "' has no length");
+  direction.normalize();
+}
+
+void read_grid(TomlKeys& keys, ClothGrid& grid) {
+  grid.columns = read_count(keys, "columns");
+  grid.rows = read_count(keys, "rows");
+  keys.read("width", grid.width);
+  keys.read("height", grid.height);
+  keys.read("corner", grid.corner);
+  read_direction(keys, "along", grid.along);
+  read_direction(keys, "across", grid.across);
+}
+
+// columns and rows, or a file.
+void read_shape(TomlKeys& keys, SceneCloth& cloth) {
+  keys.read_path("file", cloth.file);
+  keys.read("position", cloth.position);
+  if (!keys.has("file")) {
+    if (!keys.has("columns") || !keys.has("rows"))
+      keys.fail("columns", "it needs `columns` and `rows`, or a `file`");
+    if (keys.has("position"))
+      keys.fail("position", "`position` applies only to a `file`: a grid has a `corner`");
+    return read_grid(keys, cloth.grid);
+  }
+  for (const char* key : {"columns", "rows", "width", "height", "corner", "along", "across"})
+    if (keys.has(key))
+      keys.fail(key, std::string("`") + key + "` applies only to a grid: leave it or `file` out");
+}
+
+// Reads [stiffness, damping], or the stiffness alone, which leaves the damping unchanged.
+void read_law(TomlKeys& keys, const char* key, SpringLaw& law) {
+  const toml::node* node = keys.find(key);
+  if (node == nullptr || !node->is_array()) return keys.read(key, law.stiffness);
+  const std::vector<double> numbers = keys.read_numbers(key, 2, 2);
+  if (numbers.size() == 2) law = {numbers[0], numbers[1]};
+}
+
+std::string told_name(const toml::table& table, const char* kind, std::size_t number) {
+  if (const auto name = table["name"].value_exact<std::string>())
+    return std::string(kind) + " '" + *name + "'";
+  return std::string(kind) + " " + std::to_string(number);
+}
+
+// A missing mesh is reported at the key `file`, not at a pin that needs it.
+Status check_mesh(TomlKeys& keys, const SceneCloth& cloth) {
+  if (cloth.file.empty()) return Success{};
+  const auto seen = examine_input(cloth.file);
+  if (seen) return Success{};
+  keys.fail("file", seen.error().message);
+  Error error = keys.finish().error();
+  error.kind = seen.error().kind;
+  return error;
+}
+
+Result<SceneCloth> read_cloth(const toml::table& table, std::size_t number, const std::string& path,
+                              std::vector<std::string>& files) {
+  SceneCloth cloth;
+  const std::string what = told_name(table, "cloth", number);
+  TomlKeys keys(table, path, what);
+  if (number > 1) cloth.name += "-" + std::to_string(number);
+  keys.read("name", cloth.name);
+  if (keys.good() && !is_folder_name(cloth.name))
+    keys.fail("name", "a name has letters, digits, '.', '_', '-' only");
+  read_shape(keys, cloth);
+  keys.read("density", cloth.density);
+  read_law(keys, "structural", cloth.structural);
+  read_law(keys, "shear", cloth.shear);
+  read_law(keys, "bend", cloth.bend);
+  keys.read("drag", cloth.drag);
+  keys.read("thickness", cloth.thickness);
+  keys.read("friction", cloth.friction);
+  keys.read("restitution", cloth.restitution);
+  keys.read("crumple", cloth.crumple);
+  if (!keys.good()) return keys.finish().error();
+  if (Status s = check_mesh(keys, cloth); !s) return s.error();
+  if (Status s = read_pins(keys, path, what, files, cloth); !s) return s.error();
+  if (Status s = keys.finish(); !s) return s.error();
+  return cloth;
+}
+
+Result<SceneBall> read_ball(const toml::table& table, std::size_t number, const std::string& path,
+                            std::vector<std::string>& files) {
+  SceneBall ball;
+  const std::string what = told_name(table, "ball", number);
+  TomlKeys keys(table, path, what);
+  ball.name = "ball-" + std::to_string(number);
+  keys.read("name", ball.name);
+  keys.read("radius", ball.radius);
+  keys.read("mass", ball.mass);
+  keys.read("position", ball.position);
+  keys.read("velocity", ball.velocity);
+  keys.read("spin", ball.spin);
+  keys.read("fixed", ball.fixed);
+  keys.read("friction", ball.friction);
+  keys.read("restitution", ball.restitution);
+  if (Status s = take(ball.motion, read_motion(keys, path, what, files, true)); !s)
+    return s.error();
+  if (!ball.motion.parts.empty() && !ball.fixed)
+    keys.fail(
+        "motion",
+        "`motion` applies only to a ball with `fixed = true`: others move under their forces");
+  for (const char* key : {"mass", "velocity", "spin"})
+    if (ball.fixed && keys.has(key))
+      keys.fail(key, std::string("`") + key + "` applies only to a ball that is not fixed");
+  if (Status s = keys.finish(); !s) return s.error();
+  return ball;
+}
+
+// cloths: those of the scene, read already; a hand that names none holds the first one.
+Result<ClothHand> read_cloth_hand(const toml::table& table, std::size_t number,
+                                  const std::string& path, std::vector<std::string>& files,
+                                  const std::vector<SceneCloth>& cloths) {
+  ClothHand hand;
+  const std::string what = "hand " + std::to_string(number);
+  TomlKeys keys(table, path, what);
+  if (!keys.has("at")) keys.fail("at", "it has no `at`");
+  if (!cloths.empty()) hand.cloth = cloths.front().name;
+  keys.read("cloth", hand.cloth);
+  const auto named = [&hand](const SceneCloth& cloth) { return cloth.name == hand.cloth; };
+  const auto cloth = std::find_if(cloths.begin(), cloths.end(), named);
+  if (cloth == cloths.end())
+    keys.fail("cloth", "there is no cloth '" + hand.cloth + "'");
+  else
+    hand.particle = read_particle(keys, "at", *cloth);
+  keys.read("from", hand.from);
+  keys.read("until", hand.until);
+  if (Status s = take(hand.motion, read_motion(keys, path, what, files)); !s) return s.error();
+  if (Status s = keys.finish(); !s) return s.error();
+  return hand;
+}
+
+void read_solve(TomlKeys& keys, ClothScene& scene) {
+  keys.read("step", scene.options.step);
+  keys.read("duration", scene.duration);
+  keys.read("integrator", scene.integrator);
+  keys.read("tolerance", scene.options.tolerance);
+  keys.read("max-iterations", scene.options.max_iterations);
+  keys.read("halvings", scene.options.halvings);
+  constexpr NodalSolver kSolvers[] = {NodalSolver::kAutomatic, NodalSolver::kCholesky,
+                                      NodalSolver::kConjugateGradients};
+  scene.options.solver =
+      kSolvers[keys.read_word("solver", {"automatic", "cholesky", "conjugate-gradients"}, 0)];
+}
+
+// The tables of one kind, each by `read`.
+template <class Value, class Read>
+Status read_all(TomlKeys& keys, const char* key, const std::string& path,
+                std::vector<std::string>& files, std::vector<Value>& values, const Read& read) {
+  std::size_t number = 0;
+  for (const toml::table* entry : keys.read_tables(key)) {
+    Result<Value> value = read(*entry, ++number, path, files);
+    if (!value) return value.error();
+    values.push_back(std::move(*value));
+  }
+  return Success{};
+}
+
+}  // namespace
+
+Result<ClothFile> parse_cloths(std::string_view text, const std::string& path) {
+  const Result<toml::table> table = parse_toml(text, path);
+  if (!table) return table.error();
+  ClothFile file;
+  file.path = path;
+  file.text = text;
+  ClothScene& scene = file.scene;
+  TomlKeys keys(*table, path, "");
+  read_solve(keys, scene);
+  read_outputs(keys, file.outputs);
+  if (Status s = read_gravity(keys, path, scene.gravity, file.files); !s) return s.error();
+  keys.read("wind", scene.wind);
+  keys.read("gust", scene.gust);
+  keys.read("gust-hz", scene.gust_hz);
+  std::vector<std::string>& files = file.files;
+  if (Status s = read_all(keys, kClothTables, path, files, scene.cloths, read_cloth); !s)
+    return s.error();
+  // There is no contact between cloths, so a scene with several must allow them to pass through
+  // each other.
+  bool may_pass = false;
+  keys.read("cloths-pass", may_pass);
+  if (scene.cloths.size() > 1 && !may_pass)
+    keys.fail(kClothTables,
+              "cloth does not touch cloth: several in one scene go through each other, which "
+              "`cloths-pass = true` allows");
+  if (Status s = read_all(keys, "balls", path, files, scene.balls, read_ball); !s) return s.error();
+  if (Status s = read_all(keys, "colliders", path, files, scene.colliders, read_collider); !s)
+    return s.error();
+  const auto read_hand_of = [&scene](const toml::table& entry, std::size_t number,
+                                     const std::string& from, std::vector<std::string>& known) {
+    return read_cloth_hand(entry, number, from, known, scene.cloths);
+  };
+  if (Status s = read_all(keys, "hands", path, files, scene.hands, read_hand_of); !s)
+    return s.error();
+  if (Status s = keys.finish(); !s) return s.error();
+  if (Status s = check_scene(scene); !s) return error_of_file(path, s.error());
+  return file;
+}
+
+}  // namespace tremolo

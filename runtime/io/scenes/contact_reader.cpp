@@ -1,0 +1,151 @@
+#include <optional>
+#include <utility>
+
+#include "runtime/io/scenes/part_readers.h"
+#include "runtime/io/scenes/toml_keys.h"
+
+namespace tremolo {
+namespace {
+
+void need(TomlKeys& keys, const char* key) {
+  if (!keys.has(key)) keys.fail(key, std::string("it has no `") + key + "`");
+}
+
+// A key whose value is a length of the shape.
+void read_length(TomlKeys& keys, const char* key, double& length) {
+  need(keys, key);
+  keys.read(key, length);
+}
+
+SphereShape read_sphere(TomlKeys& keys) {
+  SphereShape sphere;
+  read_length(keys, "radius", sphere.radius);
+  return sphere;
+}
+
+// A capsule or a cylinder.
+template <class Shape>
+Shape read_round(TomlKeys& keys) {
+  Shape shape;
+  read_length(keys, "radius", shape.radius);
+  read_length(keys, "half-length", shape.half_length);
+  return shape;
+}
+
+BoxShape read_box(TomlKeys& keys) {
+  BoxShape box;
+  need(keys, "half-extents");
+  keys.read("half-extents", box.half_extents);
+  return box;
+}
+
+// The shape that the key `shape` names; of a mesh its file, and the command that makes it.
+std::optional<Collider> read_shape(TomlKeys& keys, std::string& file, std::string& made_by,
+                                   const char* made_by_key) {
+  const std::vector<std::string_view> kinds = {"plane", "sphere",   "capsule",
+                                               "box",   "cylinder", "mesh"};
+  const std::size_t kind = keys.read_word("shape", kinds, kinds.size());
+  std::optional<Collider> shape;
+  if (kind == 0) shape = PlaneShape{};
+  if (kind == 1) shape = read_sphere(keys);
+  if (kind == 2) shape = read_round<CapsuleShape>(keys);
+  if (kind == 3) shape = read_box(keys);
+  if (kind == 4) shape = read_round<CylinderShape>(keys);
+  if (kind == 5) {
+    need(keys, "file");
+    keys.read_path("file", file);
+    keys.read(made_by_key, made_by);
+  }
+  if (shape && keys.good())
+    if (Status s = check(*shape); !s) keys.fail("shape", s.error().message);
+  return shape;
+}
+
+// Friction is at least 0, restitution from 0 to 1.
+void read_rubbing(TomlKeys& keys, double& friction, double& restitution) {
+  keys.read("friction", friction);
+  if (!(friction >= 0.0)) keys.fail("friction", "'friction' must not be negative");
+  keys.read("restitution", restitution);
+  if (!(restitution >= 0.0 && restitution <= 1.0))
+    keys.fail("restitution", "'restitution' must be from 0 to 1");
+}
+
+}  // namespace
+
+void read_body_contact(TomlKeys& keys, SceneBody& body) {
+  keys.read("contact", body.feels_contact);
+  keys.read("contact-points", body.contact.points);
+  keys.read("contact-margin", body.contact.margin);
+  keys.read("contact-stiffness", body.contact.stiffness);
+  if (keys.has("contact-modulus")) {
+    keys.read("contact-modulus", body.contact.modulus.emplace());
+    if (keys.has("contact-stiffness"))
+      keys.fail("contact-modulus", "takes the place of `contact-stiffness`: leave one of them out");
+  }
+  body.contact.shape = read_shape(keys, body.shape_file, body.shape_made_by, "shape-made-by");
+  read_rubbing(keys, body.contact.friction, body.contact.restitution);
+}
+
+Result<SceneCollider> read_collider(const toml::table& table, std::size_t number,
+                                    const std::string& path, std::vector<std::string>& files) {
+  SceneCollider collider;
+  std::string what = "collider " + std::to_string(number);
+  if (const auto name = table["name"].value_exact<std::string>()) what = "collider '" + *name + "'";
+  TomlKeys keys(table, path, what);
+  need(keys, "name");
+  keys.read("name", collider.name);
+  need(keys, "shape");
+  if (const auto shape = read_shape(keys, collider.file, collider.made_by, "made-by"))
+    collider.shape = *shape;
+  collider.pose = read_pose(keys);
+  read_rubbing(keys, collider.friction, collider.restitution);
+  if (Status s = take(collider.motion, read_motion(keys, path, what, files, true)); !s)
+    return s.error();
+  if (Status s = keys.finish(); !s) return s.error();
+  return collider;
+}
+
+Result<SceneHand> read_hand(const toml::table& table, std::size_t number, const std::string& path,
+                            std::vector<std::string>& files) {
+  SceneHand hand;
+  const std::string what = "hand " + std::to_string(number);
+  TomlKeys keys(table, path, what);
+  for (const char* key : {"body", "at"}) need(keys, key);
+  keys.read("body", hand.body);
+  keys.read_text_or_number("at", hand.at);
+  keys.read("pin", hand.pin);
+  if (!hand.pin) need(keys, "stiffness");
+  keys.read("stiffness", hand.stiffness);
+  keys.read("damping", hand.damping);
+  if (hand.pin && (keys.has("stiffness") || keys.has("damping")))
+    keys.fail("pin",
+              "a pin is as stiff as mass and step allow: leave `stiffness` and `damping` out");
+  if (keys.has("position")) keys.read("position", hand.position.emplace());
+  keys.read("from", hand.from);
+  keys.read("until", hand.until);
+  if (Status s = take(hand.motion, read_motion(keys, path, what, files)); !s) return s.error();
+  if (Status s = keys.finish(); !s) return s.error();
+  return hand;
+}
+
+Result<SceneJoint> read_joint(const toml::table& table, std::size_t number,
+                              const std::string& path) {
+  SceneJoint joint;
+  TomlKeys keys(table, path, "joint " + std::to_string(number));
+  for (const char* key : {"body", "at", "to"}) need(keys, key);
+  keys.read("body", joint.body);
+  keys.read_text_or_number("at", joint.at);
+  keys.read("to", joint.to);
+  keys.read_text_or_number("to-at", joint.to_at);
+  if (keys.has("stiffness")) keys.read("stiffness", joint.options.stiffness.emplace());
+  keys.read("damping", joint.options.damping);
+  if (keys.has("damping") && !keys.has("stiffness"))
+    keys.fail("damping", "without a `stiffness` both are as large as masses and step allow");
+  keys.read("length", joint.options.length);
+  keys.read("touch", joint.options.touch);
+  keys.read("until", joint.until);
+  if (Status s = keys.finish(); !s) return s.error();
+  return joint;
+}
+
+}  // namespace tremolo

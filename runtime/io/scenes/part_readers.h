@@ -1,0 +1,49 @@
+// Readers of the parts of a scene file: motions, contact and colliders, bones.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <toml++/toml.h>
+
+#include "common/result.h"
+#include "runtime/io/scenes/toml_keys.h"
+#include "runtime/scene/motion.h"
+#include "runtime/scene/scene.h"
+
+namespace tremolo {
+
+// Reads position and quaternion, or turn, of a table. The quaternion is normalised.
+Pose read_pose(TomlKeys& keys);
+
+// Reads a part of a motion. path: of the scene. what: its name in errors. files: CSV files that
+// were read are added. Errors as for read_world.
+Result<MotionPart> read_motion_part(const toml::table& table, const std::string& path,
+                                    const std::string& what, std::vector<std::string>& files);
+
+// Reads all parts of the key `motion` of a table. what: its name in errors. placed: the moving
+// thing has a `position`, which `frame = "world"` requires.
+Result<Motion> read_motion(TomlKeys& keys, const std::string& path, const std::string& what,
+                           std::vector<std::string>& files, bool placed = false);
+
+// The keys of a body's contact.
+void read_body_contact(TomlKeys& keys, SceneBody& body);
+
+// number: of the table among its kind, from 1, for errors. path: of the scene. files: CSV files
+// that were read are added. Errors as read_world.
+Result<SceneCollider> read_collider(const toml::table& table, std::size_t number,
+                                    const std::string& path, std::vector<std::string>& files);
+Result<SceneHand> read_hand(const toml::table& table, std::size_t number, const std::string& path,
+                            std::vector<std::string>& files);
+Result<SceneJoint> read_joint(const toml::table& table, std::size_t number,
+                              const std::string& path);
+
+// The bones of a body in a scene file (docs/reference.md, "Scenes"). Reads `bones`, `bone-blend`
+// and `bone-weights` into the body; appends the CSV files that were read to `files`. what: the
+// body, in errors. Errors of a key are kept by `keys`; others are returned: kSystem for a file that
+// cannot be read, kContent with file, line or row, and key or bone.
+Status read_bones(TomlKeys& keys, const std::string& path, const std::string& what,
+                  std::vector<std::string>& files, SceneBody& body);
+
+}  // namespace tremolo

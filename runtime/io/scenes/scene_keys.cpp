@@ -1,0 +1,107 @@
+#include "runtime/io/scenes/scene_keys.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include "common/material.h"
+#include "formats/file/input_file.h"
+#include "runtime/io/scenes/csv_rows.h"
+#include "runtime/io/scenes/toml_keys.h"
+
+namespace tremolo {
+
+void read_damping_ratio(TomlKeys& keys, double& alpha, double& beta) {
+  std::string ratios;
+  keys.read("damping-ratio", ratios);
+  if (!keys.has("damping-ratio")) return;
+  if (keys.has("alpha") || keys.has("beta"))
+    return keys.fail("damping-ratio", "`damping-ratio` gives `alpha` and `beta`: leave those out");
+  const Result<RayleighDamping> damping = parse_damping_ratios(ratios);
+  if (!damping) return keys.fail("damping-ratio", damping.error().message);
+  alpha = damping->alpha;
+  beta = damping->beta;
+}
+
+bool is_folder_name(const std::string& name) {
+  return !name.empty() && name.front() != '.' &&
+         name.find_first_not_of(
+             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-") ==
+             std::string::npos;
+}
+
+Status read_gravity(TomlKeys& keys, const std::string& path, SceneGravity& gravity,
+                    std::vector<std::string>& files) {
+  const toml::node* node = keys.find("gravity");
+  if (node == nullptr) return Success{};
+  if (const auto value = numbers_of(*node); value && value->size() == 3) {
+    gravity.values = {Eigen::Vector3d(value->data())};
+    return Success{};
+  }
+  std::vector<std::vector<double>> rows;
+  if (const auto name = node->value_exact<std::string>()) {
+    std::string csv;
+    keys.read_path("gravity", csv);
+    if (!keys.good()) return keys.finish();
+    files.push_back(csv);
+    const Result<std::string> text = read_whole_file(csv);
+    if (!text) return text.error();
+    if (Status s = take(rows, parse_rows(*text, csv, {4}, "a time and gravity (t, x, y, z)")); !s)
+      return s;
+  } else if (const toml::array* array = node->as_array()) {
+    for (const toml::node& row : *array)
+      if (const auto numbers = numbers_of(row); numbers && numbers->size() == 4)
+        rows.push_back(*numbers);
+    if (rows.size() != array->size()) rows.clear();
+  }
+  if (rows.empty())
+    return error_at(path, node->source(),
+                    "'gravity' must be [x, y, z] in m/s^2, a list of [t, x, y, z] or the name of a "
+                    "CSV file with such lines");
+  for (const std::vector<double>& row : rows) {
+    gravity.times.push_back(row[0]);
+    gravity.values.emplace_back(row[1], row[2], row[3]);
+  }
+  return Success{};
+}
+
+void read_surface_outputs(TomlKeys& keys, SceneOutputs& outputs) {
+  keys.read("out", outputs.out);
+  keys.read("every", outputs.every);
+  keys.read("surfaces", outputs.surfaces);
+  const std::vector<std::string_view> formats = {"ply", "obj", "inc"};
+  outputs.surface_format = formats[keys.read_word("surface-format", formats, 0)];
+}
+
+void read_outputs(TomlKeys& keys, SceneOutputs& outputs) {
+  read_surface_outputs(keys, outputs);
+  keys.read("plot", outputs.plot);
+}
+
+namespace {
+
+bool is_of_tets(const toml::node& body) {
+  const toml::table* table = body.as_table();
+  return table != nullptr && (*table)["kind"].value_or(std::string_view()) == "tets";
+}
+
+}  // namespace
+
+Result<SceneKind> scene_kind(std::string_view text, const std::string& path) {
+  const Result<toml::table> table = parse_toml(text, path);
+  if (!table) return table.error();
+  if (table->contains("cloths")) {
+    if (!table->contains("bodies")) return SceneKind::kCloth;
+    return error_at(path, table->find("cloths")->second.source(),
+                    "[[bodies]] and [[cloths]] do not go together: a scene has the ones or the "
+                    "others; take them apart into two files");
+  }
+  const toml::array* bodies = (*table)["bodies"].as_array();
+  if (bodies == nullptr) return SceneKind::kBodies;
+  const std::ptrdiff_t tets = std::count_if(bodies->begin(), bodies->end(), is_of_tets);
+  if (tets == 0) return SceneKind::kWorld;
+  if (static_cast<std::size_t>(tets) == bodies->size()) return SceneKind::kTets;
+  return error_at(path, bodies->source(),
+                  "bodies of kind \"tets\" and others do not meet in one scene: take two scenes");
+}
+
+}  // namespace tremolo

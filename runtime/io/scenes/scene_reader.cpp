@@ -1,0 +1,310 @@
+#include "runtime/io/scenes/scene_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <memory>
+#include <random>
+#include <string>
+#include <utility>
+
+#include "formats/file/input_file.h"
+#include "runtime/integrator.h"
+#include "runtime/io/scenes/csv_rows.h"
+#include "runtime/io/scenes/part_readers.h"
+#include "runtime/io/scenes/scene_keys.h"
+#include "runtime/io/scenes/toml_keys.h"
+#include "runtime/split.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr const char* kBodies = "bodies";
+constexpr const char* kCloths = "cloths";
+
+SignalShape read_shape(TomlKeys& keys) {
+  SignalShape shape;
+  const auto read = [&keys](const char* key, std::optional<double>& target) {
+    double value = 0.0;
+    keys.read(key, value);
+    if (keys.has(key)) target = value;
+  };
+  read("frequency", shape.frequency);
+  read("load-duration", shape.duration);
+  const toml::node* sweep = keys.find("sweep");
+  if (sweep == nullptr) return shape;
+  const auto text = sweep_text(*sweep);
+  if (!text) keys.fail("sweep", "'sweep' must be two frequencies in Hz, as in [1, 20]");
+  shape.sweep = text.value_or("");
+  return shape;
+}
+
+// Reads load or signal, at and force, scale. Returns nothing for the load "none".
+Result<std::vector<SceneLoad>> read_load(TomlKeys& keys, const std::string& usual,
+                                         std::vector<std::string>& files) {
+  std::string name = usual, csv;
+  SceneLoad load;
+  keys.read("load", name);
+  keys.read_path("signal", csv);
+  SignalShape shape = read_shape(keys);
+  keys.read_text_or_number("at", load.at);
+  keys.read("scale", load.scale);
+  const toml::node* force = keys.find("force");
+  if (force != nullptr && force->is_string())
+    keys.fail("force", "'force' must be a list of 3 finite numbers, N");
+  else
+    keys.read("force", load.force);
+  if (keys.has("signal") && keys.has("load"))
+    keys.fail("signal", "`signal` and `load` are two courses of one load: leave one out");
+  if (keys.has("at") != keys.has("force")) keys.fail("at", "`at` and `force` belong together");
+  if (!keys.good()) return std::vector<SceneLoad>{};
+  if (!csv.empty()) {
+    files.push_back(csv);
+    Result<SignalTable> table = read_signal(csv);
+    if (!table) return table.error();
+    load.table = std::make_shared<const SignalTable>(std::move(*table));
+    load.signal = {.kind = SignalKind::kTable};
+  } else {
+    const Result<Signal> signal = parse_signal(name);
+    if (!signal) {
+      keys.fail("load", signal.error().message);
+      return std::vector<SceneLoad>{};
+    }
+    load.signal = *signal;
+  }
+  if (const Status shaped = shape_signal(shape, load.signal); !shaped) {
+    keys.fail(keys.has("load") ? "load" : "signal", shaped.error().message);
+    return std::vector<SceneLoad>{};
+  }
+  if (load.signal.kind == SignalKind::kNone) {
+    if (keys.has("at")) keys.fail("at", "a force needs a course in time: say `load` or `signal`");
+    return std::vector<SceneLoad>{};
+  }
+  return std::vector<SceneLoad>{std::move(load)};
+}
+
+// Reads a number, or rows [t, value], each for the time from t on.
+void read_course(TomlKeys& keys, const char* key, double& value, std::vector<ValueFrom>& course) {
+  const toml::node* node = keys.find(key);
+  const toml::array* rows = node == nullptr ? nullptr : node->as_array();
+  if (rows == nullptr) return keys.read(key, value);
+  for (const toml::node& row : *rows)
+    if (const auto numbers = numbers_of(row); numbers && numbers->size() == 2)
+      course.push_back({(*numbers)[0], (*numbers)[1]});
+  if (rows->empty() || course.size() != rows->size())
+    keys.fail(key, std::string("'") + key + "' must be a number or a list of [t, value]");
+}
+
+template <class Names>
+std::string list_of(const Names& names) {
+  std::string list;
+  for (const std::string_view name : names) list += (list.empty() ? "" : ", ") + std::string(name);
+  return list;
+}
+
+void read_method(TomlKeys& keys, SceneBody& body) {
+  IntegratorOptions& options = body.options;
+  keys.read("integrator", body.integrator);
+  const auto names = integrator_names();
+  if (std::find(names.begin(), names.end(), body.integrator) == names.end())
+    keys.fail("integrator",
+              "unknown integrator '" + body.integrator + "'; there are " + list_of(names));
+  read_course(keys, "alpha", options.alpha, body.alphas);
+  read_course(keys, "beta", options.beta, body.betas);
+  read_damping_ratio(keys, options.alpha, options.beta);
+  keys.read("newmark-beta", options.newmark_beta);
+  keys.read("newmark-gamma", options.newmark_gamma);
+  keys.read("tolerance", options.tolerance);
+  keys.read("max-iterations", options.max_iterations);
+  std::string split = "default";
+  keys.read_text_or_number("split", split);
+  const Result<SplitOptions> parsed = parse_split(split);
+  if (parsed)
+    options.split = *parsed;
+  else
+    keys.fail("split", parsed.error().message);
+  keys.read("safety", options.split.safety);
+}
+
+void read_what(TomlKeys& keys, SceneBody& body) {
+  constexpr FrameKind kKinds[] = {FrameKind::kFixed, FrameKind::kDriven, FrameKind::kFree};
+  body.kind = kKinds[keys.read_word("kind", {"fixed", "driven", "free"}, 0)];
+  keys.read_path("model", body.model);
+  if (!keys.has("model")) keys.fail("model", "it has no key `model`");
+  keys.read("made-by", body.made_by);
+  keys.read("modes", body.model_options.modes);
+  keys.read("linear", body.model_options.linear);
+  keys.read("hull", body.model_options.hull);
+  body.pose = read_pose(keys);
+  keys.read("velocity", body.velocity);
+  keys.read("spin", body.spin);
+  keys.read("acceleration-limit", body.acceleration_limit);
+  read_body_contact(keys, body);
+  body.settled = keys.read_word("start", {"rest", "static"}, 0) == 1;
+  keys.read("probe", body.columns.probes);
+  keys.read("coordinate", body.columns.coordinates);
+  keys.read("velocities", body.columns.velocities);
+}
+
+// Copies of a body in the scene, in rows along the world's axes from its own position.
+// random_turns: each has its own rotation, the same in each run.
+struct Copies {
+  std::array<int, 3> count = {1, 1, 1};
+  Eigen::Vector3d spacing = Eigen::Vector3d::Zero();  // m
+  bool random_turns = false;
+
+  int all() const { return count[0] * count[1] * count[2]; }
+};
+
+Copies read_copies(TomlKeys& keys) {
+  Copies copies;
+  Eigen::Vector3d count = Eigen::Vector3d::Ones();
+  keys.read("copies", count);
+  for (int k = 0; k < 3; ++k) {
+    const double n = count[k];
+    if (!(n >= 1.0 && n <= 1e4) || n != std::floor(n)) {
+      keys.fail("copies", "copies are three whole numbers from 1 to 10000");
+      return copies;
+    }
+    copies.count[k] = static_cast<int>(n);
+  }
+  if (count.prod() > 1e5) {
+    keys.fail("copies", "more than 100000 copies");
+    copies.count = {1, 1, 1};
+  }
+  keys.read("spacing", copies.spacing);
+  keys.read("random-turns", copies.random_turns);
+  if (copies.all() > 1 && !keys.has("spacing"))
+    keys.fail("copies", "copies need their `spacing`, [dx, dy, dz] in m");
+  return copies;
+}
+
+// A rotation that depends on k alone, uniform over all rotations: a point of the sphere of
+// quaternions.
+Eigen::Quaterniond random_turn(int k) {
+  std::minstd_rand numbers(static_cast<unsigned>(k) + 1U);
+  numbers.discard(10);
+  Eigen::Vector4d q;
+  do {
+    for (int i = 0; i < 4; ++i)
+      q[i] = 2.0 * static_cast<double>(numbers()) / static_cast<double>(numbers.max()) - 1.0;
+  } while (q.squaredNorm() > 1.0 || q.squaredNorm() < 0.01);
+  return Eigen::Quaterniond(q).normalized();
+}
+
+// The copies are named with a number each: name-001 ...
+void add_copies(const SceneBody& body, const Copies& copies, std::vector<SceneBody>& bodies) {
+  if (copies.all() == 1) return bodies.push_back(body);
+  const std::size_t digits = std::to_string(copies.all()).size();
+  int number = 0;
+  for (int z = 0; z < copies.count[2]; ++z)
+    for (int y = 0; y < copies.count[1]; ++y)
+      for (int x = 0; x < copies.count[0]; ++x) {
+        SceneBody copy = body;
+        const std::string text = std::to_string(++number);
+        copy.name += "-" + std::string(digits - text.size(), '0') + text;
+        copy.pose.position += copies.spacing.cwiseProduct(Eigen::Vector3d(x, y, z));
+        if (copies.random_turns) copy.pose.rotation = random_turn(number) * copy.pose.rotation;
+        bodies.push_back(std::move(copy));
+      }
+}
+
+Result<SceneBody> read_body(const toml::table& table, std::size_t number, SceneFile& file,
+                            Copies& copies) {
+  SceneBody body;
+  std::string what = "body " + std::to_string(number);
+  if (const auto name = table["name"].value_exact<std::string>()) what = "body '" + *name + "'";
+  TomlKeys keys(table, file.path, what);
+  keys.read("name", body.name);
+  if (!keys.has("name")) keys.fail("name", "it has no `name`");
+  if (keys.good() && !is_folder_name(body.name))
+    keys.fail("name", "a name has letters, digits, '.', '_', '-' only");
+  read_what(keys, body);
+  copies = read_copies(keys);
+  read_method(keys, body);
+  if (Status s = take(body.loads, read_load(keys, "none", file.files)); !s) return s.error();
+  for (const toml::table* entry : keys.read_tables("loads")) {
+    TomlKeys load_keys(*entry, file.path, what + ", loads");
+    Result<std::vector<SceneLoad>> more = read_load(load_keys, "square", file.files);
+    if (!more) return more.error();
+    if (Status s = load_keys.finish(); !s) return s.error();
+    std::move(more->begin(), more->end(), std::back_inserter(body.loads));
+  }
+  if (Status s = read_bones(keys, file.path, what, file.files, body); !s) return s.error();
+  if (Status s = take(body.motion, read_motion(keys, file.path, what, file.files, true)); !s)
+    return s.error();
+  if (Status s = keys.finish(); !s) return s.error();
+  return body;
+}
+
+Status refuse_cloths(const toml::table& table, const std::string& path) {
+  if (!table.contains(kCloths)) return Success{};
+  const toml::source_region where = table.find(kCloths)->second.source();
+  if (table.contains(kBodies))
+    return error_at(path, where,
+                    "[[bodies]] and [[cloths]] do not go together: a scene has the ones or the "
+                    "others; take them apart into two files");
+  return error_at(path, where, std::string("a scene with [[cloths]]: ") + kClothCommands);
+}
+
+}  // namespace
+
+Result<bool> is_world(std::string_view text, const std::string& path) {
+  const Result<toml::table> table = parse_toml(text, path);
+  if (!table) return table.error();
+  if (Status s = refuse_cloths(*table, path); !s) return s.error();
+  return (*table)[kBodies].is_array();
+}
+
+Result<SceneFile> read_world(const std::string& path) {
+  const Result<std::string> text = read_whole_file(path);
+  if (!text) return text.error();
+  return parse_world(*text, path);
+}
+
+Result<SceneFile> parse_world(std::string_view text, const std::string& path) {
+  const Result<toml::table> table = parse_toml(text, path);
+  if (!table) return table.error();
+  if (Status s = refuse_cloths(*table, path); !s) return s.error();
+  SceneFile file;
+  file.path = path;
+  TomlKeys keys(*table, path, "");
+  keys.read("step", file.scene.step);
+  keys.read("duration", file.scene.duration);
+  read_outputs(keys, file.outputs);
+  if (Status s = read_gravity(keys, path, file.scene.gravity, file.files); !s) return s.error();
+  std::size_t number = 0;
+  for (const toml::table* entry : keys.read_tables(kBodies)) {
+    Copies copies;
+    Result<SceneBody> body = read_body(*entry, ++number, file, copies);
+    if (!body) return body.error();
+    add_copies(*body, copies, file.scene.bodies);
+  }
+  number = 0;
+  for (const toml::table* entry : keys.read_tables("colliders")) {
+    Result<SceneCollider> collider = read_collider(*entry, ++number, path, file.files);
+    if (!collider) return collider.error();
+    file.scene.colliders.push_back(std::move(*collider));
+  }
+  number = 0;
+  for (const toml::table* entry : keys.read_tables("hands")) {
+    Result<SceneHand> hand = read_hand(*entry, ++number, path, file.files);
+    if (!hand) return hand.error();
+    file.scene.hands.push_back(std::move(*hand));
+  }
+  number = 0;
+  for (const toml::table* entry : keys.read_tables("joints")) {
+    Result<SceneJoint> joint = read_joint(*entry, ++number, path);
+    if (!joint) return joint.error();
+    file.scene.joints.push_back(std::move(*joint));
+  }
+  if (Status s = keys.finish(); !s) return s.error();
+  if (Status s = check_scene(file.scene); !s) return error_of_file(path, s.error());
+  return file;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,147 @@
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "runtime/io/scenes/nodal_readers.h"
+#include "runtime/io/scenes/part_readers.h"
+#include "runtime/io/scenes/scene_keys.h"
+#include "runtime/io/scenes/toml_keys.h"
+
+namespace tremolo {
+namespace {
+
+constexpr std::string_view kTets = "tets";
+
+void read_tets_method(TomlKeys& keys, TetBodyOptions& options) {
+  constexpr DegreeKind kKinds[] = {DegreeKind::kLinear, DegreeKind::kQuadratic,
+                                   DegreeKind::kAdaptive};
+  options.degree.kind = kKinds[keys.read_word("degree", {"linear", "quadratic", "adaptive"}, 2)];
+  keys.read("error", options.degree.error);
+  keys.read("upper", options.degree.upper);
+  keys.read("lower", options.degree.lower);
+  keys.read("least-steps", options.degree.least_steps);
+  keys.read("look-every", options.degree.every);
+  constexpr RotationLaw kLaws[] = {RotationLaw::kLeastEnergy, RotationLaw::kCorners};
+  options.law = kLaws[keys.read_word("rotation-law", {"least-energy", "corners"}, 0)];
+  std::string method = tet_method_name(options.method);
+  keys.read("integrator", method);
+  if (const Result<TetMethod> parsed = parse_tet_method(method))
+    options.method = *parsed;
+  else
+    keys.fail("integrator", parsed.error().message);
+  keys.read("alpha", options.alpha);
+  keys.read("beta", options.beta);
+  read_damping_ratio(keys, options.alpha, options.beta);
+  keys.read("drag", options.drag);
+  keys.read("tolerance", options.tolerance);
+  keys.read("linear-tolerance", options.linear_tolerance);
+  keys.read("max-iterations", options.max_iterations);
+  constexpr UnsolvedStep kUnsolved[] = {UnsolvedStep::kCut, UnsolvedStep::kTake,
+                                        UnsolvedStep::kTakeContact};
+  options.unsolved = kUnsolved[keys.read_word("unsolved", {"cut", "take", "take-contact"}, 2)];
+  options.tangent = keys.read_word("tangent", {"exact", "frozen"}, 0) == 1 ? TangentKind::kFrozen
+                                                                           : TangentKind::kExact;
+}
+
+Result<TetSceneBody> read_tets_body(const toml::table& table, std::size_t number,
+                                    const TetScene& scene) {
+  TetSceneBody body;
+  std::string what = "body " + std::to_string(number);
+  if (const auto name = table["name"].value_exact<std::string>()) what = "body '" + *name + "'";
+  TomlKeys keys(table, scene.path, what);
+  keys.read_word("kind", {kTets}, 0);
+  keys.read("name", body.name);
+  if (body.name.empty() || body.name.front() == '.' || body.name.find('/') != std::string::npos)
+    keys.fail("name", "it needs a `name`, which becomes that of a folder");
+  keys.read_path("model", body.model);
+  if (!keys.has("model")) keys.fail("model", "it has no key `model`");
+  keys.read("made-by", body.made_by);
+  body.pose = read_pose(keys);
+  keys.read("velocity", body.velocity);
+  keys.read("spin", body.spin);
+  keys.read("friction", body.friction);
+  if (!(body.friction >= 0.0 && std::isfinite(body.friction)))
+    keys.fail("friction", "friction must be at least 0");
+  keys.read("creep", body.creep);
+  if (!(body.creep > 0.0 && std::isfinite(body.creep)))
+    keys.fail("creep", "creep must be above 0 m/s");
+  read_tets_method(keys, body.options);
+  if (Status s = keys.finish(); !s) return s.error();
+  body.options.step = scene.step;
+  body.options.gravity = scene.gravity;
+  if (Status s = check(body.options); !s)
+    return content_error(scene.path + ": " + what + ": " + s.error().message);
+  return body;
+}
+
+Status read_tets_colliders(TomlKeys& keys, TetScene& scene) {
+  std::size_t number = 0;
+  for (const toml::table* entry : keys.read_tables("colliders")) {
+    Result<SceneCollider> collider = read_collider(*entry, ++number, scene.path, scene.files);
+    if (!collider) return collider.error();
+    if (!collider->motion.parts.empty() || !collider->file.empty())
+      return content_error(scene.path + ": collider '" + collider->name +
+                           "': bodies of tetrahedra touch shapes that stand still and have no "
+                           "file: plane, sphere, capsule, box, cylinder");
+    scene.colliders.push_back(std::move(*collider));
+  }
+  return Success{};
+}
+
+Status check_tets_scene(const TetScene& scene) {
+  const auto problem = [&scene](const std::string& what) {
+    return content_error(scene.path + ": " + what);
+  };
+  for (const auto& [name, value] : {std::pair{"step", scene.step}, {"duration", scene.duration}})
+    if (!(value > 0.0 && std::isfinite(value)))
+      return problem(std::string("'") + name + "' must be positive and finite (s)");
+  if (Status s = check(scene.group); !s) return problem(s.error().message);
+  std::set<std::string> names;
+  for (const TetSceneBody& body : scene.bodies)
+    if (!names.insert(body.name).second)
+      return problem("two bodies are called '" + body.name + "'");
+  return Success{};
+}
+
+void read_tets_outputs(TomlKeys& keys, SceneOutputs& outputs) {
+  read_surface_outputs(keys, outputs);
+  if (outputs.every < 1) keys.fail("every", "'every' must be at least 1");
+  if (outputs.surfaces < 0) keys.fail("surfaces", "'surfaces' must not be negative");
+}
+
+void read_tets_group(TomlKeys& keys, TetGroupOptions& options) {
+  keys.read("sleep-speed", options.sleep_speed);
+  keys.read("sleep-time", options.sleep_time);
+  int threads = 1;
+  keys.read("threads", threads);
+  if (threads < 1 || threads > 256) keys.fail("threads", "'threads' must be 1 to 256");
+  options.threads = static_cast<unsigned>(std::clamp(threads, 1, 256));
+}
+
+}  // namespace
+
+Result<TetScene> parse_tets_scene(std::string_view text, const std::string& path) {
+  const Result<toml::table> table = parse_toml(text, path);
+  if (!table) return table.error();
+  TetScene scene;
+  scene.path = path;
+  TomlKeys keys(*table, path, "");
+  keys.read("step", scene.step);
+  keys.read("duration", scene.duration);
+  keys.read("gravity", scene.gravity);
+  read_tets_group(keys, scene.group);
+  read_tets_outputs(keys, scene.outputs);
+  std::size_t number = 0;
+  for (const toml::table* entry : keys.read_tables("bodies")) {
+    Result<TetSceneBody> body = read_tets_body(*entry, ++number, scene);
+    if (!body) return body.error();
+    scene.bodies.push_back(std::move(*body));
+  }
+  if (Status s = read_tets_colliders(keys, scene); !s) return s.error();
+  if (Status s = keys.finish(); !s) return s.error();
+  if (Status s = check_tets_scene(scene); !s) return s.error();
+  return scene;
+}
+
+}  // namespace tremolo

@@ -1,6 +1,0 @@
-// tremolo: inspects basis files, runs models and scenes, exports and plots the results.
-#include "runtime/program/command_line.h"
-
-int main(int count, char** words) {
-  return tremolo::run_command_line(count, words, nullptr);
-}

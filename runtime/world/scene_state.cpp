@@ -1,0 +1,107 @@
+// SceneWorld: saves and restores its state between steps.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/state_stream.h"
+#include "formats/saved/saved_file.h"
+#include "runtime/contact/solve/contact_step.h"
+#include "runtime/world/scene_world.h"
+
+namespace tremolo {
+
+SavedState SceneWorld::saved_parts() const {
+  std::vector<const Model*> models;
+  std::vector<const Collider*> shapes;
+  for (const Actor& actor : actors_) {
+    models.push_back(&actor.body.model());
+    shapes.push_back(actor.body.contact() == nullptr ? nullptr : actor.body.contact()->shape());
+  }
+  return {"a world", TREMOLO_VERSION, scene_parts(scene_, models, shapes, colliders_.placed()), {}};
+}
+
+SavedState SceneWorld::saved_state() const {
+  SavedState saved = saved_parts();
+  saved.state = state_bytes(*this);
+  return saved;
+}
+
+std::vector<std::byte> SceneWorld::save() const {
+  return encode_saved(saved_state());
+}
+
+Status SceneWorld::save(const std::string& path) const {
+  return write_saved(path, saved_state());
+}
+
+Status SceneWorld::restore_from(const Result<SavedState>& saved, const std::string& name) {
+  if (!saved) return saved.error();
+  if (Status s = check_belongs(*saved, saved_parts()); !s) return error_of_file(name, s.error());
+  if (!restore_state(*this, saved->state))
+    return content_error(name +
+                         ": it does not fit this world: its bodies have other loads, or it was "
+                         "made by hand");
+  return Success{};
+}
+
+Status SceneWorld::restore(std::span<const std::byte> bytes) {
+  const std::string name = "the saved world";
+  return restore_from(read_saved(bytes, name), name);
+}
+
+Status SceneWorld::restore(const std::string& path) {
+  return restore_from(read_saved(path), path);
+}
+
+void SceneWorld::carry_contacts(StateStream& stream) {
+  stream(touching_);
+  stream.sized(events_);
+  stream.sized(pairs_);
+  if (stream.reads()) {
+    for (const Touching& touching : touching_)
+      stream.require(std::isfinite(touching.place.impulse) && touching.whole.allFinite());
+    for (const ContactEvent& event : events_) stream.require(std::isfinite(event.place.impulse));
+    for (const Pair& pair : pairs_) stream.require(std::isfinite(pair.place.impulse));
+  }
+  const auto is_body = [this](std::size_t i) { return i < size(); };
+  for (const ContactEvent& event : events_)
+    stream.require(
+        is_body(event.body) &&
+        (event.collider == ContactEvent::kNone || event.collider < scene_.colliders.size()) &&
+        (event.other == ContactEvent::kNone || is_body(event.other)) &&
+        (event.kind == ContactEvent::Kind::kBegin || event.kind == ContactEvent::Kind::kEnd));
+  for (const Pair& pair : pairs_) stream.require(pair.a < pair.b && is_body(pair.b));
+}
+
+void SceneWorld::carry(StateStream& stream) {
+  std::int64_t steps = steps_;
+  stream(steps);
+  stream.require(steps >= 0);
+  if (!stream.good()) return;
+  steps_ = steps;
+  for (Actor& actor : actors_) {
+    std::size_t piece = actor.piece;
+    stream(piece, actor.energy_at_start, actor.failed, actor.penetration);
+    stream(actor.contacts, actor.speed, actor.passed);
+    stream.require(piece <= actor.path.jumps().size());
+    if (stream.reads())
+      stream.require(std::isfinite(actor.energy_at_start) && std::isfinite(actor.penetration) &&
+                     std::isfinite(actor.speed));
+    if (!stream.good()) return;
+    actor.piece = piece;
+    actor.body.carry(stream);
+  }
+  carry_contacts(stream);
+  for (Hand& hand : hands_) hand.hand.carry(stream, actors_[hand.body].body);
+  if (stream.reads())
+    for (JointOf& joint : joints_) joint.joint.let_go(*group_);
+  for (JointOf& joint : joints_) joint.joint.carry(stream, *group_, joint.a, joint.b);
+  group_->carry(stream, size());
+  if (!stream.reads()) return;
+  failures_.clear();
+  colliders_.move(std::max<std::int64_t>(steps_ - 1, 0), scene_.step);
+}
+
+}  // namespace tremolo

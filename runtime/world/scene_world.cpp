@@ -1,0 +1,573 @@
+#include "runtime/world/scene_world.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "common/text.h"
+#include "runtime/bodies/reduced/frames/frame_inertia.h"
+#include "runtime/contact/collider.h"
+#include "runtime/contact/solve/contact_step.h"
+#include "runtime/scene/scene_start.h"
+#include "runtime/world/near_balls.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+Error error_of_body(const SceneBody& body, Error error) {
+  error.message = "body '" + body.name + "': " + error.message;
+  return error;
+}
+
+// The farthest that a point of the model is from its frame's origin at rest, m.
+double reach_of(const Model& model) {
+  double reach = 0.0;
+  for (const Vector3d& x : model.surface().rest) reach = std::max(reach, x.norm());
+  return reach;
+}
+
+// Momenta of the body of one frame. poses: of the frame one step before, now, and one step later.
+Momenta momenta_in_frame(const FrameInertia& inertia, const Eigen::VectorXd& q,
+                         const Eigen::VectorXd& v, const std::array<Pose, 3>& poses, double h) {
+  const auto& [before, pose, behind] = poses;
+  // The frame's velocities at the time between two steps are the means of the two steps.
+  const Vector3d velocity =
+      pose.rotation.conjugate() * (behind.position - before.position) / (2.0 * h);
+  const Vector3d spin = (turn_of(before.rotation.conjugate() * pose.rotation) +
+                         turn_of(pose.rotation.conjugate() * behind.rotation)) /
+                        (2.0 * h);
+  InertiaAt at(q.size());
+  at.compute(inertia, q);
+  const Vector3d moment = inertia.first_moment + inertia.s * q;
+  const Vector3d linear = inertia.mass * velocity + spin.cross(moment) + inertia.s * v;
+  const Vector3d angular = moment.cross(velocity) + at.J * spin + inertia.a * v + at.couple(v);
+  const Vector3d world = pose.rotation * linear;
+  return {world, pose.position.cross(world) + pose.rotation * angular};
+}
+
+Pose unit(const Pose& pose) {
+  return {pose.position, pose.rotation.normalized()};
+}
+
+}  // namespace
+
+Result<Model::Pointer> load_scene_model(const SceneBody& body) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(body.model, ignored)) {
+    const std::string usual = "tremolo-precompute MESH -o " + body.model +
+                              (body.kind == FrameKind::kFree ? " --fix none" : " --fix SELECTOR");
+    return system_error(body.model + ": there is no such basis file; make it with `" +
+                        (body.made_by.empty() ? usual : body.made_by) + "`");
+  }
+  return Model::load(body.model, body.model_options);
+}
+
+Result<SceneWorld> SceneWorld::create(const Scene& scene, const ModelSource& source) {
+  if (Status s = check_scene(scene); !s) return s.error();
+  SceneWorld world(scene);
+  const std::vector<Vector3d>& values = world.scene_.gravity.values;
+  world.gravity_changes_ = values.size() > 1;
+  std::map<std::tuple<std::string, int, bool, bool>, Model::Pointer> models;
+  for (SceneBody& wanted : world.scene_.bodies) {
+    const ModelOptions& options = wanted.model_options;
+    Model::Pointer& model = models[{wanted.model, options.modes, options.linear, options.hull}];
+    if (!model)
+      if (Status s = take(model, source(wanted)); !s) return error_of_body(wanted, s.error());
+    if (wanted.rig)
+      if (Status s = take_rig(wanted, *model); !s) return error_of_body(wanted, s.error());
+    if (Status s = world.add(wanted, model); !s) return error_of_body(wanted, s.error());
+  }
+  if (Status s = take(world.colliders_, SceneColliders::create(world.scene_)); !s) return s.error();
+  for (std::size_t i = 0; i < world.size(); ++i) world.numbers_[world.name(i)] = i;
+  world.list_passing();
+  const ContactNeeds needs(world.scene_);
+  for (std::size_t i = 0; i < world.size(); ++i)
+    if (Status s = world.begin_contact(i, needs); !s)
+      return error_of_body(world.scene_.bodies[i], s.error());
+  if (Status s = world.check_apart(); !s) return s.error();
+  if (Status s = world.add_hands(); !s) return s.error();
+  world.shapes_.clear();
+  world.group_ = std::make_unique<BodyGroup>();
+  world.order_.resize(world.size());
+  std::iota(world.order_.begin(), world.order_.end(), std::size_t{0});
+  std::sort(world.order_.begin(), world.order_.end(),
+            [&world](std::size_t a, std::size_t b) { return world.name(a) < world.name(b); });
+  world.place_.resize(world.size());
+  for (std::size_t k = 0; k < world.size(); ++k) world.place_[world.order_[k]] = k;
+  world.stepped_.resize(world.size());
+  world.reports_.resize(world.size());
+  world.failures_.reserve(world.actors_.size());
+  if (Status s = world.add_joints(); !s) return s.error();
+  return world;
+}
+
+Status SceneWorld::add(const SceneBody& wanted, Model::Pointer model) {
+  IntegratorOptions options = wanted.options;
+  options.step = scene_.step;
+  const double reach = reach_of(*model);
+  std::shared_ptr<const Skin> skin;
+  if (!wanted.bones.empty())
+    if (Status s = take(skin, make_scene_skin(wanted, *model)); !s) return s;
+  Result<ContactBody> body =
+      skin ? ContactBody::create(std::move(model), wanted.integrator, options, std::move(skin))
+           : ContactBody::create(std::move(model), wanted.integrator, options, frame_kind(wanted));
+  if (!body) return body.error();
+  Result<MotionPath> path = MotionPath::create(wanted.motion, unit(wanted.pose));
+  if (!path) return path.error();
+  if (Status s = check_accelerations(wanted, *path, scene_, reach); !s) return s;
+  Actor actor{std::move(*body), std::move(*path), nullptr};
+  if (actor.body.model().inertia() != nullptr)
+    actor.inertia = actor.body.model().inertia_about_origin();
+  if (!wanted.bones.empty()) {
+    Result<BonePaths> bones = BonePaths::create(wanted);
+    if (!bones) return bones.error();
+    actor.bones = std::move(*bones);
+    if (Status s = check_bone_accelerations(wanted, *actor.bones, scene_, reach); !s) return s;
+  }
+  if (Status s = begin(wanted, actor); !s) return s;
+  actor.energy_at_start = actor.body.energy().total();
+  actors_.push_back(std::move(actor));
+  return Success{};
+}
+
+Status SceneWorld::begin(const SceneBody& wanted, Actor& actor) const {
+  ContactBody& body = actor.body;
+  if (body.frame() != FrameKind::kFixed) {
+    actor.piece = actor.path.piece(0.5 * scene_.step);
+    const Pose pose = actor.path.pose_in(actor.piece, 0.0);
+    if (Status s = body.set_pose(pose); !s) return s;
+    if (body.frame() == FrameKind::kFree)
+      if (Status s = body.set_motion(wanted.velocity, pose.rotation.conjugate() * wanted.spin); !s)
+        return s;
+  }
+  if (actor.bones) {
+    std::vector<Pose> poses(actor.bones->size());
+    actor.bones->poses(0.0, poses);
+    for (std::size_t b = 0; b < poses.size(); ++b)
+      if (Status s = body.set_bone(b, poses[b]); !s) return s;
+  }
+  // A body computes integrals for gravity when it first gets some, which must not happen inside a
+  // step.
+  for (const Vector3d& value : scene_.gravity.values)
+    if (Status s = body.set_gravity(value); !s) return s;
+  const Vector3d gravity = scene_.gravity.at(0.0);
+  if (Status s = body.set_gravity(gravity); !s) return s;
+  if (Status s = add_loads(wanted.loads, body); !s) return s;
+  return wanted.settled ? settle(wanted, gravity, body) : Status(Success{});
+}
+
+std::span<const PlacedCollider> SceneWorld::felt_by(std::size_t i) const {
+  return scene_.bodies[i].feels_contact ? colliders_.placed() : std::span<const PlacedCollider>{};
+}
+
+Result<ContactOptions> SceneWorld::contact_of(const SceneBody& wanted) {
+  ContactOptions contact = wanted.contact;
+  contact.colliders = wanted.feels_contact;
+  if (wanted.shape_file.empty()) return contact;
+  auto found = shapes_.find(wanted.shape_file);
+  if (found == shapes_.end()) {
+    Result<std::optional<Collider>> shape = load_body_shape(wanted);
+    if (!shape) return shape.error();
+    found = shapes_.emplace(wanted.shape_file, **shape).first;
+  }
+  contact.shape = found->second;
+  return contact;
+}
+
+// No body begins inside another one.
+Status SceneWorld::check_apart() const {
+  if (!bodies_touch(scene_)) return Success{};
+  NearBalls near;
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (!scene_.bodies[i].feels_contact) continue;
+    const ContactPoints& points = actors_[i].body.contact()->points();
+    near.add(i, actors_[i].body.pose() * points.centre, points.radius);
+  }
+  near.sort();
+  for (std::size_t a = 0; a < size(); ++a)
+    for (const std::size_t b : near.of(a)) {
+      if (passes_through(a, b)) continue;
+      const Collider* shape = actors_[b].body.contact()->shape();
+      if (shape == nullptr) continue;
+      const Pose pose = actors_[b].body.pose();
+      const PlacedCollider placed{*shape, pose, pose};
+      const double depth = deepest_point(actors_[a].body, std::span(&placed, 1)).depth;
+      const double margin = actors_[a].body.contact()->law().margin;
+      if (depth > margin)
+        return content_error("body '" + name(a) + "': it begins " + number_text(depth) +
+                             " m inside body '" + name(b) + "', more than its contact-margin of " +
+                             number_text(margin) + " m: put one of them elsewhere");
+    }
+  return Success{};
+}
+
+// Makes the body feel colliders and hands. It must not begin inside a collider.
+Status SceneWorld::begin_contact(std::size_t i, const ContactNeeds& needs) {
+  const SceneBody& wanted = scene_.bodies[i];
+  Actor& actor = actors_[i];
+  if (!needs.of(wanted)) return Success{};
+  const Result<ContactOptions> contact = contact_of(wanted);
+  if (!contact) return contact.error();
+  if (Status s = actor.body.set_contact(*contact); !s)
+    return content_error("contact: " + s.error().message);
+  actor.size = actor.body.contact()->points().extent;
+  const auto felt = felt_by(i);
+  const double margin = actor.body.contact()->law().margin;
+  if (const DeepestPoint deepest = deepest_point(actor.body, felt); deepest.depth > margin)
+    return content_error(
+        "it begins " + number_text(deepest.depth) + " m (" +
+        number_text(100.0 * deepest.depth / actor.size) + " % of its size) inside collider '" +
+        scene_.colliders[deepest.collider].name + "', more than its contact-margin of " +
+        number_text(margin) + " m: put one of them elsewhere");
+  actor.begins_within = begins_within_margin(actor.body, felt);
+  const std::string& name = wanted.name;
+  const auto hands = std::count_if(scene_.hands.begin(), scene_.hands.end(),
+                                   [&name](const SceneHand& hand) { return hand.body == name; });
+  actor.body.reserve_contact(felt, static_cast<std::size_t>(hands));
+  touching_.resize(size() * colliders_.placed().size());
+  events_.reserve(touching_.size());
+  return Success{};
+}
+
+Status SceneWorld::add_hands() {
+  for (std::size_t i = 0; i < scene_.hands.size(); ++i) {
+    const std::size_t body = *find(scene_.hands[i].body);
+    Result<MovingHand> hand = MovingHand::create(scene_.hands[i], actors_[body].body);
+    if (!hand)
+      return Error{hand.error().kind,
+                   "hand " + std::to_string(i + 1) + ": " + hand.error().message};
+    hands_.push_back({std::move(*hand), body});
+  }
+  return Success{};
+}
+
+// Those of a pair in the scene's order.
+Status SceneWorld::add_joints() {
+  for (std::size_t i = 0; i < scene_.joints.size(); ++i) {
+    const std::size_t a = *find(scene_.joints[i].body), b = *find(scene_.joints[i].to);
+    Result<HeldJoint> joint = HeldJoint::create(scene_.joints[i], actors_[a].body, actors_[b].body);
+    if (!joint)
+      return Error{joint.error().kind,
+                   "joint " + std::to_string(i + 1) + ": " + joint.error().message};
+    joint->begin(*group_, place_[a], place_[b]);
+    joints_.push_back({std::move(*joint), place_[a], place_[b]});
+  }
+  return Success{};
+}
+
+bool SceneWorld::passes_through(std::size_t a, std::size_t b) const {
+  return passing_.contains(std::minmax(a, b));
+}
+
+void SceneWorld::list_passing() {
+  for (const SceneJoint& joint : scene_.joints) {
+    const auto a = find(joint.body), b = find(joint.to);
+    if (!joint.options.touch && a && b) passing_.insert(std::minmax(*a, *b));
+  }
+}
+
+double SceneWorld::contact_speed_limit() const {
+  double least = std::numeric_limits<double>::infinity();
+  const auto look_at = [&least](const Collider& shape) {
+    if (const double way = least_passage(shape); way > 0.0) least = std::min(least, way);
+  };
+  for (const PlacedCollider& collider : colliders_.placed()) look_at(collider.shape);
+  for (const Actor& actor : actors_)
+    if (actor.body.contact() != nullptr && actor.body.contact()->shape() != nullptr)
+      look_at(*actor.body.contact()->shape());
+  return least / scene_.step;
+}
+
+std::optional<std::size_t> SceneWorld::find(std::string_view name) const {
+  const auto found = numbers_.find(std::string(name));
+  return found == numbers_.end() ? std::nullopt : std::optional(found->second);
+}
+
+// Damping that begins at the step.
+Status SceneWorld::damp(std::size_t i) {
+  const SceneBody& wanted = scene_.bodies[i];
+  ContactBody& body = actors_[i].body;
+  const auto now = [this](const std::vector<ValueFrom>& course, double before) {
+    for (const ValueFrom& from : course)
+      if (from.time <= time() + kSameTime * scene_.step) before = from.value;
+    return before;
+  };
+  return body.set_damping(now(wanted.alphas, body.alpha()), now(wanted.betas, body.beta()));
+}
+
+// Poses of a path are finite with quaternions of unit length: the call cannot fail.
+void SceneWorld::move_bones(Actor& actor) const {
+  const BonePaths::Step step = actor.bones->step(steps_, scene_.step);
+  for (std::size_t b = 0; b < actor.bones->size(); ++b)
+    (void)actor.body.move_bone_to(b, step.end[b], step.motion(b, scene_.step));
+}
+
+void SceneWorld::move_frame(Actor& actor) const {
+  if (actor.bones) return move_bones(actor);
+  if (actor.path.still()) return;
+  const double h = scene_.step, t = time();
+  const std::size_t piece = actor.path.piece(t + 0.5 * h);
+  // Poses of a path are finite with quaternions of unit length: neither call can fail.
+  if (piece != actor.piece) (void)actor.body.set_pose(actor.path.pose_in(piece, t));
+  actor.piece = piece;
+  (void)actor.body.move_to(actor.path.pose_in(piece, static_cast<double>(steps_ + 1) * h),
+                           frame_motion(actor.path, piece, steps_, h));
+}
+
+void SceneWorld::move_hands() {
+  for (std::size_t i = 0; i < hands_.size(); ++i) {
+    Actor& actor = actors_[hands_[i].body];
+    // The hand was checked when it was made: the body takes it.
+    if (!actor.failed)
+      (void)hands_[i].hand.before_step(scene_.hands[i], steps_, scene_.step, actor.body);
+  }
+}
+
+namespace {
+
+// Means over the points of a contact in a step.
+struct PlaceSum {
+  double impulse = 0.0;
+  Vector3d push = Vector3d::Zero(), position = push, normal = push;
+
+  // sign: -1 for a point of the body's partner.
+  void add(const ContactedPoint& point, double sign) {
+    const double size = point.impulse.norm();
+    impulse += size;
+    push += sign * point.impulse;
+    position += size * point.position;
+    normal += (sign * size) * point.normal;
+  }
+  void put_into(ContactPlace& place) const {
+    place.impulse += impulse;
+    place.push += push;
+    if (impulse > 0.0) place.position = position / impulse;
+    const double length = normal.norm();
+    place.normal = length > 1e-9 * impulse ? Vector3d(normal / length) : Vector3d(Vector3d::Zero());
+  }
+};
+
+}  // namespace
+
+// After a step of the body that was made.
+void SceneWorld::note_contact(std::size_t i) {
+  Actor& actor = actors_[i];
+  if (actor.body.contact() == nullptr) return;
+  if (asleep(i)) return;
+  const ContactAccount account = actor.body.contact_account();
+  if (actor.size > 0.0)
+    actor.penetration = std::max(actor.penetration, account.penetration / actor.size);
+  actor.speed = std::max(actor.speed, account.way / scene_.step);
+  actor.passed += account.passed;
+  const std::span<const double> impulses = actor.body.contact()->impulses();
+  for (std::size_t c = 0; c < std::min(impulses.size(), felt_by(i).size()); ++c) {
+    Touching& touching = touching_[i * colliders_.placed().size() + c];
+    touching.whole += actor.body.contact()->collider_impulses()[c];
+    const bool before = std::exchange(touching.now, impulses[c] > 0.0);
+    if (touching.now) {
+      if (!before) touching.place = {};
+      PlaceSum sum;
+      for (const ContactedPoint& point : actor.body.contact()->contacted())
+        if (!point.on_body && point.obstacle == c) sum.add(point, 1.0);
+      sum.put_into(touching.place);
+    }
+    if (touching.now == before) continue;
+    if (touching.now) ++actor.contacts;
+    events_.push_back({i, c, ContactEvent::kNone,
+                       before ? ContactEvent::Kind::kEnd : ContactEvent::Kind::kBegin,
+                       touching.place});
+  }
+}
+
+// The points of a that met b in the last step, with the sign 1, and of b that met a, with -1.
+template <class Visit>
+void SceneWorld::for_points_of(std::size_t a, std::size_t b, Visit&& visit) const {
+  const auto points = [&](std::size_t own, std::size_t other, double sign) {
+    if (actors_[own].body.contact() == nullptr) return;
+    for (const ContactedPoint& point : actors_[own].body.contact()->contacted())
+      if (point.on_body && point.obstacle == place_[other]) visit(point, sign);
+  };
+  points(a, b, 1.0);
+  points(b, a, -1.0);
+}
+
+std::vector<ContactedPoint> SceneWorld::points_of(const ContactEvent& event) const {
+  std::vector<ContactedPoint> points;
+  if (event.kind == ContactEvent::Kind::kEnd) return points;
+  if (event.collider == ContactEvent::kNone) {
+    for_points_of(event.body, event.other, [&points](const ContactedPoint& point, double sign) {
+      points.push_back(point);
+      points.back().normal *= sign;
+      points.back().impulse *= sign;
+    });
+    return points;
+  }
+  for (const ContactedPoint& point : actors_[event.body].body.contact()->contacted())
+    if (!point.on_body && point.obstacle == event.collider) points.push_back(point);
+  return points;
+}
+
+// Bodies that began to touch each other in the step, and that ended it. Those that sleep stay as
+// they were.
+void SceneWorld::note_pairs() {
+  for (Pair& pair : pairs_) pair.seen = asleep(pair.a) && asleep(pair.b);
+  for (const BodyGroup::Touch& touch : group_->touches()) {
+    const std::size_t first = order_[touch.a], second = order_[touch.b];
+    const std::size_t a = std::min(first, second), b = std::max(first, second);
+    bool began = false;
+    auto found = std::find_if(pairs_.begin(), pairs_.end(),
+                              [a, b](const Pair& pair) { return pair.a == a && pair.b == b; });
+    if (found == pairs_.end()) {
+      pairs_.push_back({a, b, {}, true});
+      found = pairs_.end() - 1;
+      ++actors_[a].contacts;
+      ++actors_[b].contacts;
+      events_.push_back({a, ContactEvent::kNone, b, ContactEvent::Kind::kBegin, {}});
+      began = true;
+    }
+    PlaceSum sum;
+    for_points_of(a, b, [&sum](const ContactedPoint& point, double sign) { sum.add(point, sign); });
+    sum.put_into(found->place);
+    if (began) events_.back().place = found->place;
+    found->seen = true;
+  }
+  for (const Pair& pair : pairs_)
+    if (!pair.seen)
+      events_.push_back(
+          {pair.a, ContactEvent::kNone, pair.b, ContactEvent::Kind::kEnd, pair.place});
+  std::erase_if(pairs_, [](const Pair& pair) { return !pair.seen; });
+}
+
+Status SceneWorld::set_method(std::size_t i, std::string_view integrator) {
+  ContactBody& body = actors_[i].body;
+  if (Status s = body.set_method(integrator, scene_.step); !s)
+    return error_of_body(scene_.bodies[i], s.error());
+  scene_.bodies[i].integrator = body.integrator().name();
+  return Success{};
+}
+
+Status SceneWorld::set_step(double step) {
+  if (!(step > 0.0) || !std::isfinite(step))
+    return usage_error("a step must be positive and finite, got " + number_text(step) + " s");
+  for (std::size_t i = 0; i < size(); ++i) {
+    ContactBody& body = actors_[i].body;
+    if (const Status s = body.set_method(body.integrator().name(), step); !s) {
+      // The step that was there was good for all of them.
+      for (std::size_t k = 0; k < i; ++k)
+        (void)actors_[k].body.set_method(actors_[k].body.integrator().name(), scene_.step);
+      return error_of_body(scene_.bodies[i], s.error());
+    }
+  }
+  steps_ = std::llround(time() / step);
+  scene_.step = step;
+  return Success{};
+}
+
+std::span<const SceneWorld::Failure> SceneWorld::step() {
+  failures_.clear();
+  events_.clear();
+  colliders_.move(steps_, scene_.step);
+  move_hands();
+  for (std::size_t i = 0; i < joints_.size(); ++i)
+    joints_[i].joint.before_step(scene_.joints[i], time(), scene_.step, *group_);
+  const Vector3d gravity = scene_.gravity.at(time() + 0.5 * scene_.step);
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    Actor& actor = actors_[i];
+    stepped_[place_[i]] = actor.failed ? nullptr : &actor.body;
+    if (actor.failed) continue;
+    if (gravity_changes_) (void)actor.body.set_gravity(gravity);
+    // Its values were checked when the world was made.
+    if (!scene_.bodies[i].alphas.empty() || !scene_.bodies[i].betas.empty()) (void)damp(i);
+    move_frame(actor);
+  }
+  group_->step(stepped_, colliders_.placed(), reports_);
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    if (actors_[i].failed) continue;
+    const StepReport& report = reports_[place_[i]];
+    if (report.converged) {
+      note_contact(i);
+      continue;
+    }
+    actors_[i].failed = true;
+    failures_.push_back({i, report});
+  }
+  note_pairs();
+  ++steps_;
+  return failures_;
+}
+
+EnergyAccount SceneWorld::account(std::size_t i) const {
+  const ContactBody& body = actors_[i].body;
+  const Energy energy = body.energy();
+  EnergyAccount account;
+  account.kinetic = energy.kinetic;
+  account.potential = energy.potential;
+  account.at_start = actors_[i].energy_at_start;
+  account.support = body.support_work();
+  account.gravity = body.gravity_work();
+  account.contact = body.contact_account().energy;
+  account.contact_given = body.contact_sums().given;
+  account.restitution = 0.0 - body.contact_sums().lost;
+  account.friction = 0.0 - body.contact_sums().rubbed;
+  account.hand = body.contact_sums().hand;
+  account.joint = body.contact_sums().joint;
+  account.contact_error = body.contact_sums().error;
+  account.load = body.work() - account.support - account.gravity - body.contact_sums().work -
+                 account.hand - account.joint;
+  account.damping = 0.0 - body.dissipated();
+  return account;
+}
+
+Momenta SceneWorld::momenta(std::size_t i) const {
+  const Actor& actor = actors_[i];
+  const ContactBody& body = actor.body;
+  if (body.frame() == FrameKind::kFree) return {body.linear_momentum(), body.angular_momentum()};
+  if (!actor.inertia) return {};
+  Eigen::VectorXd v(body.model().modes());
+  body.integrator().synchronized_momentum(body.state(), v);
+  const double h = scene_.step, t = time();
+  if (actor.bones) {
+    const std::size_t count = actor.bones->size();
+    std::vector<Pose> before(count), behind(count);
+    actor.bones->poses(t - h, before);
+    actor.bones->poses(t + h, behind);
+    Momenta sum;
+    for (std::size_t b = 0; b < count; ++b) {
+      const Momenta one = momenta_in_frame(*body.skin()->shares[b], body.state().q, v,
+                                           {before[b], body.bone_pose(b), behind[b]}, h);
+      sum.linear += one.linear;
+      sum.angular += one.angular;
+    }
+    return sum;
+  }
+  const Pose pose = body.pose();
+  if (actor.path.still())
+    return momenta_in_frame(*actor.inertia, body.state().q, v, {pose, pose, pose}, h);
+  return momenta_in_frame(
+      *actor.inertia, body.state().q, v,
+      {actor.path.pose_in(actor.piece, t - h), pose, actor.path.pose_in(actor.piece, t + h)}, h);
+}
+
+Result<std::optional<SceneWorld::Hit>> SceneWorld::pick(const Vector3d& origin,
+                                                        const Vector3d& direction,
+                                                        SurfaceKind surface) const {
+  std::optional<Hit> nearest;
+  for (std::size_t i = 0; i < size(); ++i) {
+    const auto found = actors_[i].body.pick(origin, direction, surface);
+    if (!found) return error_of_body(scene_.bodies[i], found.error());
+    if (*found && (!nearest || (*found)->distance < nearest->hit.distance))
+      nearest = Hit{i, **found};
+  }
+  return nearest;
+}
+
+}  // namespace tremolo
