@@ -13,8 +13,8 @@
 
 #include "common/result.h"
 #include "common/state_stream.h"
-#include "runtime/bodies/reduced/state.h"
 #include "runtime/load.h"
+#include "runtime/math/state.h"
 #include "runtime/model.h"
 #include "runtime/split.h"
 

@@ -14,9 +14,9 @@
 
 #include "common/result.h"
 #include "formats/basis/basis_data.h"
-#include "runtime/bodies/reduced/state.h"
 #include "runtime/bodies/reduced/surface/surface_tree.h"
 #include "runtime/math/kernels/potential.h"
+#include "runtime/math/state.h"
 
 namespace tremolo {
 

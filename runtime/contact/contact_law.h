@@ -36,9 +36,9 @@
 #include <Eigen/Core>
 
 #include "common/state_stream.h"
-#include "runtime/bodies/reduced/frames/pose.h"
 #include "runtime/contact/collider.h"
 #include "runtime/contact/friction.h"
+#include "runtime/math/pose.h"
 
 namespace tremolo {
 

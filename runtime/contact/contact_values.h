@@ -8,9 +8,9 @@
 
 #include "common/mesh/tet_mesh.h"
 #include "common/state_stream.h"
-#include "runtime/bodies/reduced/frames/pose.h"
-#include "runtime/bodies/reduced/state.h"
 #include "runtime/contact/collider.h"
+#include "runtime/math/pose.h"
+#include "runtime/math/state.h"
 
 namespace tremolo {
 

@@ -16,7 +16,7 @@
 #include <Eigen/Core>
 
 #include "common/state_stream.h"
-#include "runtime/bodies/reduced/state.h"
+#include "runtime/math/state.h"
 
 namespace tremolo {
 

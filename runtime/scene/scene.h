@@ -18,7 +18,7 @@
 #include "runtime/contact/collider.h"
 #include "runtime/contact/joint.h"
 #include "runtime/contact_body.h"
-#include "runtime/scene/motion.h"
+#include "runtime/math/motion.h"
 
 namespace tremolo {
 

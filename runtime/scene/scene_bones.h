@@ -10,7 +10,7 @@
 #include "common/result.h"
 #include "runtime/bodies/reduced/frames/driven_frame.h"
 #include "runtime/bones.h"
-#include "runtime/scene/motion.h"
+#include "runtime/math/motion.h"
 #include "runtime/scene/scene.h"
 
 namespace tremolo {

@@ -10,7 +10,7 @@
 #include "common/result.h"
 #include "runtime/contact/contact_law.h"
 #include "runtime/contact_body.h"
-#include "runtime/scene/motion.h"
+#include "runtime/math/motion.h"
 #include "runtime/scene/scene.h"
 
 namespace tremolo {

@@ -12,7 +12,7 @@
 #include "runtime/contact/joint.h"
 #include "runtime/contact/solve/body_group.h"
 #include "runtime/contact_body.h"
-#include "runtime/scene/motion.h"
+#include "runtime/math/motion.h"
 #include "runtime/scene/scene.h"
 
 namespace tremolo {

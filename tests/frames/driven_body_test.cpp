@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/scene/motion.h"
+#include "runtime/math/motion.h"
 #include "tests/support/dynamics.h"
 #include "tests/support/frames/frame_models.h"
 #include "tests/support/held_case.h"

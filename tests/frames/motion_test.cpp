@@ -1,5 +1,5 @@
 // Motions of frames: poses at any time, smooth ramps, keys, records and jumps.
-#include "runtime/scene/motion.h"
+#include "runtime/math/motion.h"
 
 #include <cmath>
 #include <string>

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/bodies/reduced/bones/bone_weights.h"
-#include "runtime/scene/motion.h"
+#include "runtime/math/motion.h"
 #include "tests/support/dynamics.h"
 #include "tests/support/frames/frame_models.h"
 #include "tests/support/frames/rigged_model.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "runtime/bodies/reduced/frames/pose.h"
+#include "runtime/math/pose.h"
 
 namespace tremolo {
 namespace {

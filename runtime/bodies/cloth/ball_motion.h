@@ -7,7 +7,7 @@
 #include "common/result.h"
 #include "runtime/bodies/cloth/cloth_scene.h"
 #include "runtime/bodies/cloth/cloth_world.h"
-#include "runtime/scene/motion.h"
+#include "runtime/math/motion.h"
 
 namespace tremolo {
 

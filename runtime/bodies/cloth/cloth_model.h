@@ -15,7 +15,7 @@
 #include "runtime/bodies/cloth/cloth_parts.h"
 #include "runtime/bodies/cloth/spring_set.h"
 #include "runtime/bodies/cloth/wind_drag.h"
-#include "runtime/scene/motion.h"
+#include "runtime/math/motion.h"
 #include "runtime/step/nodal_system.h"
 
 namespace tremolo {

@@ -12,7 +12,7 @@
 
 #include "common/mesh/surface_mesh.h"
 #include "common/result.h"
-#include "runtime/scene/motion.h"
+#include "runtime/math/motion.h"
 #include "runtime/scene/scene.h"
 #include "runtime/step/nodal_integrator.h"
 

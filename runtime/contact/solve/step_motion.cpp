@@ -1,6 +1,6 @@
 #include "runtime/contact/solve/step_motion.h"
 
-#include "runtime/bodies/reduced/frames/pose.h"
+#include "runtime/math/pose.h"
 
 namespace tremolo {
 

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "runtime/bodies/reduced/state.h"
+#include "runtime/math/state.h"
 #include "runtime/parts.h"
 
 namespace tremolo {

@@ -20,7 +20,7 @@
 #include "common/result.h"
 #include "formats/basis/basis_data.h"
 #include "runtime/bodies/reduced/bones/bone_weights.h"
-#include "runtime/bodies/reduced/frames/pose.h"
+#include "runtime/math/pose.h"
 
 namespace tremolo {
 

@@ -9,7 +9,7 @@
 
 #include "common/result.h"
 #include "runtime/io/scenes/toml_keys.h"
-#include "runtime/scene/motion.h"
+#include "runtime/math/motion.h"
 #include "runtime/scene/scene.h"
 
 namespace tremolo {

@@ -12,9 +12,9 @@
 #include "common/result.h"
 #include "formats/file/atomic_file.h"
 #include "runtime/bodies/cloth/cloth_world.h"
-#include "runtime/bodies/reduced/state.h"
 #include "runtime/io/scenes/nodal_readers.h"
 #include "runtime/io/scenes/scene_keys.h"
+#include "runtime/math/state.h"
 
 namespace tremolo {
 

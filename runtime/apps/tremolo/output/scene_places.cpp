@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "common/mesh/tet_mesh.h"
-#include "runtime/scene/motion.h"
+#include "runtime/math/motion.h"
 
 namespace tremolo {
 namespace {

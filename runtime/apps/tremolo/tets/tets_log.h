@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "common/result.h"
-#include "runtime/bodies/reduced/state.h"
 #include "runtime/bodies/tets/scene/tet_scene.h"
 #include "runtime/io/scenes/nodal_readers.h"
+#include "runtime/math/state.h"
 
 namespace tremolo {
 

@@ -9,7 +9,7 @@
 
 #include "common/result.h"
 #include "runtime/apps/view/live/live_world.h"
-#include "runtime/scene/motion.h"
+#include "runtime/math/motion.h"
 #include "runtime/scene/scene.h"
 
 namespace tremolo {

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "runtime/bodies/reduced/frames/pose.h"
+#include "runtime/math/pose.h"
 #include "runtime/world/scene_world.h"
 
 namespace tremolo {

@@ -15,7 +15,7 @@
 #include "common/mesh/tet_mesh.h"
 #include "common/result.h"
 #include "runtime/apps/view/camera/camera.h"
-#include "runtime/bodies/reduced/frames/pose.h"
+#include "runtime/math/pose.h"
 #include "runtime/scene/scene.h"
 
 namespace tremolo {

@@ -15,7 +15,7 @@
 
 #include "runtime/bodies/reduced/bones/bone_weights.h"
 #include "runtime/bodies/reduced/frames/frame_inertia.h"
-#include "runtime/bodies/reduced/frames/pose.h"
+#include "runtime/math/pose.h"
 
 namespace tremolo {
 

@@ -22,9 +22,9 @@
 #include <Eigen/LU>
 
 #include "runtime/bodies/reduced/frames/frame_inertia.h"
-#include "runtime/bodies/reduced/frames/pose.h"
 #include "runtime/bodies/reduced/frames/step_coupling.h"
-#include "runtime/bodies/reduced/state.h"
+#include "runtime/math/pose.h"
+#include "runtime/math/state.h"
 
 namespace tremolo {
 

@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "common/load_signal.h"
-#include "runtime/bodies/reduced/state.h"
+#include "runtime/math/state.h"
 
 namespace tremolo {
 

@@ -26,12 +26,12 @@
 
 #include "common/distance/distance_grid.h"
 #include "formats/tets/tets_file.h"
-#include "runtime/bodies/reduced/frames/pose.h"
 #include "runtime/bodies/tets/contact/tet_tree.h"
 #include "runtime/bodies/tets/elements/tet_model.h"
 #include "runtime/bodies/tets/elements/tet_system.h"
 #include "runtime/bodies/tets/solve/active_solve.h"
 #include "runtime/contact/collider.h"
+#include "runtime/math/pose.h"
 
 namespace tremolo {
 

@@ -13,8 +13,8 @@
 
 #include <Eigen/Core>
 
-#include "runtime/bodies/reduced/frames/pose.h"
 #include "runtime/bodies/tets/elements/tet_element.h"
+#include "runtime/math/pose.h"
 
 namespace tremolo {
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "common/result.h"
-#include "runtime/bodies/reduced/frames/pose.h"
 #include "runtime/bodies/tets/contact/tet_surface.h"
 #include "runtime/bodies/tets/motion/tet_group.h"
+#include "runtime/math/pose.h"
 #include "runtime/scene/scene.h"
 
 namespace tremolo {

@@ -1,4 +1,4 @@
-#include "runtime/scene/motion.h"
+#include "runtime/math/motion.h"
 
 #include <algorithm>
 #include <cmath>

@@ -16,7 +16,7 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
-#include "runtime/bodies/reduced/frames/pose.h"
+#include "runtime/math/pose.h"
 
 namespace tremolo {
 
