@@ -100,14 +100,25 @@ std::string range_problem(const Eigen::ArrayXd& largest) {
   throw Failure({ErrorKind::kSolver, what + "; " + problem});
 }
 
+Eigen::ArrayXd largest_entries_over_ranks(const Pencil& pencil) {
+  Eigen::ArrayXd largest = largest_entries(pencil.matrices, pencil.rows());
+  MPI_Allreduce(MPI_IN_PLACE, largest.data(), 6, MPI_DOUBLE, MPI_MAX, PETSC_COMM_WORLD);
+  return largest;
+}
+
+// Numbers whose squares overflow give no modes, or modes that are not finite.
+void require_representable(const Pencil& pencil) {
+  const Eigen::ArrayXd largest = largest_entries_over_ranks(pencil);
+  if (!(largest < kLargest).all()) give_up("the modes cannot be computed", range_problem(largest));
+}
+
 // Returns false if block Lanczos does not converge; SLEPc may still succeed.
 bool solve_by_blocks(const Pencil& pencil, const ShiftedSolver& solver, int wanted, Modes& modes) {
   constexpr double kTolerance = 1e-10;  // the inverse iteration that follows squares it
   LanczosPairs pairs = block_lanczos(pencil, solver, wanted, kTolerance);
   if (pairs.exhausted) {
-    Eigen::ArrayXd largest = largest_entries(pencil.matrices, pencil.rows());
-    MPI_Allreduce(MPI_IN_PLACE, largest.data(), 6, MPI_DOUBLE, MPI_MAX, PETSC_COMM_WORLD);
-    if (const std::string problem = range_problem(largest); !problem.empty())
+    if (const std::string problem = range_problem(largest_entries_over_ranks(pencil));
+        !problem.empty())
       give_up("the modes cannot be computed: the solver finds no further direction", problem);
   }
   if (!pairs.converged) return false;
@@ -152,6 +163,7 @@ Modes compute_modes(const Pencil& pencil, ShiftedSolver& solver, double shift, i
   if (count < 1 || count > available)
     throw Failure(content_error(std::to_string(count) + " linear modes asked for, the mesh has " +
                                 std::to_string(available) + " free dofs"));
+  require_representable(pencil);
   const int wanted =
       std::min(count + 1, available);  // one extra mode gives the distance to the next one
   Modes modes;
