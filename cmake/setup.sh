@@ -12,10 +12,10 @@ packages_build="g++ cmake make ninja-build pkg-config libeigen3-dev libxxhash-de
 packages_mesher="libcgal-dev"  # of tremolo-mesh alone
 # Of tremolo-view alone; the last two draw without a graphics card.
 packages_view="libglfw3-dev libimgui-dev libepoxy-dev libegl-dev libpng-dev libegl-mesa0 libgl1-mesa-dri"
-# gnuplot-nox draws pictures of `tremolo plot`. The next three contain surfaces for tests/corpus:
+# The three after the first contain surfaces for tests/corpus:
 # 52 MB to download.
 # Xvfb and xdotool are a display and a mouse for the window of tremolo-view, ffmpeg makes its films.
-packages_test="libgtest-dev gnuplot-nox libcgal-demo assimp-testmodels glmark2-data xvfb xdotool ffmpeg"
+packages_test="libgtest-dev libcgal-demo assimp-testmodels glmark2-data xvfb xdotool ffmpeg"
 packages_fuzz="clang libclang-rt-14-dev"  # the fuzzers of ./check --full
 # Programs that read the files of `tremolo export`: ./check --full. Blender needs numpy. An installed node or
 # npm is kept.

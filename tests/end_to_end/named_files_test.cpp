@@ -118,8 +118,8 @@ TEST_F(NamedFiles, PipesDevicesAndFoldersAreRefusedAtOnce) {
         kTremolo + "run pipe",
         kTremolo + "run zero.toml",
         kTremolo + "export pipe --vtu a.vtu",
-        kTremolo + "plot pipe -o a.svg",
-        kTremolo + "plot /dev/zero -o a.svg",
+        kTremolo + "plot pipe -o a.html",
+        kTremolo + "plot /dev/zero -o a.html",
         kTremolo + "run bar.tremolo --at file:pipe --force 0,0,1",
         kPrecompute + "pipe" + to,
         kPrecompute + "pipe.obj" + to,
@@ -238,7 +238,7 @@ TEST_F(NamedFiles, NoOutputOfARunTakesThePlaceOfAnInput) {
   expect_kept(run_it + "bar.tremolo --duration 0.1 --at file:o/report.json --force 0,0,1 --out o",
               "o/report.json");
   std::ofstream(folder_ + "/o/energy.toml") << "[b]\nmodel = '../bar.tremolo'\n";
-  fs::create_symlink("energy.toml", folder_ + "/o/energy.svg");
+  fs::create_symlink("energy.toml", folder_ + "/o/energy.html");
   expect_kept(run_it + "o/energy.toml --duration 0.1 --out o --plot", "o/energy.toml");
   for (const char* format : {"--vtu", "--cub", "--U"})
     expect_kept(kTremolo + "export bar.tremolo " + format + " bar.tremolo", "bar.tremolo");
@@ -257,8 +257,8 @@ TEST_F(NamedFiles, WhatARunReadsBesideItsModelIsKeptToo) {
   expect_kept(run_it + record + " --start o/run.csv", "o/run.csv");
   expect_kept(run_it + record + " --start o/run.csv@0.05", "o/run.csv");
   // A picture may be named as a run is.
-  fs::copy(folder_ + "/o/run.csv", folder_ + "/run.svg");
-  expect_kept(kTremolo + "plot run.svg -o ./run.svg", "run.svg");
+  fs::copy(folder_ + "/o/run.csv", folder_ + "/run.html");
+  expect_kept(kTremolo + "plot run.html -o ./run.html", "run.html");
 }
 
 }  // namespace

@@ -154,18 +154,18 @@ TEST_F(ReferenceProgram, TremoloPlotsItsEnergyBesideThatOfTremoloRun) {
   const auto plot = [this](const std::string& arguments) {
     return run_program(folder_, kBin + "/tremolo plot " + arguments);
   };
-  ProgramResult result = plot("whole -o one.svg");
+  ProgramResult result = plot("whole -o one.html");
   ASSERT_EQ(result.code, 0) << result.err;
-  EXPECT_NE(slurp(folder_ + "/one.svg").find("total energy"), std::string::npos);
+  EXPECT_NE(slurp(folder_ + "/one.html").find("total energy"), std::string::npos);
   // The band is the reduced model's alone.
-  EXPECT_EQ(slurp(folder_ + "/one.svg").find("high band"), std::string::npos);
+  EXPECT_EQ(slurp(folder_ + "/one.html").find("high band"), std::string::npos);
   ASSERT_EQ(precompute(std::string(kBody) + "--linear-modes 3 -o block.tremolo").code, 0);
   const ProgramResult reduced = run_program(
       folder_, kBin + "/tremolo run block.tremolo --step 0.004 --duration 0.04 --out reduced");
   ASSERT_EQ(reduced.code, 0) << reduced.err;
-  result = plot("whole reduced -o both.svg");
+  result = plot("whole reduced -o both.html");
   ASSERT_EQ(result.code, 0) << result.err;
-  EXPECT_NE(slurp(folder_ + "/both.svg").find("high band"), std::string::npos);
+  EXPECT_NE(slurp(folder_ + "/both.html").find("high band"), std::string::npos);
 }
 
 TEST_F(ReferenceProgram, TheLastStepIsRecordedWhateverTheOthers) {

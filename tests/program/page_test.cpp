@@ -175,7 +175,7 @@ TEST(EnergyPage, TellsTheLineThatIsNoRow) {
   const TemporaryFolder folder;
   const auto refused = [&](const std::string& text, const std::string& words) {
     std::ofstream(folder.file("run.csv")) << text;
-    const Status status = plot_energies({{"a", folder.file("run.csv")}}, folder.file("a.html"));
+    const Status status = write_energy_page({{"a", folder.file("run.csv")}}, folder.file("a.html"));
     ASSERT_FALSE(status) << text;
     EXPECT_EQ(status.error().kind, ErrorKind::kContent);
     EXPECT_NE(status.error().message.find(words), std::string::npos) << status.error().message;
@@ -192,9 +192,9 @@ TEST(EnergyPage, HasAPanelForTheHighBandWhereARunKnowsIt) {
   write_run(folder.file("newmark"));
   std::ofstream(folder.file("mesh.csv")) << "t,total\r\n0,1\r\n1,2\r\n";
   const std::string page = folder.file("a.html");
-  ASSERT_TRUE(plot_energies({{"mesh", folder.file("mesh.csv")}}, page));
+  ASSERT_TRUE(write_energy_page({{"mesh", folder.file("mesh.csv")}}, page));
   EXPECT_EQ(report_on(slurp(page))["sections"][0]["parts"][0]["charts"]["charts"].size(), 1U);
-  ASSERT_TRUE(plot_energies(plot_sources({folder.file("newmark"), folder.file("mesh.csv")}), page));
+  ASSERT_TRUE(write_energy_page(plot_sources({folder.file("newmark"), folder.file("mesh.csv")}), page));
   const PageJson charts = report_on(slurp(page))["sections"][0]["parts"][0]["charts"];
   ASSERT_EQ(charts["charts"].size(), 2U);
   EXPECT_EQ(charts["charts"][0]["curves"].size(), 2U);

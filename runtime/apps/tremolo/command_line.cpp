@@ -45,7 +45,7 @@ void add_run_flags(CLI::App& run, RunOptions& o) {
   run.add_flag("--velocities", o.velocities, "record velocities of these too");
   run.add_option("--out", o.out, "directory for run.csv, report.json, plots and surfaces");
   run.add_option("--every", o.every, "a CSV row every so many steps")->capture_default_str();
-  run.add_flag("--plot", o.plot, "draw energy.html, and energy.svg where gnuplot is installed");
+  run.add_flag("--plot", o.plot, "draw energy.html");
   run.add_option("--surfaces", o.surfaces, "write so many surfaces, evenly spaced in time");
   run.add_option(
       "--wav", o.wav,
@@ -158,7 +158,7 @@ struct Parser {
     plot = app.add_subcommand("plot",
                               "energy over time of several runs on one page or in one picture");
     plot->add_option("runs", request.directories, "directories of tremolo run --out")->required();
-    plot->add_option("-o,--output", request.picture, ".html, .svg or .png")->required();
+    plot->add_option("-o,--output", request.picture, "page, .html")->required();
     exporter = app.add_subcommand(
         "export", "write a model, or what it does, in files that other programs open");
     add_export_flags(*exporter, request.exported);

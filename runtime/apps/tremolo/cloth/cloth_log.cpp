@@ -203,9 +203,9 @@ Status ClothLog::finish(const ClothWorld& world) {
   if (Status s = table_->finish(); !s) return s;
   report_.files.push_back((folder / kTableName).string());
   if (outputs.plot) {
-    const std::string picture = (folder / kPictureName).string();
+    const std::string picture = (folder / kEnergyPageName).string();
     const std::string label = fs::path(file_->path).stem().string();
-    if (Status s = plot_energies({{label, report_.files[0]}}, picture); !s) return s;
+    if (Status s = write_energy_page({{label, report_.files[0]}}, picture); !s) return s;
     report_.files.push_back(picture);
   }
   for (ClothFrames& frames : frames_) {

@@ -119,7 +119,7 @@ RunOutputs cloth_outputs(const ClothFile& file) {
   std::vector<std::string> names;
   for (const SceneCloth& cloth : file.scene.cloths) names.push_back(cloth.name);
   outputs.add_folder(out, names);
-  outputs.add_files(out, {kReportName, kTableName, kPictureName});
+  outputs.add_files(out, {kReportName, kTableName, kEnergyPageName});
   for (const std::string& name : names)
     if (!out.empty()) outputs.add_files((fs::path(out) / name).string(), {kFramesName});
   return outputs;

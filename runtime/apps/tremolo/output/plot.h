@@ -1,4 +1,4 @@
-// Energies of runs over time: charts of a page, or a picture by gnuplot.
+// Energies of runs over time, as charts of a page.
 #pragma once
 
 #include <string>
@@ -10,19 +10,10 @@
 
 namespace tremolo {
 
-// Files in a run's folder.
+// The page in a run's folder.
 inline constexpr const char* kEnergyPageName = "energy.html";
-inline constexpr const char* kPictureName = "energy.svg";
 
-// Draws the total energy of the runs over time, one curve per run, and below it the energy of the
-// high band for runs that have one (`tremolo-precompute reference` has none). The extension of
-// `output` selects the format: .html, a page with zoom and values under the pointer; .svg or .png,
-// by gnuplot. Errors: kUsage for another extension, kContent for a CSV without the columns t and
-// total, kSystem if gnuplot is missing (the message says how to install it) or fails.
-Status plot_energies(const std::vector<PlotSource>& sources, const std::string& output);
-
-// Writes energy.html to a folder and, if gnuplot is installed, energy.svg; adds the paths to
-// `files`. Errors: as above, except for a missing gnuplot.
+// Writes the page to a folder and adds its path to `files`. Errors as write_energy_page.
 Status plot_run(const PlotSource& source, const std::string& folder,
                 std::vector<std::string>& files);
 
@@ -55,17 +46,5 @@ Result<nlohmann::ordered_json> energy_charts(const std::vector<PlotSource>& sour
 
 // A page of the two. Errors: as read_energies; kSystem.
 Status write_energy_page(const std::vector<PlotSource>& sources, const std::string& output);
-
-// Within gnuplot's single quotes, where nothing but the quote itself is special. A line break,
-// which would end the command, becomes a space.
-std::string gnuplot_quoted(const std::string& text);
-
-// True if gnuplot is on the PATH.
-bool has_gnuplot();
-
-// Runs a script that sets its own terminal and no output; returns the picture's bytes. Errors:
-// kSystem if gnuplot is missing (the message says how to install it), fails or draws nothing.
-// Messages of gnuplot go to stderr.
-Result<std::string> run_gnuplot(const std::string& script);
 
 }  // namespace tremolo

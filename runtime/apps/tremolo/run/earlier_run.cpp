@@ -126,7 +126,7 @@ void EarlierRun::look_into(const std::string& folder, bool reported) {
     // `tremolo-precompute reference` has a table of that name and no report.
     if (name == kTableName) return reported && has_table;
     const bool was_run = reported || has_table;
-    return was_run && (name == kPictureName || name == kEnergyPageName || name == kReportName);
+    return was_run && (name == "energy.svg" || name == kEnergyPageName || name == kReportName);
   };
   for (const std::string& path : files_like(folder, [](std::string_view) { return true; }))
     if (is_file(path) && ours(fs::path(path).filename().string())) add(path);

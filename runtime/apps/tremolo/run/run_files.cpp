@@ -80,8 +80,8 @@ Status RunOutputs::remove_earlier(const std::vector<std::string>& written) const
 }
 
 const std::vector<const char*>& body_files() {
-  static const std::vector<const char*> kNames = {kTableName, kEnergyPageName, kPictureName,
-                                                  kFramesName, kMaterialsName};
+  static const std::vector<const char*> kNames = {kTableName, kEnergyPageName, kFramesName,
+                                                  kMaterialsName};
   return kNames;
 }
 
