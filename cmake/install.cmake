@@ -39,7 +39,7 @@ function(tremolo_install_if_built target component)
     endif()" COMPONENT ${component})
 endfunction()
 
-foreach(program tremolo tremolo-nodal tremolo-lab tremolo-view tremolo-precompute tremolo-mesh)
+foreach(program tremolo tremolo-lab tremolo-view tremolo-precompute tremolo-mesh)
   if(TARGET ${program})
     tremolo_install_if_built(${program} programs)
   endif()

@@ -15,6 +15,7 @@
 #include "formats/file/input_file.h"
 #include "formats/file/output_guard.h"
 #include "runtime/apps/tremolo/export/export.h"
+#include "runtime/apps/tremolo/nodal_scenes.h"
 #include "runtime/apps/tremolo/output/plot.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/run/run_options.h"
@@ -199,12 +200,6 @@ int start_viewer(char** words) {
                       words);
 }
 
-// Starts tremolo-nodal for a scene of this kind, with this program's arguments.
-int start_nodal(const std::string& scene, char** words) {
-  return start_beside("tremolo-nodal", scene + ": a scene of cloth or of tetrahedra",
-                      "cmake --build --preset release --target tremolo-nodal", words);
-}
-
 std::vector<RunOptions> bodies_of(const Request& request, const RunOptions& flags) {
   RunOptions options = flags;
   options.model = request.file;
@@ -292,23 +287,23 @@ bool is_scene(const std::string& path) {
   return std::filesystem::path(path).extension() == ".toml";
 }
 
-int run_scene(int count, char** words, const Request& request, const SceneCommand& command,
-              const NodalScenes* nodal) {
+int run_scene(int count, char** words, const Request& request, const SceneCommand& command) {
   const Result<std::string> text = read_whole_file(command.file);
   if (!text) return report_error(text.error());
   const Result<SceneKind> kind = scene_kind(*text, command.file);
   if (!kind) return report_error(kind.error());
   if (*kind == SceneKind::kBodies) return run_bodies_scene(*text, count, words, request);
   if (*kind == SceneKind::kWorld) return run_world_scene(*text, request, command);
-  if (nodal == nullptr) return start_nodal(command.file, words);
-  return *kind == SceneKind::kCloth ? nodal->run_cloth(*text, command)
-                                    : nodal->run_tets(*text, command);
+  return *kind == SceneKind::kCloth ? run_cloth_scene(*text, command)
+                                    : run_tets_scene(*text, command);
 }
 
-// The motion that `tremolo export` records, of a scene that this program can run.
+// The motion that `tremolo export` records.
 Result<std::unique_ptr<MotionSource>> scene_motion(const std::string& text, SceneKind kind,
                                                    int count, char** words,
                                                    const SceneCommand& command) {
+  if (kind == SceneKind::kCloth) return cloth_source(text, command);
+  if (kind == SceneKind::kTets) return tets_source(text, command);
   if (kind == SceneKind::kWorld) {
     Result<SceneFile> file = world_of(text, command);
     if (!file) return file.error();
@@ -326,25 +321,21 @@ Result<std::unique_ptr<MotionSource>> scene_motion(const std::string& text, Scen
   return bodies_motion(std::move(*bodies));
 }
 
-int export_scene(int count, char** words, const MotionOutputs& outputs, const SceneCommand& command,
-                 const NodalScenes* nodal) {
+int export_scene(int count, char** words, const MotionOutputs& outputs,
+                 const SceneCommand& command) {
   const Result<std::string> text = read_whole_file(command.file);
   if (!text) return report_error(text.error());
   const Result<SceneKind> kind = scene_kind(*text, command.file);
   if (!kind) return report_error(kind.error());
   if (!command.beside.empty() && *kind != SceneKind::kCloth)
     return report_error(usage_error("--beside applies only to scenes of cloth"));
-  const bool of_nodes = *kind == SceneKind::kCloth || *kind == SceneKind::kTets;
-  if (of_nodes && nodal == nullptr) return start_nodal(command.file, words);
   const Result<std::unique_ptr<MotionSource>> source =
-      !of_nodes                    ? scene_motion(*text, *kind, count, words, command)
-      : *kind == SceneKind::kCloth ? nodal->cloth_motion(*text, command)
-                                   : nodal->tets_motion(*text, command);
+      scene_motion(*text, *kind, count, words, command);
   return source ? export_motion_command(outputs, **source) : report_error(source.error());
 }
 
 int run_export(int count, char** words, const Request& request, const RunOptions& flags,
-               const CLI::App& app, const NodalScenes* nodal) {
+               const CLI::App& app) {
   ExportOptions still = request.exported;
   still.rescale = flags.rescale;
   const bool asks_still = still.any();
@@ -363,7 +354,7 @@ int run_export(int count, char** words, const Request& request, const RunOptions
   if (is_scene(still.model)) {
     const SceneCommand command = {
         still.model, flags, told_flags(app), {}, request.motion.json, request.motion.beside};
-    return export_scene(count, words, request.motion, command, nodal);
+    return export_scene(count, words, request.motion, command);
   }
   if (!request.motion.beside.empty())
     return report_error(usage_error("--beside applies only to scenes of cloth"));
@@ -372,41 +363,34 @@ int run_export(int count, char** words, const Request& request, const RunOptions
   return export_motion_command(request.motion, *bodies_motion(bodies_of(of_run, flags)));
 }
 
-// Commands for scenes that this program can run.
-int inspect_bodies(const std::string& text, SceneKind kind, const Request& request) {
-  if (kind == SceneKind::kWorld) {
-    const Result<SceneFile> file = parse_world(text, request.file);
-    return file ? inspect_world_command(*file, request.json) : report_error(file.error());
-  }
-  const Result<std::vector<RunOptions>> bodies = parse_scene(text, request.file);
-  return bodies ? inspect_bodies_command(*bodies, request.file, request.json)
-                : report_error(bodies.error());
-}
-
-int inspect_scene(char** words, const Request& request, const NodalScenes* nodal) {
+int inspect_scene(const Request& request) {
   const Result<std::string> text = read_whole_file(request.file);
   if (!text) return report_error(text.error());
   const Result<SceneKind> kind = scene_kind(*text, request.file);
   if (!kind) return report_error(kind.error());
   if (!request.select.empty())
     return report_error(usage_error("--select applies only to a basis file, not to a scene"));
-  if (*kind == SceneKind::kBodies || *kind == SceneKind::kWorld)
-    return inspect_bodies(*text, *kind, request);
-  if (nodal == nullptr) return start_nodal(request.file, words);
   const SceneCommand command = {request.file, {}, {}, {}, request.json};
-  return *kind == SceneKind::kCloth ? nodal->inspect_cloth(*text, command)
-                                    : nodal->inspect_tets(*text, command);
+  if (*kind == SceneKind::kCloth) return inspect_cloth_scene(*text, command);
+  if (*kind == SceneKind::kTets) return inspect_tets_scene(*text, command);
+  if (*kind == SceneKind::kWorld) {
+    const Result<SceneFile> file = parse_world(*text, request.file);
+    return file ? inspect_world_command(*file, request.json) : report_error(file.error());
+  }
+  const Result<std::vector<RunOptions>> bodies = parse_scene(*text, request.file);
+  return bodies ? inspect_bodies_command(*bodies, request.file, request.json)
+                : report_error(bodies.error());
 }
 
-int run_program(int count, char** words, const NodalScenes* nodal) {
+int run_program(int count, char** words) {
   Request request;
   RunOptions options;
   Parser parser(request, options);
   if (const std::optional<int> code = read_words(parser.app, count, words)) return *code;
-  if (*parser.inspect && is_scene(request.file)) return inspect_scene(words, request, nodal);
+  if (*parser.inspect && is_scene(request.file)) return inspect_scene(request);
   if (*parser.inspect) return inspect_command(request.file, request.select, request.json);
   if (*parser.plot) return plot_command(request.directories, request.picture);
-  if (*parser.exporter) return run_export(count, words, request, options, *parser.exporter, nodal);
+  if (*parser.exporter) return run_export(count, words, request, options, *parser.exporter);
   if (*parser.bench || *parser.reproduce) return start_laboratory(words);
   if (*parser.view) return start_viewer(words);
   if (!is_scene(request.file)) {
@@ -416,13 +400,13 @@ int run_program(int count, char** words, const NodalScenes* nodal) {
   }
   const SceneCommand command = {request.file, options, told_flags(*parser.run), request.degree,
                                 request.json};
-  return run_scene(count, words, request, command, nodal);
+  return run_scene(count, words, request, command);
 }
 
 }  // namespace
 
-int run_command_line(int count, char** words, const NodalScenes* nodal) {
-  return run_guarded([&] { return run_program(count, words, nodal); });
+int run_command_line(int count, char** words) {
+  return run_guarded([&] { return run_program(count, words); });
 }
 
 }  // namespace tremolo

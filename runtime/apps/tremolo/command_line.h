@@ -1,12 +1,9 @@
-// The command line of `tremolo` and of tremolo-nodal, which runs other kinds of scenes.
+// The command line of `tremolo`.
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <string>
 
-#include "common/result.h"
-#include "runtime/apps/tremolo/export/motion_source.h"
 #include "runtime/apps/tremolo/run/run_options.h"
 
 namespace tremolo {
@@ -21,22 +18,8 @@ struct SceneCommand {
   std::string beside = {};  // of --beside; empty: not given
 };
 
-// Commands for scenes with [[cloths]] and with [[bodies]] of kind "tets". run_* and inspect_* print
-// errors and return the exit code.
-struct NodalScenes {
-  int (*run_cloth)(const std::string& text, const SceneCommand& command);
-  int (*run_tets)(const std::string& text, const SceneCommand& command);
-  Result<std::unique_ptr<MotionSource>> (*cloth_motion)(const std::string& text,
-                                                        const SceneCommand& command);
-  Result<std::unique_ptr<MotionSource>> (*tets_motion)(const std::string& text,
-                                                       const SceneCommand& command);
-  int (*inspect_cloth)(const std::string& text, const SceneCommand& command);
-  int (*inspect_tets)(const std::string& text, const SceneCommand& command);
-};
-
-// Parses the words and runs the command; returns the exit code. nodal: null if such scenes are run
-// by another program, tremolo-nodal in the same folder.
-int run_command_line(int count, char** words, const NodalScenes* nodal);
+// Parses the words and runs the command; returns the exit code.
+int run_command_line(int count, char** words);
 
 // `tremolo inspect`. Prints the contents of a basis file and verifies every checksum; with a
 // selector, prints its vertices instead. Returns the exit code; errors are printed on stderr.

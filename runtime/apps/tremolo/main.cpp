@@ -2,5 +2,5 @@
 #include "runtime/apps/tremolo/command_line.h"
 
 int main(int count, char** words) {
-  return tremolo::run_command_line(count, words, nullptr);
+  return tremolo::run_command_line(count, words);
 }

@@ -1,12 +1,10 @@
-// tremolo-nodal: `tremolo run`, `inspect` and `export` of scenes of cloth and of bodies of
-// tetrahedra. `tremolo` starts it as a separate program, so that a build for bases alone does not
-// need it.
+#include "runtime/apps/tremolo/nodal_scenes.h"
+
 #include <utility>
 #include <vector>
 
 #include "formats/file/input_file.h"
 #include "runtime/apps/tremolo/cloth/cloth_commands.h"
-#include "runtime/apps/tremolo/command_line.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/tets/tets_commands.h"
 
@@ -20,6 +18,8 @@ Result<ClothFile> cloths_of(const std::string& text, const SceneCommand& command
   return file;
 }
 
+}  // namespace
+
 int run_cloth_scene(const std::string& text, const SceneCommand& command) {
   const Result<ClothFile> file = cloths_of(text, command);
   return file ? run_cloth_command(*file, command.json) : report_error(file.error());
@@ -30,6 +30,8 @@ int inspect_cloth_scene(const std::string& text, const SceneCommand& command) {
   return file ? inspect_cloth_command(*file, command.json) : report_error(file.error());
 }
 
+namespace {
+
 Result<TetScene> tets_of(const std::string& text, const SceneCommand& command) {
   Result<TetScene> scene = parse_tets_scene(text, command.file);
   if (!scene) return scene.error();
@@ -37,6 +39,8 @@ Result<TetScene> tets_of(const std::string& text, const SceneCommand& command) {
     return s.error();
   return scene;
 }
+
+}  // namespace
 
 int run_tets_scene(const std::string& text, const SceneCommand& command) {
   const Result<TetScene> scene = tets_of(text, command);
@@ -72,12 +76,4 @@ Result<std::unique_ptr<MotionSource>> tets_source(const std::string& text,
   return tets_motion(std::move(*scene));
 }
 
-}  // namespace
 }  // namespace tremolo
-
-int main(int count, char** words) {
-  using namespace tremolo;
-  const NodalScenes nodal = {run_cloth_scene, run_tets_scene,      cloth_source,
-                             tets_source,     inspect_cloth_scene, inspect_tets_scene};
-  return run_command_line(count, words, &nodal);
-}
