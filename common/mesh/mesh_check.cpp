@@ -9,6 +9,7 @@
 
 #include "common/mesh/point_cells.h"
 #include "common/packed_index.h"
+#include "common/union_find.h"
 
 namespace tremolo {
 namespace {

@@ -5,10 +5,10 @@
 #include <numeric>
 #include <utility>
 
-#include "common/mesh/point_cells.h"
 #include "common/mesh/winding_number.h"
 #include "common/parallel.h"
 #include "common/text.h"
+#include "common/union_find.h"
 #include "precompute/collider/surface_edges.h"
 #include "precompute/embedding/box_tree.h"
 

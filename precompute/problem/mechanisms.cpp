@@ -4,8 +4,8 @@
 #include <map>
 #include <numeric>
 
-#include "common/mesh/point_cells.h"
 #include "common/mesh/tet_faces.h"
+#include "common/union_find.h"
 #include "precompute/dense/dense_decompositions.h"
 
 namespace tremolo {

@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "common/mesh/point_cells.h"
+#include "common/union_find.h"
 #include "formats/polygons/polygon_mesh.h"
 #include "runtime/bodies/cloth/cloth_parts.h"
 

@@ -136,7 +136,6 @@ class BodyGroup {
   void begin_or_sleep(std::size_t i);
   void find_pairs();
   void look_at(std::size_t a, std::size_t b);
-  std::size_t root(std::size_t i);
   void make_islands();
   void list_islands();
   void step_alone(std::size_t i);

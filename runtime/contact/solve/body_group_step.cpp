@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "common/processor.h"
+#include "common/union_find.h"
 #include "runtime/contact/solve/body_group.h"
 
 namespace tremolo {
@@ -31,19 +32,13 @@ void BodyGroup::share(std::size_t count, Work&& work) {
   for (std::size_t i = 0; i < count; ++i) work(i, 0U);
 }
 
-std::size_t BodyGroup::root(std::size_t i) {
-  while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-  return i;
-}
-
 // Fills islands_ with the bodies of this step, sorted by island and number.
 void BodyGroup::make_islands() {
   parent_.resize(bodies_.size());
   std::iota(parent_.begin(), parent_.end(), std::size_t{0});
   const auto unite = [this](std::size_t a, std::size_t b) {
     if (begun_[a] == 0 || begun_[b] == 0) return;
-    const std::size_t first = root(a), second = root(b);
-    parent_[std::max(first, second)] = std::min(first, second);
+    join_sets(parent_, a, b);
   };
   for (const Pair& pair : pairs_) unite(pair.a, pair.b);
   for (const Link& link : links_) unite(link.a, link.b);

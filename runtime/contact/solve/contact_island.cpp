@@ -4,7 +4,9 @@
 #include <cmath>
 #include <tuple>
 
+#include "common/union_find.h"
 #include "runtime/contact/solve/line_search.h"
+
 namespace tremolo {
 namespace {
 
@@ -167,11 +169,6 @@ void ContactIsland::choose_one(std::size_t member) {
   look_at_couplings(member);
 }
 
-std::size_t ContactIsland::root(std::size_t i) {
-  while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-  return i;
-}
-
 bool ContactIsland::is_converged(std::size_t i) const {
   return sizes_[i] <= kConverged * enough_[i];
 }
@@ -192,13 +189,12 @@ bool ContactIsland::find_groups() {
     const auto [x, y] = std::pair{coupling.a, coupling.b};
     if (!coupling.touches || (is_converged(x) && is_converged(y))) continue;
     group_[x] = group_[y] = 0;
-    const std::size_t first = root(x), second = root(y);
-    parent_[std::max(first, second)] = std::min(first, second);
+    join_sets(parent_, x, y);
   }
   by_group_.clear();
   for (std::size_t i = 0; i < members_.size(); ++i) {
     if (group_[i] == kStill) continue;
-    group_[i] = root(i);
+    group_[i] = root_of(parent_, i);
     by_group_.push_back(i);
   }
   std::sort(by_group_.begin(), by_group_.end(), [this](std::size_t x, std::size_t y) {

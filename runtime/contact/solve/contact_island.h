@@ -118,7 +118,6 @@ class ContactIsland {
   void choose(std::span<const std::size_t> group);
   void choose_one(std::size_t member);
   void move_with(std::size_t member);
-  std::size_t root(std::size_t i);
   bool is_converged(std::size_t i) const;
   bool find_groups();
   double measure();

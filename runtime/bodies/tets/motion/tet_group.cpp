@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/processor.h"
+#include "common/union_find.h"
 
 namespace tremolo {
 namespace {
@@ -70,11 +71,6 @@ bool TetGroup::touched(std::size_t i) const {
         return true;
   }
   return false;
-}
-
-std::uint32_t TetGroup::root(std::uint32_t i) {
-  while (roots_[i] != i) i = roots_[i] = roots_[roots_[i]];
-  return i;
 }
 
 void TetGroup::find_boxes() {
@@ -174,19 +170,19 @@ void TetGroup::join_islands() {
   std::iota(roots_.begin(), roots_.end(), 0U);
   for (const auto& [a, b] : pairs_) {
     if (asleep_[a] != 0 || asleep_[b] != 0) continue;
-    const std::uint32_t low = std::min(root(a), root(b)), high = std::max(root(a), root(b));
-    roots_[high] = low;
+    join_sets(roots_, a, b);
   }
   order_.clear();
   for (std::uint32_t i = 0; i < bodies_.size(); ++i)
     if (asleep_[i] == 0) order_.push_back(i);
   // Sorted by the smallest body of an island, and then by number.
   std::sort(order_.begin(), order_.end(), [this](std::uint32_t a, std::uint32_t b) {
-    return std::pair(root(a), a) < std::pair(root(b), b);
+    return std::pair(root_of(roots_, a), a) < std::pair(root_of(roots_, b), b);
   });
   starts_.clear();
   for (std::uint32_t k = 0; k < order_.size(); ++k)
-    if (k == 0 || root(order_[k]) != root(order_[k - 1])) starts_.push_back(k);
+    if (k == 0 || root_of(roots_, order_[k]) != root_of(roots_, order_[k - 1]))
+      starts_.push_back(k);
   starts_.push_back(static_cast<std::uint32_t>(order_.size()));
 }
 
@@ -198,7 +194,8 @@ void TetGroup::take_island(std::span<const std::uint32_t> island,
     members_.push_back({&bodies_[i], &contacts_[i]});
   }
   for (const auto& [a, b] : pairs_) {
-    if (asleep_[a] != 0 || asleep_[b] != 0 || root(a) != root(island[0])) continue;
+    if (asleep_[a] != 0 || asleep_[b] != 0 || root_of(roots_, a) != root_of(roots_, island[0]))
+      continue;
     const double friction = std::sqrt(frictions_[a] * frictions_[b]);
     for (const auto& [one, other] : {Pair{a, b}, Pair{b, a}})
       if (contacts_[other].hull().grid)
@@ -246,8 +243,7 @@ void TetGroup::fall_asleep() {
         if (touch.partner == kNoPartner ||
             contacts_[one].partners()[touch.partner].contact != &contacts_[other])
           continue;
-        const std::uint32_t low = std::min(root(a), root(b)), high = std::max(root(a), root(b));
-        roots_[high] = low;
+        join_sets(roots_, a, b);
         break;
       }
   }
@@ -258,12 +254,12 @@ void TetGroup::fall_asleep() {
   for (const std::uint32_t i : order_) {
     still_[i] = speeds_[i] < options_.sleep_speed ? still_[i] + bodies_[i].options().step : 0.0;
     if (still_[i] < options_.sleep_time || contacts_[i].touches().empty() || bodies_[i].hand())
-      wide_awake_[root(i)] = 1;
+      wide_awake_[root_of(roots_, i)] = 1;
   }
   for (const std::uint32_t i : order_) {
-    if (wide_awake_[root(i)] != 0) continue;
+    if (wide_awake_[root_of(roots_, i)] != 0) continue;
     energy_of_sleep_ += bodies_[i].kinetic_energy();
-    naps_[i] = root(i);
+    naps_[i] = root_of(roots_, i);
     asleep_[i] = 1;
     bodies_[i].stop();
   }

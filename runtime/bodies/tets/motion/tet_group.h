@@ -70,7 +70,6 @@ class TetGroup {
   void join_islands();
   void take_island(std::span<const std::uint32_t> island, std::span<TetStepReport> reports);
   void fall_asleep();
-  std::uint32_t root(std::uint32_t i);
 
   std::vector<TetBody> bodies_;
   std::vector<TetContact> contacts_;
