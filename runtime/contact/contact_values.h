@@ -9,6 +9,7 @@
 #include "common/mesh/tet_mesh.h"
 #include "common/state_stream.h"
 #include "runtime/contact/collider.h"
+#include "runtime/contact/springs.h"
 #include "runtime/math/pose.h"
 #include "runtime/math/state.h"
 
@@ -83,24 +84,8 @@ inline void carry(StateStream& stream, ContactAccount& account) {
   stream(account.impulse, account.active, account.way, account.passed, account.impulse_vector);
 }
 
-// The spring and the damper of a grab or a joint.
-struct HandSpring {
-  double stiffness = 0.0;  // N/m
-  double damping = 0.0;    // N s/m
-};
-
-// Replaces a spring stiffer than `most` by `most`, with its damper or a larger given one. In the
-// equations of a step of h seconds a damper c has the stiffness 2 c/h, which has the same limit.
-inline void limit_spring(const HandSpring& most, double h, double& stiffness, double& damping) {
-  if (stiffness > most.stiffness) {
-    stiffness = most.stiffness;
-    damping = std::max(damping, most.damping);
-  }
-  damping = std::min(damping, 0.5 * h * most.stiffness);
-}
-
 // A grab: an implicit spring and damper from a vertex, or a position in a triangle, to a moving
-// point. Body::stiffest_hand() limits both.
+// point. ContactBody::stiffest_hand() limits both.
 struct Grip {
   VertexId vertex = 0;     // or, without at_vertex, one near the position
   VertexRows place;        // rows of U at the grabbed position

@@ -255,12 +255,7 @@ double ContactBody::mass_at(const VertexRows& place) const {
 }
 
 HandSpring ContactBody::stiffest_hand(const VertexRows& place) const {
-  // h omega of the mass on its spring, which the damper makes critical. It is far enough above 2,
-  // where the step stops a motion at once, that the spring is stiff, and low enough that it does
-  // not ring long.
-  constexpr double kTurn = 30.0;
-  const double h = options_.step, mass = mass_at(place);
-  return {kTurn * kTurn * mass / (h * h), 2.0 * kTurn * mass / h};
+  return stiffest_spring(mass_at(place), options_.step);
 }
 
 void ContactBody::limit_hand(Grip& grip) const {

@@ -15,9 +15,6 @@ Vector3d place_now(const ContactBody& body, const VertexRows& place) {
   return body.pose() * Vector3d(place.rest + place.rows * body.state().q);
 }
 
-// h omega of the two masses on a stiff joint, same as for a pin.
-constexpr double kTurn = 30.0;
-
 Status set_springs(Joint& joint, const ContactBody& first, const ContactBody& second,
                    const JointOptions& options) {
   joint.length = options.length;
@@ -29,7 +26,7 @@ Status set_springs(Joint& joint, const ContactBody& first, const ContactBody& se
   const double lightness = 1.0 / first.mass_at(joint.first) + 1.0 / second.mass_at(joint.second);
   if (!options.stiffness && !(lightness > 0.0))
     return usage_error("neither place moves: there is nothing to join");
-  const HandSpring most{kTurn * kTurn / (lightness * h * h), 2.0 * kTurn / (lightness * h)};
+  const HandSpring most = stiffest_spring(1.0 / lightness, h);
   joint.stiffness = options.stiffness.value_or(most.stiffness);
   joint.damping = options.stiffness ? options.damping : most.damping;
   limit_spring(most, h, joint.stiffness, joint.damping);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <utility>
 
@@ -14,29 +13,17 @@
 #include "runtime/scene/scene_start.h"
 
 namespace tremolo {
-namespace {
 
-constexpr double kShareOfWay =
-    0.8;  // of the hand's displacement that the body follows under a slow pull
-constexpr double kFreePull = 2.0;      // Hz, with which a free body swings about the hand
-constexpr double kDampingShare = 0.5;  // of the critical one
-
-}  // namespace
-
-HandSprings suitable_springs(const ContactBody& body, const VertexRows& place) {
+HandSpring suitable_springs(const ContactBody& body, const VertexRows& place) {
   // Compliance of the vertex at rest, m/N; its inverse mass, 1/kg, is below.
   const Eigen::Matrix3d give =
       place.rows * body.model().lambda().cwiseInverse().asDiagonal() * place.rows.transpose();
   const double most = give.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
   const double inverse_mass =
       Eigen::Matrix3d(place.rows * place.rows.transpose()).diagonal().mean();
-  double stiffness = kShareOfWay / (1.0 - kShareOfWay) / most;
-  double mass = 1.0 / std::max(inverse_mass, 1e-30);
-  if (body.frame() == FrameKind::kFree && body.model().inertia() != nullptr) {
-    mass = body.model().inertia()->mass;
-    stiffness = mass * std::pow(2.0 * std::numbers::pi * kFreePull, 2);
-  }
-  return {stiffness, 2.0 * kDampingShare * std::sqrt(stiffness * mass)};
+  if (body.frame() == FrameKind::kFree && body.model().inertia() != nullptr)
+    return swinging_spring(body.model().inertia()->mass);
+  return pulling_spring(most, 1.0 / std::max(inverse_mass, 1e-30));
 }
 
 void LiveHand::make_holdable(SceneWorld& world) {

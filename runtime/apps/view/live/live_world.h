@@ -20,10 +20,7 @@ namespace tremolo {
 // Stiffness and damping that suit a vertex, N/m and N s/m. The body follows four fifths of the
 // hand's displacement where only the elastic force resists; a free body oscillates at 2 Hz about
 // the hand. The damping is half critical.
-struct HandSprings {
-  double stiffness = 0.0, damping = 0.0;
-};
-HandSprings suitable_springs(const ContactBody& body, const VertexRows& place);
+HandSpring suitable_springs(const ContactBody& body, const VertexRows& place);
 
 class LiveHand {
  public:
@@ -44,7 +41,7 @@ class LiveHand {
   bool holds() const { return number_.has_value(); }
   std::size_t body() const { return body_; }
   VertexId vertex() const { return vertex_; }
-  HandSprings springs() const { return springs_; }
+  HandSpring springs() const { return springs_; }
   // Present and initial position of the hand, m, world.
   Eigen::Vector3d point() const { return begun_ + way_; }
   const Eigen::Vector3d& begun() const { return begun_; }
@@ -56,7 +53,7 @@ class LiveHand {
   std::size_t body_ = 0;
   VertexId vertex_ = 0;
   VertexRows place_;
-  HandSprings springs_;
+  HandSpring springs_;
   Eigen::Vector3d begun_ = Eigen::Vector3d::Zero(), way_ = Eigen::Vector3d::Zero();
   std::optional<std::size_t> number_;
 };

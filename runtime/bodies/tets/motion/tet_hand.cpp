@@ -2,18 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Eigenvalues>
 
 #include "runtime/bodies/tets/motion/tet_body.h"
+#include "runtime/contact/springs.h"
 
 namespace tremolo {
 namespace {
 
-constexpr double kShareOfWay = 0.8;    // of a supported body under a slow pull
-constexpr double kFreePull = 2.0;      // Hz, frequency of a free body about the grab
-constexpr double kDampingShare = 0.5;  // of critical damping
 // The fraction of its mass with which a bar with one fixed end moves at the other (Rayleigh).
 constexpr double kMovingShare = 33.0 / 140.0;
 
@@ -29,18 +26,19 @@ TetHand hand_at(const TetModel& model, const TetsSurface& surface, std::size_t v
 
 Status suit_springs(TetBody& body, TetHand& hand) {
   const auto held = body.model().held();
-  double mass = body.model().mass();
+  const double mass = body.model().mass();
+  HandSpring spring;
   if (std::none_of(held.begin(), held.end(), [](std::uint8_t flag) { return flag != 0; })) {
-    hand.stiffness = mass * std::pow(2.0 * std::numbers::pi * kFreePull, 2);
+    spring = swinging_spring(mass);
   } else {
     const Eigen::Matrix3d give = body.give_at(hand);
     const double most = give.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
     if (!(most > 0.0) || !std::isfinite(1.0 / most))
       return usage_error("no hand pulls there: the place is fixed");
-    hand.stiffness = kShareOfWay / (1.0 - kShareOfWay) / most;
-    mass *= kMovingShare;
+    spring = pulling_spring(most, kMovingShare * mass);
   }
-  hand.damping = 2.0 * kDampingShare * std::sqrt(hand.stiffness * mass);
+  hand.stiffness = spring.stiffness;
+  hand.damping = spring.damping;
   return Success{};
 }
 
