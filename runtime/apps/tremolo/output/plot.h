@@ -13,10 +13,6 @@ namespace tremolo {
 // The page in a run's folder.
 inline constexpr const char* kEnergyPageName = "energy.html";
 
-// Writes the page to a folder and adds its path to `files`. Errors as write_energy_page.
-Status plot_run(const PlotSource& source, const std::string& folder,
-                std::vector<std::string>& files);
-
 // `tremolo plot`: the energies of these folders of `tremolo run --out`. The exit code; errors are
 // printed on stderr.
 int plot_command(const std::vector<std::string>& directories, const std::string& output);
@@ -46,5 +42,9 @@ Result<nlohmann::ordered_json> energy_charts(const std::vector<PlotSource>& sour
 
 // A page of the two. Errors: as read_energies; kSystem.
 Status write_energy_page(const std::vector<PlotSource>& sources, const std::string& output);
+
+// Writes the page to a folder and adds its path to `files`. Errors as write_energy_page.
+Status plot_run(const PlotSource& source, const std::string& folder,
+                std::vector<std::string>& files);
 
 }  // namespace tremolo
