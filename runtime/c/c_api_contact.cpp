@@ -196,7 +196,7 @@ tremolo_status tremolo_body_contact(const tremolo_body* body, double* penetratio
 tremolo_status tremolo_body_contact_impulses(const tremolo_body* body, double* out, size_t length) {
   return with(body, [&](const ContactBody& known) -> Status {
     std::span<const double> impulses;
-    if (known.contact() != nullptr) impulses = known.contact()->impulses();
+    if (known.contact() != nullptr) impulses = known.contact()->record().impulses;
     if (Status s = tremolo::c_api::need_buffer(out, length, impulses.size()); !s) return s;
     std::copy(impulses.begin(), impulses.end(), out);
     return Success{};
@@ -207,7 +207,7 @@ tremolo_status tremolo_body_collider_impulses(const tremolo_body* body, double* 
                                               size_t length) {
   return with(body, [&](const ContactBody& known) -> Status {
     std::span<const Eigen::Vector3d> impulses;
-    if (known.contact() != nullptr) impulses = known.contact()->collider_impulses();
+    if (known.contact() != nullptr) impulses = known.contact()->record().collider_impulses;
     if (Status s = tremolo::c_api::need_buffer(out, length, 3 * impulses.size()); !s) return s;
     for (const Eigen::Vector3d& impulse : impulses) out = std::copy_n(impulse.data(), 3, out);
     return Success{};
@@ -219,7 +219,7 @@ tremolo_status tremolo_body_contact_points(const tremolo_body* body, tremolo_con
   return with(body, {{count, "the place for the number of points"}},
               [&](const ContactBody& known) -> Status {
                 std::span<const tremolo::ContactedPoint> points;
-                if (known.contact() != nullptr) points = known.contact()->contacted();
+                if (known.contact() != nullptr) points = known.contact()->record().contacted;
                 *count = points.size();
                 if (out == nullptr && capacity != 0)
                   return tremolo::usage_error("the buffer for the contact points is NULL");

@@ -368,15 +368,15 @@ void SceneWorld::note_contact(std::size_t i) {
     actor.penetration = std::max(actor.penetration, account.penetration / actor.size);
   actor.speed = std::max(actor.speed, account.way / scene_.step);
   actor.passed += account.passed;
-  const std::span<const double> impulses = actor.body.contact()->impulses();
+  const std::span<const double> impulses = actor.body.contact()->record().impulses;
   for (std::size_t c = 0; c < std::min(impulses.size(), felt_by(i).size()); ++c) {
     Touching& touching = touching_[i * colliders_.placed().size() + c];
-    touching.whole += actor.body.contact()->collider_impulses()[c];
+    touching.whole += actor.body.contact()->record().collider_impulses[c];
     const bool before = std::exchange(touching.now, impulses[c] > 0.0);
     if (touching.now) {
       if (!before) touching.place = {};
       PlaceSum sum;
-      for (const ContactedPoint& point : actor.body.contact()->contacted())
+      for (const ContactedPoint& point : actor.body.contact()->record().contacted)
         if (!point.on_body && point.obstacle == c) sum.add(point, 1.0);
       sum.put_into(touching.place);
     }
@@ -393,7 +393,7 @@ template <class Visit>
 void SceneWorld::for_points_of(std::size_t a, std::size_t b, Visit&& visit) const {
   const auto points = [&](std::size_t own, std::size_t other, double sign) {
     if (actors_[own].body.contact() == nullptr) return;
-    for (const ContactedPoint& point : actors_[own].body.contact()->contacted())
+    for (const ContactedPoint& point : actors_[own].body.contact()->record().contacted)
       if (point.on_body && point.obstacle == place_[other]) visit(point, sign);
   };
   points(a, b, 1.0);
@@ -411,7 +411,7 @@ std::vector<ContactedPoint> SceneWorld::points_of(const ContactEvent& event) con
     });
     return points;
   }
-  for (const ContactedPoint& point : actors_[event.body].body.contact()->contacted())
+  for (const ContactedPoint& point : actors_[event.body].body.contact()->record().contacted)
     if (!point.on_body && point.obstacle == event.collider) points.push_back(point);
   return points;
 }

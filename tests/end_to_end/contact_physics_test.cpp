@@ -259,11 +259,11 @@ TEST(ContactPhysics, ForcesOnTheFloorAreReportedAsVectors) {
   ContactBody body = cube("5e7", 1e-3, 200, on_slope(0.9), kOnFloor);
   const std::vector<PlacedCollider> floor = floor_plane();
   run(body, floor, 1.0);
-  ASSERT_EQ(body.contact()->collider_impulses().size(), 1U);
-  const Vector3d force = body.contact()->collider_impulses()[0] / 1e-3;
+  ASSERT_EQ(body.contact()->record().collider_impulses.size(), 1U);
+  const Vector3d force = body.contact()->record().collider_impulses[0] / 1e-3;
   EXPECT_LT((force - on_slope(0.9)).norm(), 1e-4 * kGravity);
   Vector3d sum = Vector3d::Zero();
-  for (const ContactedPoint& point : body.contact()->contacted()) {
+  for (const ContactedPoint& point : body.contact()->record().contacted) {
     EXPECT_FALSE(point.on_body);
     EXPECT_LT((point.normal - Vector3d::UnitZ()).norm(), 1e-12);
     EXPECT_LT(std::abs(point.position.z()), 5e-4);
@@ -298,7 +298,7 @@ TEST(ContactPhysics, AStepThatFailsIsTakenInPartsThatCloseTheAccount) {
     group.step(bodies, floor, reports);
     for (std::size_t k = 0; k < bodies.size(); ++k) {
       ASSERT_TRUE(reports[k].converged) << i;
-      pushed -= bodies[k]->contact()->collider_impulses()[0];
+      pushed -= bodies[k]->contact()->record().collider_impulses[0];
     }
   }
   std::int64_t cut = 0;

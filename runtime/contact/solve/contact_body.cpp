@@ -109,7 +109,7 @@ Status ContactBody::set_contact(const ContactOptions& options) {
 }
 
 ContactAccount ContactBody::contact_account() const {
-  return contact_ ? contact_->account() : ContactAccount{};
+  return contact_ ? contact_->record().account : ContactAccount{};
 }
 
 StepReport ContactBody::step(std::span<const PlacedCollider> colliders) {

@@ -3,9 +3,9 @@
 #include <string>
 
 #include "common/hash.h"
+#include "runtime/bodies/reduced/saved_body.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/contact_body.h"
-#include "runtime/bodies/reduced/saved_body.h"
 
 namespace tremolo {
 namespace {
@@ -61,7 +61,7 @@ void ContactBody::carry(StateStream& stream) {
   if (stream.reads()) stream.require(are_finite(touched_) && are_finite(sound_touched_));
   carry_hands(stream);
   if (contact_) contact_->carry(stream);
-  if (contact_ && stream.reads()) stream.require(is_finite_account(contact_->account()));
+  if (contact_ && stream.reads()) stream.require(is_finite_account(contact_->record().account));
   if (stream.reads())
     for (const Grip& grip : grips_) stream.require(is_finite_grip(grip));
 }

@@ -41,7 +41,7 @@ double ContactStep::acceleration_reach(const VectorXd& q, const StepPush& push) 
   double way = half * push.acceleration.norm();
   for (Index k = 0; k < q.size(); ++k) {
     const double own = std::abs(q[k]) * std::min(half * lambda[k], 2.0);
-    way += points_->reach[k] * (own + half * std::abs((*push.force)[k]));
+    way += eq_.points->reach[k] * (own + half * std::abs((*push.force)[k]));
   }
   return way;
 }
@@ -52,24 +52,24 @@ bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPo
   colliders_ = colliders;
   poses_ = poses;
   candidates_.clear();
-  candidates_.reserve(points_->size() * colliders.size());
-  memories_.reserve(points_->size() * colliders.size());
-  listed_.resize(points_->size());
-  impulses_.resize(colliders.size());
+  candidates_.reserve(eq_.points->size() * colliders.size());
+  memories_.reserve(eq_.points->size() * colliders.size());
+  listed_.resize(eq_.points->size());
+  record_.impulses.resize(colliders.size());
   rates_.resize(colliders.size());
   turns_.resize(colliders.size());
   taken_push_.resize(model_->modes() + 6, static_cast<Index>(colliders.size()));
   taken_growth_.resize(taken_push_.rows(), taken_push_.cols());
-  collider_impulses_.resize(colliders.size());
-  contacted_.reserve(points_->size() * (colliders.size() + 1));
-  q0_ = q;
-  if (shape_) points_->displacement(q, u0_);
+  record_.collider_impulses.resize(colliders.size());
+  record_.contacted.reserve(eq_.points->size() * (colliders.size() + 1));
+  eq_.q0 = q;
+  if (eq_.shape) eq_.points->displacement(q, eq_.u0);
   // Displacements by the coordinates: so far, and in the step.
-  ball_.centre = poses.start * points_->centre;
-  ball_.radius = points_->radius;
-  ball_.deformed = q.cwiseAbs().dot(points_->reach);
-  ball_.travel = options_.step * v.cwiseAbs().dot(points_->reach) +
-                 reach_of(poses, points_->centre, ball_.radius + ball_.deformed) +
+  ball_.centre = poses.start * eq_.points->centre;
+  ball_.radius = eq_.points->radius;
+  ball_.deformed = q.cwiseAbs().dot(eq_.points->reach);
+  ball_.travel = options_.step * v.cwiseAbs().dot(eq_.points->reach) +
+                 reach_of(poses, eq_.points->centre, ball_.radius + ball_.deformed) +
                  acceleration_reach(q, push);
   for (std::size_t c = 0; c < colliders.size(); ++c) {
     const PlacedCollider& collider = colliders[c];
@@ -117,16 +117,16 @@ ContactStep::Candidate ContactStep::make_candidate(std::size_t point, std::size_
 
 void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t index,
                                  const VectorXd& q, double reach) {
-  const double deformed = q.cwiseAbs().dot(points_->reach);
+  const double deformed = q.cwiseAbs().dot(eq_.points->reach);
   const auto distance = [&collider](const Vector3d& x) {
     return signed_distance(collider.shape,
                            collider.start.rotation.conjugate() * (x - collider.start.position))
         .distance;
   };
-  for (const PointGroup& group : points_->groups) {
+  for (const PointGroup& group : eq_.points->groups) {
     if (distance(poses_.start * group.centre) > group.radius + deformed + reach) continue;
     for (std::size_t i = group.first; i < group.first + group.count; ++i) {
-      const Vector3d x = poses_.start * points_->place(i, q);
+      const Vector3d x = poses_.start * eq_.points->place(i, q);
       if (distance(x) <= reach) candidates_.push_back(make_candidate(i, index, x));
     }
   }
@@ -135,20 +135,20 @@ void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t ind
 // A point farther than the reach of gather() cannot be missed while the body travels no farther
 // than predicted there.
 bool ContactStep::went_far(const Pose& end, const VectorXd& q) const {
-  const double bent = (q - q0_).cwiseAbs().dot(points_->reach);
-  return bent + reach_of({poses_.start, end}, points_->centre, ball_.radius + ball_.deformed) >
+  const double bent = (q - eq_.q0).cwiseAbs().dot(eq_.points->reach);
+  return bent + reach_of({poses_.start, end}, eq_.points->centre, ball_.radius + ball_.deformed) >
          2.0 * ball_.travel;
 }
 
 Pose ContactStep::end_pose() const {
   if (free_ == nullptr) return poses_.end;
-  const Eigen::Quaterniond rotation(motion_.R1);
-  return {motion_.c1 - motion_.R1 * motion_.origin, rotation};
+  const Eigen::Quaterniond rotation(eq_.motion.R1);
+  return {eq_.motion.c1 - eq_.motion.R1 * eq_.motion.origin, rotation};
 }
 
 bool ContactStep::find_missed(const Pose& end, const VectorXd& q) {
   if (!went_far(end, q)) return false;
-  const double deformed = q.cwiseAbs().dot(points_->reach);
+  const double deformed = q.cwiseAbs().dot(eq_.points->reach);
   const std::size_t known = candidates_.size();
   for (std::size_t c = 0; c < colliders_.size(); ++c) {
     const PlacedCollider& collider = colliders_[c];
@@ -161,11 +161,11 @@ bool ContactStep::find_missed(const Pose& end, const VectorXd& q) {
     turns_[c] = turns_of(collider);
     for (std::size_t k = 0; k < known; ++k)
       if (candidates_[k].collider == c) listed_[candidates_[k].point] = 1;
-    for (const PointGroup& group : points_->groups) {
+    for (const PointGroup& group : eq_.points->groups) {
       if (distance(end * group.centre) > group.radius + deformed + law_.margin) continue;
       for (std::size_t i = group.first; i < group.first + group.count; ++i)
-        if (listed_[i] == 0 && distance(end * points_->place(i, q)) < law_.margin)
-          candidates_.push_back(make_candidate(i, c, poses_.start * points_->place(i, q0_)));
+        if (listed_[i] == 0 && distance(end * eq_.points->place(i, q)) < law_.margin)
+          candidates_.push_back(make_candidate(i, c, poses_.start * eq_.points->place(i, eq_.q0)));
     }
   }
   return candidates_.size() != known;
@@ -174,7 +174,7 @@ bool ContactStep::find_missed(const Pose& end, const VectorXd& q) {
 bool ContactStep::add_missed() {
   if (!kHasColliders) return false;
   const std::size_t known = candidates_.size();
-  if (!find_missed(end_pose(), q1_)) return false;
+  if (!find_missed(end_pose(), eq_.q1)) return false;
   for (std::size_t k = known; k < candidates_.size(); ++k) begin_candidate(candidates_[k]);
   return true;
 }
@@ -183,7 +183,7 @@ bool ContactStep::add_missed() {
 void ContactStep::begin_candidate(Candidate& candidate) {
   hold_normal(candidate.start.normal, candidate.memory, candidate.held);
   candidate.held.limit = candidate.memory.limit;
-  candidate.y0 = place_in_body(candidate.point, q0_);
+  candidate.y0 = eq_.place_in_body(candidate.point, eq_.q0);
 }
 
 // After a step: remembers the points that ended it within the margin, in order.

@@ -38,7 +38,8 @@ ContactIsland::Coupling& ContactIsland::add_coupling(std::size_t low, std::size_
   coupling.b = high;
   coupling.first = coupling.count = coupling.first_joint = coupling.joints = 0;
   coupling.touches = coupling.looked = false;
-  coupling.blocks.clear(members_[low].contact->unknowns(), members_[high].contact->unknowns());
+  coupling.blocks.clear(members_[low].contact->equations().unknowns(),
+                        members_[high].contact->equations().unknowns());
   return coupling;
 }
 
@@ -120,9 +121,10 @@ void ContactIsland::move_with(std::size_t member) {
   place_[member] = moving_.size();
   moving_.push_back(member);
   const ContactStep& contact = *members_[member].contact;
-  scale_.segment(first_.back(), contact.unknowns()) = contact.row_scale().head(contact.unknowns());
-  diagonal_.push_back(&contact.jacobian());
-  first_.push_back(first_.back() + contact.unknowns());
+  scale_.segment(first_.back(), contact.equations().unknowns()) =
+      contact.equations().row_scale.head(contact.equations().unknowns());
+  diagonal_.push_back(&contact.equations().jacobian);
+  first_.push_back(first_.back() + contact.equations().unknowns());
 }
 
 // All members are evaluated, and move.
@@ -206,14 +208,15 @@ bool ContactIsland::find_groups() {
 // Applies the forces of a pair or a joint to those of its members that are evaluated.
 void ContactIsland::push(const PairPoint& pair) {
   if (!pair.now.acts) return;
-  if (looked_[pair.a] != 0) body(pair.a).push_point(pair.now.force, pair.touch_a, pair.point);
+  if (looked_[pair.a] != 0)
+    body(pair.a).equations().push_point(pair.now.force, pair.touch_a, pair.point);
   if (looked_[pair.b] != 0)
-    body(pair.b).push(-pair.now.force, -pair.now.bend_force, pair.touch_b, pair.rows);
+    body(pair.b).equations().push(-pair.now.force, -pair.now.bend_force, pair.touch_b, pair.rows);
 }
 
 void ContactIsland::push(const IslandJoint& link) {
-  if (looked_[link.a] != 0) push_first(link, body(link.a));
-  if (looked_[link.b] != 0) push_second(link, body(link.b));
+  if (looked_[link.a] != 0) push_first(link, body(link.a).equations());
+  if (looked_[link.b] != 0) push_second(link, body(link.b).equations());
 }
 
 // Computes the residuals of the evaluated members at their z. Returns the size of those that move
@@ -222,7 +225,7 @@ double ContactIsland::evaluate(const ContactRenewal& renewal) {
   bends_.resize(members_.size());
   for (const std::size_t i : looked_at_) {
     body(i).evaluate(renewal);
-    bends_[i] = body(i).bend_in_step();
+    bends_[i] = body(i).equations().bend_in_step();
   }
   for (const std::size_t k : seen_) {
     Coupling& coupling = couplings_[k];
@@ -230,14 +233,16 @@ double ContactIsland::evaluate(const ContactRenewal& renewal) {
     coupling.rate = {};
     const std::span points = points_.subspan(coupling.first, coupling.count);
     for (PairPoint& pair : points)
-      approach_pair(pair, {body(pair.a), body(pair.b)}, bends_[pair.b], coupling.rate);
+      approach_pair(pair, {body(pair.a).equations(), body(pair.b).equations()}, bends_[pair.b],
+                    coupling.rate);
     for (PairPoint& pair : points) {
-      press_pair(pair, {body(pair.a), body(pair.b)}, {h_, coupling.rate}, renewal, scratch_);
+      press_pair(pair, {body(pair.a).equations(), body(pair.b).equations()}, {h_, coupling.rate},
+                 renewal, scratch_);
       push(pair);
       coupling.touches = coupling.touches || pair.now.acts;
     }
     for (IslandJoint& link : joints_.subspan(coupling.first_joint, coupling.joints)) {
-      evaluate_joint(link, body(link.a), body(link.b), h_);
+      evaluate_joint(link, body(link.a).equations(), body(link.b).equations(), h_);
       push(link);
     }
   }
@@ -252,7 +257,7 @@ double ContactIsland::evaluate(const ContactRenewal& renewal) {
 
 // Derivatives of the members' residuals with respect to their own unknowns and to each other's.
 void ContactIsland::make_links(Coupling& coupling, bool follows) {
-  ContactStep &low = body(coupling.a), &high = body(coupling.b);
+  ContactEquations &low = body(coupling.a).equations(), &high = body(coupling.b).equations();
   PairBlocks& of = coupling.blocks;
   of.clear(low.unknowns(), high.unknowns());
   const PairSides up{of.by_other, of.other_by, of.push, of.growth, of.other_push, of.other_growth};
@@ -260,8 +265,8 @@ void ContactIsland::make_links(Coupling& coupling, bool follows) {
                        of.other_growth, of.push,     of.growth};
   for (PairPoint& pair : points_.subspan(coupling.first, coupling.count))
     if (pair.now.acts)
-      add_pair_slopes(pair, {body(pair.a), body(pair.b)}, {h_, coupling.rate}, follows, scratch_,
-                      pair.a < pair.b ? up : down);
+      add_pair_slopes(pair, {body(pair.a).equations(), body(pair.b).equations()},
+                      {h_, coupling.rate}, follows, scratch_, pair.a < pair.b ? up : down);
   if (coupling.rate.force > 0.0) {
     low.own_block().noalias() += of.push.lazyProduct(of.growth.transpose());
     high.own_block().noalias() += of.other_push.lazyProduct(of.other_growth.transpose());
@@ -270,8 +275,8 @@ void ContactIsland::make_links(Coupling& coupling, bool follows) {
   }
   for (const IslandJoint& link : joints_.subspan(coupling.first_joint, coupling.joints)) {
     const PairSides& sides = link.a < link.b ? up : down;
-    add_joint_slopes(link, body(link.a), body(link.b), sides.first_by_second,
-                     sides.second_by_first);
+    add_joint_slopes(link, body(link.a).equations(), body(link.b).equations(),
+                     sides.first_by_second, sides.second_by_first);
   }
 }
 
@@ -288,7 +293,7 @@ void ContactIsland::make_jacobian(double heavier, bool follows) {
   }
   for (std::size_t k = 0; k < moving_.size(); ++k)
     residual_.segment(first_[k], first_[k + 1] - first_[k]) =
-        body(moving_[k]).residual().head(first_[k + 1] - first_[k]);
+        body(moving_[k]).equations().residual.head(first_[k + 1] - first_[k]);
 }
 
 bool ContactIsland::solve_for_move() {
@@ -312,7 +317,7 @@ bool ContactIsland::try_following(int iteration, double size) {
   const auto go = [this](double length) {
     for (std::size_t k = 0; k < moving_.size(); ++k) {
       const Index first = first_[k], count = first_[k + 1] - first;
-      body(moving_[k]).z().head(count) =
+      body(moving_[k]).equations().z.head(count) =
           z_before_.segment(first, count) - length * move_.segment(first, count);
     }
     return evaluate({.normals = false, .limits = 1.0});
@@ -339,7 +344,7 @@ bool ContactIsland::move_whole(int iteration) {
 void ContactIsland::keep_unknowns() {
   for (std::size_t k = 0; k < moving_.size(); ++k)
     z_before_.segment(first_[k], first_[k + 1] - first_[k]) =
-        body(moving_[k]).z().head(first_[k + 1] - first_[k]);
+        body(moving_[k]).equations().z.head(first_[k + 1] - first_[k]);
 }
 
 // One move of Newton's method for the moving members. kDone: they are converged, or at rounding.
@@ -357,12 +362,12 @@ ContactIsland::Outcome ContactIsland::move(int iteration, bool follow, double& h
   const auto slope = [&] {
     double work = 0.0;
     for (std::size_t k = 0; k < moving_.size(); ++k)
-      work += body(moving_[k]).work_along(of(move_, k));
+      work += body(moving_[k]).equations().work_along(of(move_, k));
     return -work;
   };
   const auto go = [&](double length) {
     for (std::size_t k = 0; k < moving_.size(); ++k)
-      body(moving_[k]).z().head(first_[k + 1] - first_[k]) =
+      body(moving_[k]).equations().z.head(first_[k + 1] - first_[k]) =
           of(z_before_, k) - length * of(move_, k);
     const double next = evaluate({});
     return LineTrial{next, slope()};
@@ -445,10 +450,11 @@ void ContactIsland::settle() {
   std::fill(starts_.begin(), starts_.end(), 0.0);
   for (const PairPoint& pair : points_) {
     starts_[pair.a] += pair.energy + 0.5 * pair.law.shear * pair.memory.slip.squaredNorm();
-    settle_pair(pair, body(pair.b), h_, accounts_[pair.a], accounts_[pair.b]);
+    settle_pair(pair, body(pair.b).equations(), h_, accounts_[pair.a], accounts_[pair.b]);
   }
   for (const IslandJoint& link : joints_)
-    settle_joint(link, body(link.a), body(link.b), accounts_[link.a], accounts_[link.b]);
+    settle_joint(link, body(link.a).equations(), body(link.b).equations(), accounts_[link.a],
+                 accounts_[link.b]);
 }
 
 // Starts the step from the motion without forces, with no kept values.
@@ -473,8 +479,8 @@ bool ContactIsland::add_missed(std::vector<PairPoint>& points, std::size_t& coun
     const Coupling& coupling = couplings_[k];
     if (coupling.count == 0) continue;
     const std::size_t a = coupling.a, b = coupling.b;
-    count = add_missed_points({body(a), body(b)}, {a, b, members_[b].number}, points, count);
-    count = add_missed_points({body(b), body(a)}, {b, a, members_[a].number}, points, count);
+    count = add_missed_points(body(a), body(b), {a, b, members_[b].number}, points, count);
+    count = add_missed_points(body(b), body(a), {b, a, members_[a].number}, points, count);
   }
   if (count == known) return any;
   const auto order = [](const PairPoint& pair) {
@@ -511,7 +517,7 @@ void ContactIsland::step(std::span<const IslandMember> members, std::vector<Pair
   h_ = h;
   begin();
   Index all = 0;
-  for (const IslandMember& member : members) all += member.contact->unknowns();
+  for (const IslandMember& member : members) all += member.contact->equations().unknowns();
   if (residual_.size() < all) {
     residual_.resize(all);
     move_.resize(all);

@@ -42,21 +42,21 @@ struct IslandJoint {
 };
 
 // Computes the joint's force at the present positions of the two bodies. h: the step, s.
-void evaluate_joint(IslandJoint& link, const ContactStep& first, const ContactStep& second,
-                    double h);
+void evaluate_joint(IslandJoint& link, const ContactEquations& first,
+                    const ContactEquations& second, double h);
 
 // Apply the force to the first and to the second body, between evaluate() and close() of that body.
-void push_first(const IslandJoint& link, ContactStep& first);
-void push_second(const IslandJoint& link, ContactStep& second);
+void push_first(const IslandJoint& link, ContactEquations& first);
+void push_second(const IslandJoint& link, ContactEquations& second);
 
 // Same as add_pair_slopes(), without the rotation of the damper's force.
-void add_joint_slopes(const IslandJoint& link, ContactStep& first, ContactStep& second,
+void add_joint_slopes(const IslandJoint& link, ContactEquations& first, ContactEquations& second,
                       Eigen::MatrixXd& first_by_second, Eigen::MatrixXd& second_by_first);
 
 // Adds the work and loss of the joint to the joint and to the accounts of its bodies; for a driven
 // body relative to its frame.
-void settle_joint(const IslandJoint& link, const ContactStep& first, const ContactStep& second,
-                  ContactAccount& a, ContactAccount& b);
+void settle_joint(const IslandJoint& link, const ContactEquations& first,
+                  const ContactEquations& second, ContactAccount& a, ContactAccount& b);
 
 // A body of an island.
 struct IslandMember {

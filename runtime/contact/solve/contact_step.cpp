@@ -27,53 +27,54 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
                          const ContactOptions& contact, double mass, bool free)
     : model_(std::move(model)),
       options_(options),
-      points_(shared_contact_points(model_, static_cast<std::size_t>(contact.points),
-                                    contact.shape ? &*contact.shape : nullptr)),
+      eq_(model_->modes()),
       mass_(mass),
       can_move_(free),
       feels_(contact.colliders),
-      shape_(contact.shape),
       damping_(make_inertia_damping(*model_, options, cotangent_weight)),
       strain_(*model_, options.beta),
       rest_(Eigen::VectorXd::Zero(model_->modes())),
       rest_middle_(rest_),
       S_((0.5 + options.step * damping_.theta.array() * damping_.D.array()).inverse()),
-      workspace_(model_->potential().make_workspace(kUseSegment)),
-      lever_(model_->modes()) {
-  law_.margin = law_.begins = contact.margin * points_->extent;
+      workspace_(model_->potential().make_workspace(kUseSegment)) {
+  eq_.points = shared_contact_points(model_, static_cast<std::size_t>(contact.points),
+                                     contact.shape ? &*contact.shape : nullptr);
+  eq_.shape = contact.shape;
+  law_.margin = law_.begins = contact.margin * eq_.points->extent;
   law_.friction = contact.friction;
   law_.restitution = contact.restitution;
   law_.rebound_speed = 0.05 * law_.margin / kContactTime;
   if (contact.modulus) {
     law_.linear_from = 0.1 * law_.margin;
-    law_.stiffness = *contact.modulus / (2.0 * law_.linear_from * points_->extent);
+    law_.stiffness = *contact.modulus / (2.0 * law_.linear_from * eq_.points->extent);
   } else {
     law_.stiffness = contact.stiffness * mass /
-                     (2.0 * kContactTime * kContactTime * points_->area * law_.margin);
+                     (2.0 * kContactTime * kContactTime * eq_.points->area * law_.margin);
   }
   find_dampers();
   const Index r = model_->modes(), n = r + 6;
-  for (VectorXd* v : {&q0_, &v0_, &q1_, &G_, &dp_, &force_, &own_force_, &middle_, &contact_push_})
+  for (VectorXd* v :
+       {&eq_.q0, &v0_, &eq_.q1, &G_, &dp_, &force_, &own_force_, &middle_, &eq_.pushed})
     v->setZero(r);
-  for (VectorXd* v : {&z_, &known_z_, &z_before_, &residual_, &move_}) v->setZero(n);
+  for (VectorXd* v : {&eq_.z, &known_z_, &z_before_, &eq_.residual, &move_}) v->setZero(n);
   scale_rows();
-  if (shape_) u0_ = u1_ = VectorXd::Zero(points_->axis_rows.rows());
+  if (eq_.shape) eq_.u0 = eq_.u1 = VectorXd::Zero(eq_.points->axis_rows.rows());
   K_.setZero(r, r);
-  jacobian_.setIdentity(n, n);
-  factor_.compute(jacobian_.topLeftCorner(free ? n : r, free ? n : r));
-  motion_.h = options.step;
-  motion_.modes = r;
+  eq_.jacobian.setIdentity(n, n);
+  factor_.compute(eq_.jacobian.topLeftCorner(free ? n : r, free ? n : r));
+  eq_.motion.h = options.step;
+  eq_.motion.modes = r;
 }
 
 void ContactStep::reset() {
-  const double left = account_.energy;
-  account_ = {};
-  account_.surplus = -left;
+  const double left = record_.account.energy;
+  record_.account = {};
+  record_.account.surplus = -left;
   memories_.clear();
   pair_memories_.clear();
-  std::fill(impulses_.begin(), impulses_.end(), 0.0);
-  std::fill(collider_impulses_.begin(), collider_impulses_.end(), Vector3d::Zero());
-  contacted_.clear();
+  std::fill(record_.impulses.begin(), record_.impulses.end(), 0.0);
+  std::fill(record_.collider_impulses.begin(), record_.collider_impulses.end(), Vector3d::Zero());
+  record_.contacted.clear();
 }
 
 void ContactStep::begin(const State& state, const StepLoad& load, FreeFrame* free) {
@@ -83,75 +84,30 @@ void ContactStep::begin(const State& state, const StepLoad& load, FreeFrame* fre
   free_ = free;
   in_island_ = true;
   known_ = false;
-  q0_ = state.q;
+  eq_.q0 = state.q;
   v0_ = state.p;
-  rest_middle_ = q0_ + (0.5 * h) * v0_;
+  rest_middle_ = eq_.q0 + (0.5 * h) * v0_;
   strain_.stand_at(rest_middle_);
-  if (load.coupling != nullptr) load.coupling->begin(h, q0_, v0_);
-  motion_.free = free_ != nullptr;
-  motion_.R0 = poses_.start.rotation.toRotationMatrix();
-  motion_.origin = free_ != nullptr ? free_->mesh_centre() : Vector3d(Vector3d::Zero());
-  motion_.c0 = free_ != nullptr ? free_->rigid().centre : poses_.start.position;
-  z_.head(r) = h * v0_;
+  if (load.coupling != nullptr) load.coupling->begin(h, eq_.q0, v0_);
+  eq_.motion.free = free_ != nullptr;
+  eq_.motion.R0 = poses_.start.rotation.toRotationMatrix();
+  eq_.motion.origin = free_ != nullptr ? free_->mesh_centre() : Vector3d(Vector3d::Zero());
+  eq_.motion.c0 = free_ != nullptr ? free_->rigid().centre : poses_.start.position;
+  eq_.z.head(r) = h * v0_;
   for (Candidate& candidate : touching()) begin_candidate(candidate);
   pairs_ = {};
   pairs_start_ = 0.0;
   joints_rounding_ = 0.0;
   first_size_ = -1.0;
   if (free_ != nullptr) {
-    z_.segment<3>(r) = free_->rigid().spin;
-    z_.tail<3>() = h * free_->rigid().velocity;
+    eq_.z.segment<3>(r) = free_->rigid().spin;
+    eq_.z.tail<3>() = h * free_->rigid().velocity;
     return;
   }
-  motion_.set_turn(motion_.R0.transpose() * poses_.end.rotation.toRotationMatrix());
+  eq_.motion.set_turn(eq_.motion.R0.transpose() * poses_.end.rotation.toRotationMatrix());
   const Eigen::Quaterniond turn = poses_.start.rotation.conjugate() * poses_.end.rotation;
-  motion_.phi = 2.0 / turn.w() * turn.vec();
-  motion_.c1 = poses_.end.position;
-}
-
-// rest: in the mesh's coordinates, m.
-ContactTouch ContactStep::touch_at(const Vector3d& rest, const PlaceRows& rows) const {
-  const Vector3d from = rest - motion_.origin;
-  return motion_.touch(from + rows.transpose() * q0_, from + rows.transpose() * q1_);
-}
-
-// Position from c along the body's axes, m.
-Vector3d ContactStep::place_in_body(std::size_t point, const VectorXd& q) const {
-  const Vector3d from = points_->rest[point] - motion_.origin;
-  return from + point_rows(point).transpose() * q;
-}
-
-ContactTouch ContactStep::touch_at_point(std::size_t point) const {
-  return motion_.touch(place_in_body(point, q0_), place_in_body(point, q1_));
-}
-
-ContactTouch ContactStep::straight_touch_at(const VertexRows& place) const {
-  const Vector3d from = place.rest - motion_.origin;
-  return motion_.straight_touch(from + place.rows * q0_, from + place.rows * q1_);
-}
-
-Vector3d ContactStep::end_of_point(std::size_t point) const {
-  return motion_.c1 + motion_.R1 * place_in_body(point, q1_);
-}
-
-Vector3d ContactStep::bend_under(const PlaceRows& rows) const {
-  return motion_.turn_out(rows.transpose() * z_.head(model_->modes()));
-}
-
-void ContactStep::push(const Vector3d& force, const Vector3d& bend_force, const ContactTouch& touch,
-                       const PlaceRows& rows) {
-  contact_push_.noalias() +=
-      rows * (motion_.mean.transpose() * (motion_.R0.transpose() * bend_force));
-  contact_force_ += force;
-  contact_torque_ += touch.arm.cross(motion_.R0.transpose() * force);
-}
-
-void ContactStep::push_point(const Vector3d& force, const ContactTouch& touch, std::size_t point) {
-  push(force, force, touch, point_rows(point));
-}
-
-void ContactStep::push_turn(const Vector3d& torque) {
-  contact_torque_ += motion_.R0.transpose() * torque;
+  eq_.motion.phi = 2.0 / turn.w() * turn.vec();
+  eq_.motion.c1 = poses_.end.position;
 }
 
 // A spring's mean force is its force at the middle of the step, which is exactly its discrete
@@ -160,21 +116,19 @@ void ContactStep::add_grips() {
   for (std::size_t i = 0; i < grips_.size(); ++i) {
     Grip& grip = grips_[i];
     ContactTouch& touch = held_[i];
-    touch = touch_at(grip.place.rest, place_rows(grip.place));
+    touch = eq_.touch_at(grip.place.rest, place_rows(grip.place));
     const Vector3d from = touch.x0 - grip.start, to = touch.x1 - grip.end;
     grip.force =
         (-0.5 * grip.stiffness) * (from + to) - (grip.damping / options_.step) * (to - from);
-    push(grip.force, grip.force, touch, place_rows(grip.place));
+    eq_.push(grip.force, grip.force, touch, place_rows(grip.place));
   }
 }
 
 void ContactStep::add_contact(const ContactRenewal& renewal) {
-  contact_force_.setZero();
-  contact_torque_.setZero();
-  contact_push_.setZero();
+  eq_.clear_forces();
   std::fill(rates_.begin(), rates_.end(), PairRate{});
   for (Candidate& candidate : touching()) {
-    candidate.touch = motion_.touch(candidate.y0, place_in_body(candidate.point, q1_));
+    candidate.touch = eq_.motion.touch(candidate.y0, eq_.place_in_body(candidate.point, eq_.q1));
     candidate.end = contact_end(candidate.law, colliders_[candidate.collider],
                                 turns_[candidate.collider], candidate.start, candidate.touch.x1);
     const ContactGap& gap = candidate.end.gap;
@@ -184,38 +138,14 @@ void ContactStep::add_contact(const ContactRenewal& renewal) {
     candidate.now = contact_force(
         candidate.law, colliders_[candidate.collider], turns_[candidate.collider], candidate.start,
         candidate.memory, candidate.end, time_with(candidate.collider), renewal, candidate.held);
-    if (candidate.now.acts) push_point(candidate.now.force, candidate.touch, candidate.point);
+    if (candidate.now.acts) eq_.push_point(candidate.now.force, candidate.touch, candidate.point);
   }
   add_grips();
 }
 
-// For a position of the body itself, at which the force is `force`.
-void ContactStep::add_geometry(const Vector3d& force, const Vector3d& bend_force,
-                               const ContactTouch& touch, const PlaceRows& rows) {
-  if (free_ == nullptr) return;
-  add_turn(motion_, force, bend_force, touch, rows, jacobian_);
-  jacobian_.block(model_->modes(), 0, 3, unknowns()).noalias() +=
-      motion_.turn_of_arm(force) * lever_.swing();
-}
-
-void ContactStep::add_geometry_at_point(const Vector3d& force, const ContactTouch& touch,
-                                        std::size_t point) {
-  if (free_ == nullptr) return;
-  lever_.make_swing(motion_, touch, point_rows(point));
-  add_geometry(force, force, touch, point_rows(point));
-}
-
-void ContactStep::add_geometry_of_other(const Vector3d& force, const Vector3d& bend_force,
-                                        const ContactTouch& touch, const PlaceRows& rows) {
-  if (free_ == nullptr) return;
-  const Index r = model_->modes();
-  add_turn(motion_, force, bend_force, touch, rows, jacobian_);
-  jacobian_.block<3, 3>(r, r + 3) -= 0.5 * motion_.turn_of_arm(force) * motion_.R0.transpose();
-}
-
 void ContactStep::evaluate(const ContactRenewal& renewal) {
   // Between a trial and a renewal only the contact changes.
-  if (!known_ || z_ != known_z_) evaluate_body();
+  if (!known_ || eq_.z != known_z_) evaluate_body();
   add_contact(renewal);
 }
 
@@ -223,33 +153,33 @@ void ContactStep::evaluate(const ContactRenewal& renewal) {
 void ContactStep::evaluate_body() {
   const double h = options_.step;
   const Index r = model_->modes();
-  const auto d = z_.head(r);
+  const auto d = eq_.z.head(r);
   known_ = true;
-  known_z_ = z_;
-  q1_ = q0_ + d;
-  if (in_island_ && shape_) points_->displacement(q1_, u1_);
-  model_->potential().averaged_gradient(q0_, q1_, workspace_, G_, nullptr);
+  known_z_ = eq_.z;
+  eq_.q1 = eq_.q0 + d;
+  if (in_island_ && eq_.shape) eq_.points->displacement(eq_.q1, eq_.u1);
+  model_->potential().averaged_gradient(eq_.q0, eq_.q1, workspace_, G_, nullptr);
   dp_ = S_.cwiseProduct(damping_.n.cwiseProduct(d) / h - v0_);
   own_force_ = G_ - load_->average;
   middle_ = d;
   rest_work_ = 0.0;
   if (strain_.present()) {
-    rest_middle_ = q0_ + 0.5 * middle_;
+    rest_middle_ = eq_.q0 + 0.5 * middle_;
     rest_work_ = strain_.force(rest_middle_, middle_, rest_) / h;
     own_force_ += rest_ / h;
   }
   if (free_ != nullptr) {
     const FreeFrame::SpinTrial trial =
-        free_->try_spin(middle_, S_, z_.segment<3>(r), dp_, own_force_);
+        free_->try_spin(middle_, S_, eq_.z.segment<3>(r), dp_, own_force_);
     spin_jacobian_ = trial.jacobian;
-    motion_.set_turn(trial.turn);
-    const Vector3d phi = (0.5 * h) * (free_->rigid().spin + z_.segment<3>(r));
-    motion_.phi = phi;
-    motion_.turned = (0.5 * h / (1.0 + 0.25 * phi.squaredNorm())) *
-                     (Matrix3d::Identity() - 0.5 * cross_matrix(phi));
+    eq_.motion.set_turn(trial.turn);
+    const Vector3d phi = (0.5 * h) * (free_->rigid().spin + eq_.z.segment<3>(r));
+    eq_.motion.phi = phi;
+    eq_.motion.turned = (0.5 * h / (1.0 + 0.25 * phi.squaredNorm())) *
+                        (Matrix3d::Identity() - 0.5 * cross_matrix(phi));
     own_spin_residual_ = trial.residual;
-    own_centre_residual_ = free_->centre_residual(z_.tail<3>());
-    motion_.c1 = motion_.c0 + z_.tail<3>();
+    own_centre_residual_ = free_->centre_residual(eq_.z.tail<3>());
+    eq_.motion.c1 = eq_.motion.c0 + eq_.z.tail<3>();
   } else if (load_->coupling != nullptr) {
     load_->coupling->evaluate(middle_, S_, dp_, own_force_);
   }
@@ -258,20 +188,21 @@ void ContactStep::evaluate_body() {
 double ContactStep::close() {
   const double h = options_.step;
   const Index r = model_->modes();
-  force_ = own_force_ - contact_push_;
-  residual_.head(r) = (0.5 * h) * damping_.n.cwiseProduct(dp_) + (0.5 * h * h) * force_ +
-                      (0.5 * h) * damping_.D.cwiseProduct(z_.head(r));
+  force_ = own_force_ - eq_.pushed;
+  eq_.residual.head(r) = (0.5 * h) * damping_.n.cwiseProduct(dp_) + (0.5 * h * h) * force_ +
+                         (0.5 * h) * damping_.D.cwiseProduct(eq_.z.head(r));
   if (free_ != nullptr) {
-    residual_.segment<3>(r) = own_spin_residual_ - h * (motion_.turn.transpose() * contact_torque_);
-    residual_.tail<3>() = own_centre_residual_ - contact_force_;
+    eq_.residual.segment<3>(r) =
+        own_spin_residual_ - h * (eq_.motion.turn.transpose() * eq_.torque);
+    eq_.residual.tail<3>() = own_centre_residual_ - eq_.force;
   }
-  const double size = size_of_residual();
+  const double size = eq_.size_of_residual();
   if (first_size_ < 0.0) first_size_ = size;
   return size;
 }
 
 void ContactStep::add_contact_slopes(bool follows) {
-  const Index n = unknowns();
+  const Index n = eq_.unknowns();
   const auto pushes = [this](std::size_t collider) { return rates_[collider].force > 0.0; };
   for (std::size_t c = 0; c < rates_.size(); ++c) {
     if (!pushes(c)) continue;
@@ -280,22 +211,22 @@ void ContactStep::add_contact_slopes(bool follows) {
   }
   for (const Candidate& candidate : touching()) {
     if (!candidate.now.acts) continue;
-    lever_.make(motion_, candidate.touch, point_rows(candidate.point));
+    eq_.lever.make(eq_.motion, candidate.touch, eq_.point_rows(candidate.point));
     const PlacedSlope slope =
         contact_slope(candidate.law, turns_[candidate.collider], candidate.start, candidate.end,
                       time_with(candidate.collider), candidate.held, follows);
-    lever_.add_tangent(slope.by_end, jacobian_);
-    add_geometry_at_point(candidate.now.force, candidate.touch, candidate.point);
+    eq_.lever.add_tangent(slope.by_end, eq_.jacobian);
+    eq_.add_geometry_at_point(candidate.now.force, candidate.touch, candidate.point);
     if (!pushes(candidate.collider)) continue;
     const auto column = static_cast<Index>(candidate.collider);
-    taken_push_.col(column).head(n).noalias() += lever_.push().lazyProduct(slope.by_taken);
+    taken_push_.col(column).head(n).noalias() += eq_.lever.push().lazyProduct(slope.by_taken);
     taken_growth_.col(column).head(n).noalias() +=
-        lever_.way().transpose().lazyProduct(slope.taken);
+        eq_.lever.way().transpose().lazyProduct(slope.taken);
   }
   for (std::size_t c = 0; c < rates_.size(); ++c) {
     if (!pushes(c)) continue;
     const auto column = static_cast<Index>(c);
-    jacobian_.topLeftCorner(n, n).noalias() +=
+    eq_.jacobian.topLeftCorner(n, n).noalias() +=
         taken_push_.col(column).head(n).lazyProduct(taken_growth_.col(column).head(n).transpose());
   }
 }
@@ -306,33 +237,33 @@ void ContactStep::make_jacobian(double heavier, bool follows) {
   const double h = options_.step;
   const Index r = model_->modes();
   const VectorXd& n = damping_.n;
-  model_->potential().averaged_jacobian(q0_, q1_, workspace_, K_);
-  jacobian_.setZero();
-  jacobian_.topLeftCorner(r, r) = (0.5 * h * h + h * strain_.beta()) * K_;
+  model_->potential().averaged_jacobian(eq_.q0, eq_.q1, workspace_, K_);
+  eq_.jacobian.setZero();
+  eq_.jacobian.topLeftCorner(r, r) = (0.5 * h * h + h * strain_.beta()) * K_;
   if (strain_.present())
-    jacobian_.topLeftCorner(r, r).diagonal() -= (0.5 * h * strain_.beta()) * model_->lambda();
-  jacobian_.topLeftCorner(r, r).diagonal() +=
+    eq_.jacobian.topLeftCorner(r, r).diagonal() -= (0.5 * h * strain_.beta()) * model_->lambda();
+  eq_.jacobian.topLeftCorner(r, r).diagonal() +=
       ((0.5 + 0.5 * heavier) * n.array().square() * S_.array() + 0.5 * h * damping_.D.array())
           .matrix();
   if (free_ != nullptr) {
     const Eigen::Matrix3Xd& C1 = free_->end_coupling();
     for (Index j = 0; j < r; ++j) {
-      jacobian_.block<1, 3>(j, r) = (0.25 * h * n[j] * S_[j]) * C1.col(j).transpose();
-      jacobian_.block<3, 1>(r, j) = (S_[j] * n[j] / h) * C1.col(j);
+      eq_.jacobian.block<1, 3>(j, r) = (0.25 * h * n[j] * S_[j]) * C1.col(j).transpose();
+      eq_.jacobian.block<3, 1>(r, j) = (S_[j] * n[j] / h) * C1.col(j);
     }
-    jacobian_.block<3, 3>(r, r) = (1.0 + heavier) * spin_jacobian_;
-    jacobian_.bottomRightCorner<3, 3>().diagonal().setConstant((1.0 + heavier) * 2.0 * mass_ /
-                                                               (h * h));
+    eq_.jacobian.block<3, 3>(r, r) = (1.0 + heavier) * spin_jacobian_;
+    eq_.jacobian.bottomRightCorner<3, 3>().diagonal().setConstant((1.0 + heavier) * 2.0 * mass_ /
+                                                                  (h * h));
   }
   add_contact_slopes(follows);
   for (std::size_t i = 0; i < grips_.size(); ++i) {
     const double stiffness = 0.5 * grips_[i].stiffness + grips_[i].damping / h;
     const PlaceRows rows = place_rows(grips_[i].place);
-    lever_.make(motion_, held_[i], rows);
-    lever_.add_tangent(stiffness * Matrix3d::Identity(), jacobian_);
+    eq_.lever.make(eq_.motion, held_[i], rows);
+    eq_.lever.add_tangent(stiffness * Matrix3d::Identity(), eq_.jacobian);
     if (free_ == nullptr) continue;
-    lever_.make_swing(motion_, held_[i], rows);
-    add_geometry(grips_[i].force, grips_[i].force, held_[i], rows);
+    eq_.lever.make_swing(eq_.motion, held_[i], rows);
+    eq_.add_geometry(grips_[i].force, grips_[i].force, held_[i], rows);
   }
 }
 
@@ -363,12 +294,12 @@ double following_bound(double length) {
 // residual; after many failures also a shorter one that lowers it. False, with nothing changed, if
 // none does.
 bool ContactStep::try_following(int iteration, double size, double& reached) {
-  const Index n = unknowns();
+  const Index n = eq_.unknowns();
   make_jacobian(0.0, true);
-  factor_.compute(jacobian_.topLeftCorner(n, n));
-  move_.head(n) = factor_.solve(residual_.head(n));
+  factor_.compute(eq_.jacobian.topLeftCorner(n, n));
+  move_.head(n) = factor_.solve(eq_.residual.head(n));
   const auto go = [&](double length) {
-    z_.head(n) = z_before_.head(n) - length * move_.head(n);
+    eq_.z.head(n) = z_before_.head(n) - length * move_.head(n);
     evaluate({.normals = false, .limits = 1.0});
     return close();
   };
@@ -383,7 +314,7 @@ bool ContactStep::try_following(int iteration, double size, double& reached) {
 // heavier: factor of added inertia for the first moves.
 bool ContactStep::solve(double heavier, bool hold, StepReport& report) {
   const double h = options_.step;
-  const Index n = unknowns();
+  const Index n = eq_.unknowns();
   evaluate({});
   double size = close(), enough = this->enough();
   bool followed_last = false;  // all limits are already those of the last move
@@ -398,7 +329,7 @@ bool ContactStep::solve(double heavier, bool hold, StepReport& report) {
     enough = this->enough();
     if (size <= enough) return true;
     if (!std::isfinite(size)) return false;
-    z_before_ = z_;
+    z_before_ = eq_.z;
     double followed = 0.0;
     if (!touching().empty() && limits_follow(i, size / enough, hold) &&
         try_following(i, size, followed)) {
@@ -408,22 +339,22 @@ bool ContactStep::solve(double heavier, bool hold, StepReport& report) {
       continue;
     }
     const auto go = [&](double length) {
-      z_.head(n) = z_before_.head(n) - length * move_.head(n);
+      eq_.z.head(n) = z_before_.head(n) - length * move_.head(n);
       evaluate({});
       const double next = close();
-      return LineTrial{next, -work_along(move_.head(n))};
+      return LineTrial{next, -eq_.work_along(move_.head(n))};
     };
     const auto find_move = [&](double added) {
       make_jacobian(added, false);
-      factor_.compute(jacobian_.topLeftCorner(n, n));
-      move_.head(n) = factor_.solve(residual_.head(n));
-      return -work_along(move_.head(n));
+      factor_.compute(eq_.jacobian.topLeftCorner(n, n));
+      move_.head(n) = factor_.solve(eq_.residual.head(n));
+      return -eq_.work_along(move_.head(n));
     };
     LineTrial reached;
     const bool small = size <= near_rounding(hold) * enough;
     if (!newton_move(find_move, go, size, small, heavier, reached)) return small;
     // The move is smaller than rounding of the points' positions.
-    if (way_of_move() <= kRoundedWay * points_->extent) return true;
+    if (way_of_move() <= kRoundedWay * eq_.points->extent) return true;
     ++report.iterations;
     // At rounding level no move lowers the residual.
     if (!(reached.size < 0.9 * size) && small) {
@@ -448,7 +379,7 @@ StepReport ContactStep::step(State& state, const StepLoad& load, FreeFrame* free
     begin(state, load, free);
     in_island_ = false;
     do {
-      report.converged = solve(heavier, hold, report) && z_.allFinite();
+      report.converged = solve(heavier, hold, report) && eq_.z.allFinite();
     } while (report.converged && add_missed());
     if (report.converged && hold) ++held_steps_;
     if (report.converged) break;
@@ -462,23 +393,23 @@ void ContactStep::finish(State& state, StepReport& report) {
   const double h = options_.step;
   const VectorXd& n = damping_.n;
   VectorXd& d = middle_;
-  d = z_.head(model_->modes());
+  d = eq_.z.head(model_->modes());
   settle_account();
   remember();
   if (free_ != nullptr) {
-    free_->set_contact(contact_force_, contact_torque_);
+    free_->set_contact(eq_.force, eq_.torque);
     dp_ = S_.cwiseProduct(n.cwiseProduct(d) / h - v0_);
     force_ = G_ - load_->average;
     if (strain_.present()) force_ += rest_ / h;
     free_->evaluate(d, S_, dp_, force_);
-    force_ -= contact_push_;
+    force_ -= eq_.pushed;
   }
   const double defect =
       (2.0 / (h * h)) * d.dot((0.5 * h) * n.cwiseProduct(dp_) + (0.5 * h * h) * force_ +
                               (0.5 * h) * damping_.D.cwiseProduct(d));
   report.dissipated = damping_.D.dot(d.cwiseAbs2()) / h +
                       h * damping_.theta.cwiseProduct(damping_.D).dot(dp_.cwiseAbs2()) + rest_work_;
-  state.q = q1_;
+  state.q = eq_.q1;
   if (load_->coupling == nullptr || !load_->coupling->finish(d, defect, state.p)) {
     state.p += dp_;
     give_back(defect, 0.5 * state.p.squaredNorm(), state.p);
@@ -486,9 +417,9 @@ void ContactStep::finish(State& state, StepReport& report) {
 }
 
 void ContactStep::carry(StateStream& stream) {
-  stream(account_, poses_.start, poses_.end, ball_.centre, ball_.radius, ball_.deformed);
-  stream(ball_.travel, q0_, u0_);
-  stream.sized(impulses_);
+  stream(record_.account, poses_.start, poses_.end, ball_.centre, ball_.radius, ball_.deformed);
+  stream(ball_.travel, eq_.q0, eq_.u0);
+  stream.sized(record_.impulses);
   stream(held_steps_);
   stream.sized(memories_);
   stream.sized(pair_memories_);

@@ -20,8 +20,7 @@
 #include "runtime/bodies/reduced/integrators/solve/strain_damping.h"
 #include "runtime/contact/contact_law.h"
 #include "runtime/contact/contact_values.h"
-#include "runtime/contact/solve/contact_points.h"
-#include "runtime/contact/solve/step_motion.h"
+#include "runtime/contact/solve/contact_equations.h"
 #include "runtime/integrator.h"
 #include "runtime/parts.h"
 
@@ -33,6 +32,17 @@ struct ContactBall {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // in the world, m
   // All in m. Without contact no point goes farther than travel in the step.
   double radius = 0.0, deformed = 0.0, travel = 0.0;
+};
+
+// What contact did in a step.
+struct ContactRecord {
+  ContactAccount account;  // energy balance
+  // For each collider the sum of the lengths of the impulses on it, N s; 0 without contact.
+  std::vector<double> impulses;
+  std::vector<Eigen::Vector3d> collider_impulses;  // for each collider the sum, N s, world
+  // The points with a contact force, first those on colliders. A point of another body on this
+  // one's shape is listed by that body.
+  std::vector<ContactedPoint> contacted;
 };
 
 // Returns the parts of ContactHeld that are renewed before iteration `iteration` (from 0) of
@@ -60,7 +70,11 @@ class ContactStep {
   ContactStep(Model::Pointer model, const IntegratorOptions& options, const ContactOptions& contact,
               double mass, bool free);
 
-  const ContactPoints& points() const { return *points_; }
+  ContactEquations& equations() { return eq_; }
+  const ContactEquations& equations() const { return eq_; }
+  const ContactPoints& points() const { return *eq_.points; }
+  // Shape with which other bodies collide; null: none.
+  const Collider* shape() const { return eq_.shape ? &*eq_.shape : nullptr; }
   // The law for a unit of area: stiffness is kappa, N/m^4.
   const ContactLaw& law() const { return law_; }
   // The law of one of its points against a collider with that friction and restitution.
@@ -73,7 +87,7 @@ class ContactStep {
   // Adds a memory of the step that succeeded. Call it after finish(), in any order, then call
   // sort_pair_memories().
   void remember_pair(const ContactMemory& memory) { pair_memories_.push_back(memory); }
-  void note_contact(const ContactedPoint& point) { contacted_.push_back(point); }
+  void note_contact(const ContactedPoint& point) { record_.contacted.push_back(point); }
   void sort_pair_memories();
 
   // Finds the points that may be in contact with a collider in the step from q, v. The colliders
@@ -94,49 +108,28 @@ class ContactStep {
   // step does not converge, the state is unchanged.
   StepReport step(State& state, const StepLoad& load, FreeFrame* free, bool whole);
 
-  // Energy balance of the last step. If nothing was near in a step, call reset() instead.
-  const ContactAccount& account() const { return account_; }
+  // What the last step did. If nothing was near in a step, call reset() instead.
+  const ContactRecord& record() const { return record_; }
   // Number of steps in which friction limits were kept as a last resort; see renewal().
   std::int64_t held_steps() const { return held_steps_; }
   void note_held_step() { ++held_steps_; }
   void reset();
-  // A step in parts. After end_parts(), account(), impulses() and contacted() refer to the whole
+  // A step in parts. After end_parts(), record() is that of the whole
   // step if it succeeded.
   void begin_parts() { parts_ = {}; }
   void keep_part();
   void end_parts(bool made);
   std::span<const PlacedCollider> colliders() const { return colliders_; }
-  // For each collider the sum of the lengths of the impulses on it in the last step, N s; 0 without
-  // contact.
-  std::span<const double> impulses() const { return impulses_; }
-  // For each collider the impulse on it in the last step, N s, world.
-  std::span<const Eigen::Vector3d> collider_impulses() const { return collider_impulses_; }
-  // The points with a contact force in the last step, first those on colliders. A point of another
-  // body on this one's shape is listed by that body.
-  std::span<const ContactedPoint> contacted() const { return contacted_; }
-
   // Interface for solvers of several bodies at once (contact_island.h). After gather() call
-  // begin(), which sets z() to the motion without forces. Then call evaluate() at a z(), add the
-  // forces of the other bodies, call close() and make_jacobian(). At the end call settle_pairs()
-  // and finish().
+  // begin(), which sets the equations' z to the motion without forces. Then call evaluate() at a z,
+  // add the forces of the other bodies, call close() and make_jacobian(). At the end call
+  // settle_pairs() and finish().
   void begin(const State& state, const StepLoad& load, FreeFrame* free);
-  Eigen::Index unknowns() const { return model_->modes() + (free_ != nullptr ? 6 : 0); }
-  // The first unknowns() entries are used. residual: kg^1/2 m for d, N m s for omega1, N for e.
-  Eigen::VectorXd& z() { return z_; }
-  const Eigen::VectorXd& residual() const { return residual_; }
-  const Eigen::MatrixXd& jacobian() const { return jacobian_; }
   void evaluate(const ContactRenewal& renewal);
   // Declares that a joint of this stiffness, N/m, acts at the point: the rounding error that it
   // causes there counts as small. Call it after begin().
   void hold_at(const VertexRows& place, double stiffness);
-  double close();  // size of the residual, all rows as momenta, kg^1/2 m/s
-  // Factors that convert the residual's rows to momenta, kg^1/2 m/s; the first unknowns() are used.
-  const Eigen::VectorXd& row_scale() const { return row_scale_; }
-  // Bound of the displacement of any point by the coordinates in the step, m.
-  double bend_in_step() const { return z_.head(model_->modes()).cwiseAbs().dot(points_->reach); }
-  // Product of the residual, as forces, with a move of the unknowns: the slope of the function that
-  // the step minimizes, J, except for rotation.
-  double work_along(const Eigen::Ref<const Eigen::VectorXd>& move) const;
+  double close();         // size of the residual, all rows as momenta, kg^1/2 m/s
   double enough() const;  // size below which a residual is small
   // heavier: the factor of added inertia, for a move that lowers the residual. follows: same as for
   // contact_slopes().
@@ -144,8 +137,8 @@ class ContactStep {
   // Call this where the step is solved. It adds the points that came within a collider's margin but
   // were not found before. True if there are any: the step must be solved with them.
   bool add_missed();
-  // True if the body, at the present z(), went farther than gather() predicted.
-  bool went_far() const { return went_far(end_pose(), q1_); }
+  // True if the body, at the present z, went farther than gather() predicted.
+  bool went_far() const { return went_far(end_pose(), eq_.q1); }
   // Sets the part of the account that belongs to contact with other bodies: energy, lost, rubbed,
   // work, given, penetration, impulse and active of `pairs`. start: their energy at the start of
   // the step, J.
@@ -156,53 +149,10 @@ class ContactStep {
   // Sets the state at the end of the step.
   void finish(State& state, StepReport& report);
 
-  // Motion of the body's frame in the step, at the present z().
-  const StepMotion& motion() const { return motion_; }
-  // Effect of a force on the equations of the body.
-  PlaceLever& lever() { return lever_; }
-  // A contact point of the body, at the present z().
-  ContactTouch touch_at_point(std::size_t point) const;
-  // The same for any position of the body; the force acts at the straight mean of its ends.
-  ContactTouch straight_touch_at(const VertexRows& place) const;
-  Eigen::Vector3d end_of_point(std::size_t point) const;  // its x1
-  // Displacement in the step of a position, whose rows of U are `rows`, by deformation, m, world.
-  // The work of a force is its product with that plus motion().way_under().
-  Eigen::Vector3d bend_under(const PlaceRows& rows) const;
-  const Eigen::VectorXd& q_start() const { return q0_; }
-  // Shape of the body, deformed as at the start or the end of the step; only for a body with a
-  // shape.
-  BentShape shape_at_start() const { return {&*shape_, points_.get(), &u0_}; }
-  BentShape shape_at_end() const { return {&*shape_, points_.get(), &u1_}; }
-  // Adds a force, N, world, between evaluate() and close(). bend_force: the force that deforms the
-  // body, N, world.
-  void push_point(const Eigen::Vector3d& force, const ContactTouch& touch, std::size_t point);
-  void push(const Eigen::Vector3d& force, const Eigen::Vector3d& bend_force,
-            const ContactTouch& touch, const PlaceRows& rows);
-  // Adds a torque alone, N m, world.
-  void push_turn(const Eigen::Vector3d& torque);
-  auto point_rows(std::size_t point) const {
-    return points_->rows.middleCols<3>(static_cast<Eigen::Index>(3 * point));
-  }
-  Eigen::MatrixXd& whole_block() { return jacobian_; }
-  auto own_block() { return jacobian_.topLeftCorner(unknowns(), unknowns()); }
-  // Adds to the Jacobian the change of the force on a position because the position and the body
-  // rotate. Needs the lever's swing.
-  void add_geometry(const Eigen::Vector3d& force, const Eigen::Vector3d& bend_force,
-                    const ContactTouch& touch, const PlaceRows& rows);
-  // The same for a force on a contact point.
-  void add_geometry_at_point(const Eigen::Vector3d& force, const ContactTouch& touch,
-                             std::size_t point);
-  // The same for a force at another body's point: the part that does not depend on that body's
-  // unknowns.
-  void add_geometry_of_other(const Eigen::Vector3d& force, const Eigen::Vector3d& bend_force,
-                             const ContactTouch& touch, const PlaceRows& rows);
-  bool turns() const { return free_ != nullptr; }
   double mass() const { return mass_; }
   bool can_move() const { return can_move_; }
   // False: only grabs act on it, not colliders.
   bool feels() const { return feels_; }
-  // Shape with which other bodies collide; null: none.
-  const Collider* shape() const { return shape_ ? &*shape_ : nullptr; }
   // Results of the last gather().
   const ContactBall& ball() const { return ball_; }
   const StepPoses& poses() const { return poses_; }
@@ -239,8 +189,6 @@ class ContactStep {
   void remember();
   void find_dampers();
   double acceleration_reach(const Eigen::VectorXd& q, const StepPush& push) const;
-  Eigen::Vector3d place_in_body(std::size_t point, const Eigen::VectorXd& q) const;
-  ContactTouch touch_at(const Eigen::Vector3d& rest, const PlaceRows& rows) const;
   void add_grips();
   void evaluate_body();
   void add_contact(const ContactRenewal& renewal);
@@ -248,7 +196,6 @@ class ContactStep {
   void add_contact_slopes(bool follows);
   bool went_far(const Pose& end, const Eigen::VectorXd& q) const;
   Pose end_pose() const;
-  double size_of_residual() const;
   double size_of_motion() const;
   double way_of_move() const;
   double held_rounding(const VertexRows& place, double stiffness, double far) const;
@@ -261,13 +208,12 @@ class ContactStep {
 
   Model::Pointer model_;
   IntegratorOptions options_;
-  std::shared_ptr<const ContactPoints> points_;
+  ContactEquations eq_;
   ContactLaw law_;
   double mass_;
   bool can_move_;
   bool feels_;
   bool in_island_ = false;  // other bodies may touch it in the step
-  std::optional<Collider> shape_;
   ContactBall ball_;
   InertiaDamping damping_;
   StrainDamping strain_;
@@ -287,20 +233,11 @@ class ContactStep {
   std::vector<double> dampers_;               // c of friction.h over the square root of k, kg^1/2
   std::span<Grip> grips_;
   std::vector<ContactTouch> held_;  // one a grip
-  std::vector<double> impulses_;
-  std::vector<Eigen::Vector3d> collider_impulses_;
-  std::vector<ContactedPoint> contacted_;
   std::span<const PlacedCollider> colliders_;
   StepPoses poses_;
-  ContactAccount account_;
+  ContactRecord record_;
   ContactAccount pairs_;
-  // Of the parts of a step so far.
-  struct {
-    ContactAccount account;
-    std::vector<double> impulses;
-    std::vector<Eigen::Vector3d> collider_impulses;
-    std::vector<ContactedPoint> contacted;
-  } parts_;
+  ContactRecord parts_;  // of the parts of a step so far
   double pairs_start_ = 0.0;
   std::int64_t held_steps_ = 0;
   double joints_rounding_ = 0.0;  // kg^1/2 m/s
@@ -308,19 +245,15 @@ class ContactStep {
   const StepLoad* load_ = nullptr;
   FramePointer<FreeFrame> free_ = nullptr;
 
-  Eigen::VectorXd u0_, u1_, q0_, v0_, q1_, G_, dp_, force_, middle_, contact_push_;
+  Eigen::VectorXd v0_, G_, dp_, force_, middle_;
   // Residual without forces at positions, found by evaluate_body() at known_z_.
   bool known_ = false;
   Eigen::VectorXd known_z_, own_force_;
   Eigen::Vector3d own_spin_residual_, own_centre_residual_;
   Eigen::MatrixXd K_;
-  Eigen::VectorXd z_, z_before_, residual_, row_scale_, move_;
-  Eigen::MatrixXd jacobian_;
+  Eigen::VectorXd z_before_, move_;
   Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
   Eigen::Matrix3d spin_jacobian_;
-  StepMotion motion_;
-  PlaceLever lever_;
-  Eigen::Vector3d contact_force_, contact_torque_;
 };
 
 }  // namespace tremolo

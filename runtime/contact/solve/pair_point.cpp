@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 constexpr double kSameSlopes = 1e-3;
 
-void find_start(PairPoint& pair, const ContactStep& second, PairScratch& scratch) {
+void find_start(PairPoint& pair, const ContactEquations& second, PairScratch& scratch) {
   const BentShape shape = second.shape_at_start();
   bent_rows(shape, pair.place_at_start, scratch.bent, pair.rows);
   pair.gradient = bent_gradient(shape, pair.place_at_start);
@@ -21,11 +21,11 @@ void find_start(PairPoint& pair, const ContactStep& second, PairScratch& scratch
 }
 
 // The point's path is computed as if the second body did not deform.
-bool passes(const PairPoint& pair, const ContactStep& second, double way) {
+bool passes(const PairPoint& pair, const ContactEquations& second, double way) {
   if (pair.distance <= 0.0 || way <= pair.distance) return false;
   const BentShape start = second.shape_at_start(), end = second.shape_at_end();
   return goes_through(
-      *second.shape(),
+      *second.shape,
       {pair.place_at_start, pair.distance, bent_gradient(start, pair.place_at_start)},
       {pair.place, bent_distance(end, pair.place), bent_gradient(end, pair.place)});
 }
@@ -38,25 +38,24 @@ void find_changes(PairPoint& pair, const PairBodies& bodies, const ContactTime& 
   const Index n = second.unknowns();
   const Index r = second.turns() ? n - 6 : n;
   // Slopes of a nearby position are accurate enough: they change over the distance between points.
-  const double near = kSameSlopes * second.points().gap;
+  const double near = kSameSlopes * second.points->gap;
   if (!pair.sloped || (pair.place - pair.slope_place).squaredNorm() > near * near) {
     pair.slope = bent_change(second.shape_at_end(), pair.place, scratch.bent, pair.by_q);
     pair.slope_place = pair.place;
     pair.sloped = true;
   }
-  const Vector3d gradient = second.motion().turn_out_at_end(pair.slope);
-  const Eigen::Matrix3Xd& way =
-      second.lever().change_of_way(second.motion(), pair.touch_b, pair.rows);
+  const Vector3d gradient = second.motion.turn_out_at_end(pair.slope);
+  const Eigen::Matrix3Xd& way = second.lever.change_of_way(second.motion, pair.touch_b, pair.rows);
   const auto find = [&](const ContactSlope& slope, Eigen::Matrix3Xd& by_a, Eigen::Matrix3Xd& by_b) {
     const Eigen::Matrix3d by_end = slope.by_distance * gradient.transpose() + slope.by_path;
-    by_a.noalias() = by_end.lazyProduct(bodies.first.lever().way());
+    by_a.noalias() = by_end.lazyProduct(first.lever.way());
     by_b.resize(3, n);
     by_b.leftCols(r).noalias() = slope.by_bend.lazyProduct(way.leftCols(r));
     by_b.leftCols(r).noalias() += slope.by_distance * pair.by_q.transpose();
-    if (!bodies.second.turns()) return;
+    if (!second.turns()) return;
     by_b.rightCols<6>().noalias() = -slope.by_path * way.middleCols<6>(r);
     by_b.rightCols<6>().noalias() -=
-        slope.by_distance * (gradient.transpose() * bodies.second.lever().way().rightCols<6>());
+        slope.by_distance * (gradient.transpose() * second.lever.way().rightCols<6>());
   };
   const ContactSlopes slopes =
       contact_slopes(pair.law, pair.gap, pair.way, time, pair.held, follows);
@@ -65,12 +64,12 @@ void find_changes(PairPoint& pair, const PairBodies& bodies, const ContactTime& 
   scratch.link = slopes.point.by_taken;
   scratch.bend_link = slopes.bend.by_taken;
   const double growth = slopes.taken_by_distance;
-  scratch.growth_a.noalias() = growth * (bodies.first.lever().way().transpose() * gradient);
+  scratch.growth_a.noalias() = growth * (first.lever.way().transpose() * gradient);
   scratch.growth_b.resize(n);
   scratch.growth_b.head(r) = growth * pair.by_q;
-  if (bodies.second.turns())
+  if (second.turns())
     scratch.growth_b.tail<6>().noalias() =
-        -growth * (bodies.second.lever().way().rightCols<6>().transpose() * gradient);
+        -growth * (second.lever.way().rightCols<6>().transpose() * gradient);
 }
 
 // Makes a point of the first body near the second, at y in the second's mesh coordinates and at
@@ -111,11 +110,11 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
     const double far = group.radius + first.ball().deformed + bent + reach;
     if (signed_distance(*shape, place(from * group.centre)).distance > far) continue;
     for (std::size_t i = group.first; i < group.first + group.count; ++i) {
-      const Vector3d y = place(from * on.place(i, first.q_start()));
+      const Vector3d y = place(from * on.place(i, first.equations().q0));
       if (signed_distance(*shape, y).distance > reach + bent) continue;
       if (count == points.size()) points.emplace_back();
       PairPoint& pair = points[count];
-      const double distance = bent_distance(second.shape_at_start(), y);
+      const double distance = bent_distance(second.equations().shape_at_start(), y);
       if (distance > reach) continue;
       begin_point(pair, first, second, names, i, y, distance);
       ++count;
@@ -136,7 +135,7 @@ void approach_pair(PairPoint& pair, const PairBodies& bodies, double bend, PairR
   const auto& [first, second] = bodies;
   const double stored = 0.5 * pair.law.shear * pair.memory.slip.squaredNorm();
   pair.touch_a.x1 = first.end_of_point(pair.point);
-  pair.place = second.motion().into_rest(pair.touch_a.x1, true);
+  pair.place = second.motion.into_rest(pair.touch_a.x1, true);
   const bool acts = pair.distance < pair.law.begins || pair.held.limit != 0.0;
   pair.near = false;
   // d1 cannot be within the margin if its gradient is shorter than 2.
@@ -159,23 +158,23 @@ void press_pair(PairPoint& pair, const PairBodies& bodies, const ContactTime& ti
   pair.touch_a = first.touch_at_point(pair.point);
   const bool fresh = pair.fresh;
   if (fresh) find_start(pair, second, scratch);
-  pair.touch_b = second.motion().touch_by_other(x1, first.motion().middle_of(pair.touch_a));
-  pair.way.path = x1 - pair.touch_a.x0 - second.motion().way_under(pair.touch_b);
+  pair.touch_b = second.motion.touch_by_other(x1, first.motion.middle_of(pair.touch_a));
+  pair.way.path = x1 - pair.touch_a.x0 - second.motion.way_under(pair.touch_b);
   pair.way.bend = second.bend_under(pair.rows);
   if (renewal.normals || fresh) {
-    pair.frame = second.motion().halfway();
+    pair.frame = second.motion.halfway();
     ContactMemory memory = pair.memory;
     memory.slip = pair.frame * memory.slip;
     memory.normal = pair.frame * memory.normal;
     const Vector3d end = bent_gradient(second.shape_at_end(), pair.place);
-    hold_normal(second.motion().turn_out(0.5 * (pair.gradient + end)), memory, pair.held);
+    hold_normal(second.motion.turn_out(0.5 * (pair.gradient + end)), memory, pair.held);
   }
   pair.now = contact_force(pair.law, pair.gap, pair.way, time, renewal.limits, pair.held);
 }
 
-std::size_t add_missed_points(const PairBodies& bodies, const PairNames& names,
-                              std::vector<PairPoint>& points, std::size_t count) {
-  const auto& [first, second] = bodies;
+std::size_t add_missed_points(const ContactStep& first, const ContactStep& second,
+                              const PairNames& names, std::vector<PairPoint>& points,
+                              std::size_t count) {
   const Collider* shape = second.shape();
   if (shape == nullptr || !(first.went_far() || second.went_far())) return count;
   const ContactPoints& on = first.points();
@@ -189,14 +188,16 @@ std::size_t add_missed_points(const PairBodies& bodies, const PairNames& names,
   };
   const Pose into = second.poses().start, from = first.poses().start;
   for (std::size_t i = 0; i < on.size(); ++i) {
-    const Vector3d end = second.motion().into_rest(first.end_of_point(i), true);
+    const Vector3d end =
+        second.equations().motion.into_rest(first.equations().end_of_point(i), true);
     if (signed_distance(*shape, end).distance > margin + 2.0 * bent) continue;
-    if (bent_distance(second.shape_at_end(), end) >= margin || listed(i)) continue;
+    if (bent_distance(second.equations().shape_at_end(), end) >= margin || listed(i)) continue;
     if (count == points.size()) points.emplace_back();
-    const Vector3d x = from * on.place(i, first.q_start());
+    const Vector3d x = from * on.place(i, first.equations().q0);
     const Vector3d y = into.rotation.conjugate() * (x - into.position);
     PairPoint& pair = points[count++];
-    begin_point(pair, first, second, names, i, y, bent_distance(second.shape_at_start(), y));
+    begin_point(pair, first, second, names, i, y,
+                bent_distance(second.equations().shape_at_start(), y));
     begin_pair(pair);
   }
   return count;
@@ -227,15 +228,15 @@ void PairBlocks::clear(Index first, Index second) {
 void add_pair_slopes(PairPoint& pair, const PairBodies& bodies, const ContactTime& time,
                      bool follows, PairScratch& scratch, const PairSides& sides) {
   const auto& [first, second] = bodies;
-  first.lever().make(first.motion(), pair.touch_a, first.point_rows(pair.point));
-  second.lever().make(second.motion(), pair.touch_b, pair.rows);
+  first.lever.make(first.motion, pair.touch_a, first.point_rows(pair.point));
+  second.lever.make(second.motion, pair.touch_b, pair.rows);
   find_changes(pair, bodies, time, follows, scratch);
-  first.lever().add_pushed(scratch.change_a, scratch.change_a, 1.0, first.own_block());
-  first.lever().add_pushed(scratch.change_b, scratch.change_b, 1.0, sides.first_by_second);
-  second.lever().add_pushed(scratch.change_b, scratch.bend_change_b, -1.0, second.own_block());
-  second.lever().add_pushed(scratch.change_a, scratch.bend_change_a, -1.0, sides.second_by_first);
-  first.lever().add_pushed(scratch.link, scratch.link, 1.0, sides.first_push);
-  second.lever().add_pushed(scratch.link, scratch.bend_link, -1.0, sides.second_push);
+  first.lever.add_pushed(scratch.change_a, scratch.change_a, 1.0, first.own_block());
+  first.lever.add_pushed(scratch.change_b, scratch.change_b, 1.0, sides.first_by_second);
+  second.lever.add_pushed(scratch.change_b, scratch.bend_change_b, -1.0, second.own_block());
+  second.lever.add_pushed(scratch.change_a, scratch.bend_change_a, -1.0, sides.second_by_first);
+  first.lever.add_pushed(scratch.link, scratch.link, 1.0, sides.first_push);
+  second.lever.add_pushed(scratch.link, scratch.bend_link, -1.0, sides.second_push);
   sides.first_growth += scratch.growth_a;
   sides.second_growth += scratch.growth_b;
   first.add_geometry_at_point(pair.now.force, pair.touch_a, pair.point);
@@ -244,11 +245,11 @@ void add_pair_slopes(PairPoint& pair, const PairBodies& bodies, const ContactTim
   if (!second.turns()) return;
   const Index turn = second.unknowns() - 6;
   sides.second_by_first.middleRows<3>(turn).noalias() +=
-      second.motion().turn_of_arm(-pair.now.force) * second.motion().R0.transpose() *
-      first.lever().path_of_middle(first.motion()).leftCols(first.unknowns());
+      second.motion.turn_of_arm(-pair.now.force) * second.motion.R0.transpose() *
+      first.lever.path_of_middle(first.motion).leftCols(first.unknowns());
 }
 
-void settle_pair(const PairPoint& pair, const ContactStep& second, double h, ContactAccount& a,
+void settle_pair(const PairPoint& pair, const ContactEquations& second, double h, ContactAccount& a,
                  ContactAccount& b) {
   const double way = (pair.place - pair.place_at_start).norm();
   a.way = std::max(a.way, way);

@@ -38,10 +38,10 @@ struct PairPoint {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  // y at the end, m
 };
 
-// The steps of the two bodies of a pair.
+// The two bodies of a pair.
 struct PairBodies {
-  ContactStep& first;   // of the point
-  ContactStep& second;  // of the shape
+  ContactEquations& first;   // of the point
+  ContactEquations& second;  // of the shape
 };
 
 // Buffers. n: number of unknowns of the body.
@@ -100,8 +100,9 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
 
 // Call this where the step of both is solved. It adds the points of a that came within the margin
 // of b and are not among the first `count` points yet. Returns the new number of points.
-std::size_t add_missed_points(const PairBodies& bodies, const PairNames& names,
-                              std::vector<PairPoint>& points, std::size_t count);
+std::size_t add_missed_points(const ContactStep& first, const ContactStep& second,
+                              const PairNames& names, std::vector<PairPoint>& points,
+                              std::size_t count);
 
 // Makes the pair's memory after its step. False: it ended beyond the margin.
 bool memory_of(const PairPoint& pair, ContactMemory& memory);
@@ -112,7 +113,7 @@ void add_pair_slopes(PairPoint& pair, const PairBodies& bodies, const ContactTim
                      bool follows, PairScratch& scratch, const PairSides& sides);
 
 // Adds the pair to the accounts of its bodies. second: the body of the shape.
-void settle_pair(const PairPoint& pair, const ContactStep& second, double h, ContactAccount& a,
+void settle_pair(const PairPoint& pair, const ContactEquations& second, double h, ContactAccount& a,
                  ContactAccount& b);
 
 }  // namespace tremolo

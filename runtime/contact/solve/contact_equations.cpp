@@ -1,0 +1,90 @@
+#include "runtime/contact/solve/contact_equations.h"
+
+namespace tremolo {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+Vector3d ContactEquations::place_in_body(std::size_t point, const VectorXd& q) const {
+  const Vector3d from = points->rest[point] - motion.origin;
+  return from + point_rows(point).transpose() * q;
+}
+
+ContactTouch ContactEquations::touch_at(const Vector3d& rest, const PlaceRows& rows) const {
+  const Vector3d from = rest - motion.origin;
+  return motion.touch(from + rows.transpose() * q0, from + rows.transpose() * q1);
+}
+
+ContactTouch ContactEquations::touch_at_point(std::size_t point) const {
+  return motion.touch(place_in_body(point, q0), place_in_body(point, q1));
+}
+
+ContactTouch ContactEquations::straight_touch_at(const VertexRows& place) const {
+  const Vector3d from = place.rest - motion.origin;
+  return motion.straight_touch(from + place.rows * q0, from + place.rows * q1);
+}
+
+Vector3d ContactEquations::end_of_point(std::size_t point) const {
+  return motion.c1 + motion.R1 * place_in_body(point, q1);
+}
+
+Vector3d ContactEquations::bend_under(const PlaceRows& rows) const {
+  return motion.turn_out(rows.transpose() * z.head(modes()));
+}
+
+void ContactEquations::clear_forces() {
+  force.setZero();
+  torque.setZero();
+  pushed.setZero();
+}
+
+void ContactEquations::push(const Vector3d& force_there, const Vector3d& bend_force,
+                            const ContactTouch& touch, const PlaceRows& rows) {
+  pushed.noalias() += rows * (motion.mean.transpose() * (motion.R0.transpose() * bend_force));
+  force += force_there;
+  torque += touch.arm.cross(motion.R0.transpose() * force_there);
+}
+
+// For a position of the body itself, at which the force is `force_there`.
+void ContactEquations::add_geometry(const Vector3d& force_there, const Vector3d& bend_force,
+                                    const ContactTouch& touch, const PlaceRows& rows) {
+  if (!turns()) return;
+  add_turn(motion, force_there, bend_force, touch, rows, jacobian);
+  jacobian.block(modes(), 0, 3, unknowns()).noalias() +=
+      motion.turn_of_arm(force_there) * lever.swing();
+}
+
+void ContactEquations::add_geometry_at_point(const Vector3d& force_there, const ContactTouch& touch,
+                                             std::size_t point) {
+  if (!turns()) return;
+  lever.make_swing(motion, touch, point_rows(point));
+  add_geometry(force_there, force_there, touch, point_rows(point));
+}
+
+void ContactEquations::add_geometry_of_other(const Vector3d& force_there,
+                                             const Vector3d& bend_force, const ContactTouch& touch,
+                                             const PlaceRows& rows) {
+  if (!turns()) return;
+  const Index r = modes();
+  add_turn(motion, force_there, bend_force, touch, rows, jacobian);
+  jacobian.block<3, 3>(r, r + 3) -= 0.5 * motion.turn_of_arm(force_there) * motion.R0.transpose();
+}
+
+double ContactEquations::size_of_residual() const {
+  const Index n = unknowns();
+  return row_scale.head(n).cwiseProduct(residual.head(n)).norm();
+}
+
+double ContactEquations::work_along(const Eigen::Ref<const VectorXd>& move) const {
+  const double h = motion.h;
+  const Index r = modes();
+  double work = 2.0 / (h * h) * residual.head(r).dot(move.head(r));
+  if (turns()) {
+    work += 0.5 * residual.segment<3>(r).dot(move.segment<3>(r));
+    work += residual.segment<3>(r + 3).dot(move.segment<3>(r + 3));
+  }
+  return work;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,96 @@
+// The equations of a body in a step with contact (contact_step.h), and the effect of forces at
+// positions of the body on them. A force F on the position y = X + U q adds f = U^T Ro~^T F and the
+// torque (Ro~ y~) x F, so that the work of F is F.(x1 - x0) exactly.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "runtime/contact/collider.h"
+#include "runtime/contact/solve/contact_points.h"
+#include "runtime/contact/solve/step_motion.h"
+#include "runtime/math/state.h"
+
+namespace tremolo {
+
+// n = unknowns() rows are used: d = q1 - q0 and, for a free body, omega1 and the path e of its
+// centre.
+struct ContactEquations {
+  std::shared_ptr<const ContactPoints> points;
+  std::optional<Collider> shape;  // with which other bodies collide
+  StepMotion motion;              // of the frame, at the present z
+  PlaceLever lever;               // effect of a force at one position
+  Eigen::VectorXd q0, q1;         // coordinates at the ends of the step, r
+  Eigen::VectorXd u0, u1;         // displacements of the points there; of a body with a shape
+  Eigen::VectorXd z;              // unknowns, r + 6
+  Eigen::VectorXd residual;       // kg^1/2 m for d, N m s for omega1, N for e; r + 6
+  Eigen::VectorXd row_scale;      // converts the residual's rows to momenta, kg^1/2 m/s; r + 6
+  Eigen::MatrixXd jacobian;       // of the residual, (r + 6) x (r + 6)
+  // Sums of the forces at positions: on the coordinates, r; on the centre, N, world; and their
+  // torque about it, N m, along the body's axes at the start.
+  Eigen::VectorXd pushed;
+  Eigen::Vector3d force, torque;
+
+  explicit ContactEquations(Eigen::Index modes) : lever(modes) {}
+
+  Eigen::Index modes() const { return motion.modes; }
+  Eigen::Index unknowns() const { return motion.unknowns(); }
+  bool turns() const { return motion.turns(); }
+  auto own_block() { return jacobian.topLeftCorner(unknowns(), unknowns()); }
+
+  // The rows of U of a contact point, transposed, r x 3.
+  auto point_rows(std::size_t point) const {
+    return points->rows.middleCols<3>(static_cast<Eigen::Index>(3 * point));
+  }
+  // Position of a contact point from c along the body's axes, m.
+  Eigen::Vector3d place_in_body(std::size_t point, const Eigen::VectorXd& q) const;
+  // A position of the body in the step. rest: in the mesh's coordinates, m.
+  ContactTouch touch_at(const Eigen::Vector3d& rest, const PlaceRows& rows) const;
+  ContactTouch touch_at_point(std::size_t point) const;
+  // The same for any position of the body; the force acts at the straight mean of its ends.
+  ContactTouch straight_touch_at(const VertexRows& place) const;
+  Eigen::Vector3d end_of_point(std::size_t point) const;  // its x1
+  // Displacement in the step of a position, whose rows of U are `rows`, by deformation, m, world.
+  // The work of a force is its product with that plus motion.way_under().
+  Eigen::Vector3d bend_under(const PlaceRows& rows) const;
+  // Bound of the displacement of any point by the coordinates in the step, m.
+  double bend_in_step() const { return z.head(modes()).cwiseAbs().dot(points->reach); }
+  // The shape, deformed as at the start or the end of the step.
+  BentShape shape_at_start() const { return {&*shape, points.get(), &u0}; }
+  BentShape shape_at_end() const { return {&*shape, points.get(), &u1}; }
+
+  void clear_forces();
+  // Adds a force, N, world. bend_force: the force that deforms the body, N, world.
+  void push(const Eigen::Vector3d& force_there, const Eigen::Vector3d& bend_force,
+            const ContactTouch& touch, const PlaceRows& rows);
+  void push_point(const Eigen::Vector3d& force_there, const ContactTouch& touch,
+                  std::size_t point) {
+    push(force_there, force_there, touch, point_rows(point));
+  }
+  // Adds a torque alone, N m, world.
+  void push_turn(const Eigen::Vector3d& torque_alone) {
+    torque += motion.R0.transpose() * torque_alone;
+  }
+
+  // Adds to the Jacobian the change of the force on a position because the position and the body
+  // rotate. Needs the lever's swing.
+  void add_geometry(const Eigen::Vector3d& force_there, const Eigen::Vector3d& bend_force,
+                    const ContactTouch& touch, const PlaceRows& rows);
+  // The same for a force on a contact point.
+  void add_geometry_at_point(const Eigen::Vector3d& force_there, const ContactTouch& touch,
+                             std::size_t point);
+  // The same for a force at another body's point: the part that does not depend on that body's
+  // unknowns.
+  void add_geometry_of_other(const Eigen::Vector3d& force_there, const Eigen::Vector3d& bend_force,
+                             const ContactTouch& touch, const PlaceRows& rows);
+
+  // The residual with all rows as momenta, kg^1/2 m/s.
+  double size_of_residual() const;
+  // Product of the residual, as forces, with a move of the unknowns: the slope of the function that
+  // the step minimizes, J, except for rotation.
+  double work_along(const Eigen::Ref<const Eigen::VectorXd>& move) const;
+};
+
+}  // namespace tremolo
