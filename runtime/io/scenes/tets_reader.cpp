@@ -52,8 +52,9 @@ Result<TetSceneBody> read_tets_body(const toml::table& table, std::size_t number
   TomlKeys keys(table, scene.path, what);
   keys.read_word("kind", {kTets}, 0);
   keys.read("name", body.name);
-  if (body.name.empty() || body.name.front() == '.' || body.name.find('/') != std::string::npos)
-    keys.fail("name", "it needs a `name`, which becomes that of a folder");
+  if (!keys.has("name")) keys.fail("name", "it has no `name`");
+  if (keys.good() && !is_folder_name(body.name))
+    keys.fail("name", "a name has letters, digits, '.', '_', '-' only");
   keys.read_path("model", body.model);
   if (!keys.has("model")) keys.fail("model", "it has no key `model`");
   keys.read("made-by", body.made_by);
