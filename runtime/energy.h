@@ -1,4 +1,4 @@
-// Energy of a state, by kind and by band, and the drift of an orbit from its balance.
+// Energy of a state, by kind and by band.
 #pragma once
 
 #include <Eigen/Core>

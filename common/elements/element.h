@@ -61,8 +61,8 @@ constexpr double weight_share(int order) {
 // that is a little outside of the mesh does not swing.
 std::array<double, kMostNodes> polynomials_at(int order, const std::array<double, 4>& lambda);
 
-// The displacement gradient of one element and the conjugate stress (element.h): a field has one
-// coefficient for order 1 and four for order 2, and a sample point combines them.
+// The displacement gradient of one element and the conjugate stress: a field has one coefficient
+// for order 1 and four for order 2, and a sample point combines them.
 
 // The coefficients G_a of one element: 1 (order 1) or 4.
 struct GradientField {

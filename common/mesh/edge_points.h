@@ -71,11 +71,10 @@ std::vector<VertexId> held_edge_points(const TetMesh& mesh, const std::vector<Ve
 // include the edge points. Triangles 4t .. 4t+3 are those of triangle t.
 BoundarySurface subdivided(const BoundarySurface& boundary, const TetMesh& mesh);
 
-// Uniform refinement: each tetrahedron into eight. The vertices of a mesh with edge points
-// (edge_points.h) as corners of eight times as many tetrahedra: four at the corners, four around
-// the shortest diagonal of the octahedron between. Those of tetrahedron t are 8t .. 8t+7,
-// positively oriented, in its region. Vertices and sets keep their numbers; the result is linear,
-// without edges.
+// Uniform refinement: each tetrahedron into eight. The vertices of a mesh with edge points become
+// corners of eight times as many tetrahedra: four at the corners, four around the shortest diagonal
+// of the octahedron between. Those of tetrahedron t are 8t .. 8t+7, positively oriented, in its
+// region. Vertices and sets keep their numbers; the result is linear, without edges.
 TetMesh refined_mesh(const TetMesh& mesh);
 
 }  // namespace tremolo

@@ -32,8 +32,7 @@ struct CellKind {
   bool is_quadratic() const {
     return role == Role::kQuadraticTetrahedron || role == Role::kGmshQuadraticTetrahedron;
   }
-  // True if the cell is divided into tetrahedra (mesh_cells.h) by its corners; further nodes follow
-  // the corners.
+  // True if the cell is divided into tetrahedra by its corners; further nodes follow the corners.
   bool is_cut() const { return corners() > 0; }
   int corners() const {
     if (role == Role::kHexahedron || role == Role::kVoxel) return 8;

@@ -186,6 +186,22 @@ TEST_F(ClothProgram, OtherCommandsSayWhatGoesInstead) {
   expect_refused(small_sheet(), "half a step", "--step 0.01 --duration 0.004");
 }
 
+TEST_F(ClothProgram, FlagsOfBodiesAreRefusedByTheirName) {
+  const std::string flags =
+      "--load none\n--frequency 2\n--sweep 1,2\n--load-duration 1\n--signal a.csv\n--at 1\n"
+      "--force 0,0,1\n--scale 2\n--deflect 5%\n--start static\n--wav a.wav\n--listen 1\n"
+      "--modes 2\n--linear\n--hull\n--rescale young=1e6\n--alpha 1\n--beta 1\n"
+      "--damping-ratio 1:0.1,9:0.1\n--newmark-beta 0.3\n--newmark-gamma 0.6\n--split thesis\n"
+      "--safety 0.5\n--coordinate all\n--velocities\n--probe 1\n--save a\n--restore a\n"
+      "--threads 2\n--degree linear\n";
+  for (const std::string& flag : testing::all_lines(flags)) {
+    const ProgramResult result = run(small_sheet(), flag);
+    EXPECT_EQ(result.code, 2) << flag << "\n" << result.err;
+    const std::string words = flag.substr(0, flag.find(' ')) + " applies only to bodies";
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err << "\ninstead of " << words;
+  }
+}
+
 TEST_F(ClothProgram, ExplicitMethodsAreRefusedBeyondTheirLimitWhichIsTold) {
   for (const char* method :
        {"explicit-euler", "symplectic-euler", "explicit-midpoint", "rk4", "implicit-euler-sweep"}) {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/programs.h"
+#include "tests/support/text_lines.h"
 
 namespace tremolo {
 namespace {
@@ -176,6 +177,22 @@ TEST_F(TetsProgram, AGlbHasTheWholeMotionToAThousandthOfTheSize) {
   EXPECT_EQ(report["frames"], 26);
   EXPECT_LE(report["files"][0]["recorded_modes_error"].get<double>(), 1e-3);
   EXPECT_LE(report["files"][0]["position_error"].get<double>(), 1e-4);
+}
+
+TEST_F(TetsProgram, FlagsOfReducedBodiesAreRefusedByTheirName) {
+  const std::string flags =
+      "--load none\n--frequency 2\n--sweep 1,2\n--load-duration 1\n--signal a.csv\n--at 1\n"
+      "--force 0,0,1\n--scale 2\n--deflect 5%\n--start static\n--wav a.wav\n--listen 1\n"
+      "--modes 2\n--linear\n--hull\n--rescale young=1e6\n--damping-ratio 1:0.1,9:0.1\n"
+      "--newmark-beta 0.3\n--newmark-gamma 0.6\n--split thesis\n--safety 0.5\n"
+      "--coordinate all\n--velocities\n--probe 1\n--plot --out made\n--save a\n--restore a\n"
+      "--threads 2\n";
+  for (const std::string& flag : testing::all_lines(flags)) {
+    const ProgramResult result = run(scene(0.1, cube("one", 0.2)), flag);
+    EXPECT_EQ(result.code, 2) << flag << "\n" << result.err;
+    const std::string words = flag.substr(0, flag.find(' ')) + " does not apply to bodies";
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err << "\ninstead of " << words;
+  }
 }
 
 TEST_F(TetsProgram, WhatASceneGetsWrongIsRefusedByItsKey) {

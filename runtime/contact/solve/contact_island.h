@@ -30,10 +30,8 @@
 
 namespace tremolo {
 
-// A joint in a step of its two bodies (contact_island.h): its force, and the effect of the force on
-// the equations of the two.
-
-// A joint of the members a and b in a step.
+// A joint of the members a and b in a step: its force, and the effect of the force on the equations
+// of the two.
 struct IslandJoint {
   Joint* joint = nullptr;
   std::size_t a = 0, b = 0;

@@ -33,7 +33,7 @@ using Eigen::VectorXd;
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr double kWholeError = 5e-6;  // of the size; see motion.h
+constexpr double kWholeError = 5e-6;  // of the size; see document.h
 constexpr double kLargestWhole = 32767.0;
 constexpr std::size_t kPageLooks = 64;  // frames at which the error is measured
 

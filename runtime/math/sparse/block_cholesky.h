@@ -1,9 +1,8 @@
 // A = L L^T of a sparse symmetric positive definite matrix of 3 x 3 blocks, and A^-1 b.
 //
-// The factor consists of dense panels, one for each supernode
-// (runtime/math/sparse/block_cholesky.h). From its columns J the contributions of the columns to
-// the left are subtracted, A_J - sum_K L_K L_K(J)^T, as products of dense matrices; then the panel
-// is factored (Ng and Peyton 1993, left-looking).
+// The factor consists of dense panels, one for each supernode. From its columns J the contributions
+// of the columns to the left are subtracted, A_J - sum_K L_K L_K(J)^T, as products of dense
+// matrices; then the panel is factored (Ng and Peyton 1993, left-looking).
 #pragma once
 
 #include <cstddef>

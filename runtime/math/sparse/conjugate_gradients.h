@@ -4,7 +4,7 @@
 //     r = b - A x,   A d ~ r by conjugate gradients in floats,   x <- x + d,   and again.
 //
 // Most of the time is spent reading A from memory in every iteration: in floats it is half as long,
-// and in runs (conjugate_gradients.h) only one of its triangles is read.
+// and in runs (make_cg_runs()) only one of its triangles is read.
 #pragma once
 
 #include <cstddef>
@@ -16,14 +16,13 @@
 
 namespace tremolo {
 
-// A sparse matrix in single precision and the vectors of conjugate gradients on it, in an order
-// that suits the pattern: conjugate_gradients.h has the iteration.
-
 // r.r and r.z.
 struct CgSizes {
   double square = 0.0, product = 0.0;
 };
 
+// A sparse matrix in single precision and the vectors of conjugate gradients on it, in an order
+// that suits the pattern.
 class CgStorage {
  public:
   virtual ~CgStorage() = default;

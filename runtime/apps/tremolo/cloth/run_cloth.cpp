@@ -217,12 +217,16 @@ int run_cloth_command(const ClothFile& file, bool json) {
 
 namespace {
 
-// Flags of reduced bodies; a cloth has no modes, no loads and no probes.
+// Flags of bodies; a cloth has no modes, no loads, no probes and one thread.
 constexpr const char* kOfBodies[] = {
-    "--load",       "--signal",     "--at",           "--force",         "--scale",  "--deflect",
-    "--start",      "--wav",        "--listen",       "--modes",         "--linear", "--hull",
-    "--alpha",      "--beta",       "--newmark-beta", "--newmark-gamma", "--split",  "--safety",
-    "--coordinate", "--velocities", "--probe",        "--save",          "--restore"};
+    "--load",          "--frequency", "--sweep",         "--load-duration",
+    "--signal",        "--at",        "--force",         "--scale",
+    "--deflect",       "--start",     "--wav",           "--listen",
+    "--modes",         "--linear",    "--hull",          "--rescale",
+    "--alpha",         "--beta",      "--damping-ratio", "--newmark-beta",
+    "--newmark-gamma", "--split",     "--safety",        "--coordinate",
+    "--velocities",    "--probe",     "--save",          "--restore",
+    "--threads",       "--degree"};
 
 }  // namespace
 

@@ -60,12 +60,21 @@ Status apply_tets_method(const RunOptions& flags, const std::string& degree,
 Status apply_tets_flags(const RunOptions& flags, const std::string& degree,
                         const std::function<bool(const char*)>& given, TetScene& scene) {
   for (const char* flag :
-       {"--load",         "--signal",        "--at",     "--force",  "--scale",  "--deflect",
-        "--start",        "--wav",           "--listen", "--modes",  "--linear", "--hull",
-        "--newmark-beta", "--newmark-gamma", "--split",  "--safety", "--probe",  "--coordinate",
-        "--velocities",   "--plot",          "--save",   "--restore"})
+       {"--load",    "--frequency",     "--sweep",        "--load-duration", "--signal",
+        "--at",      "--force",         "--scale",        "--deflect",       "--start",
+        "--wav",     "--listen",        "--modes",        "--linear",        "--hull",
+        "--rescale", "--damping-ratio", "--newmark-beta", "--newmark-gamma", "--split",
+        "--safety",  "--probe",         "--coordinate",   "--velocities",    "--plot",
+        "--save",    "--restore"})
     if (given(flag))
-      return usage_error(fmt::format("{} does not apply to bodies of kind \"tets\"", flag));
+      return usage_error(fmt::format(
+          "{} does not apply to bodies of kind \"tets\": they take --integrator, --degree, "
+          "--alpha, --beta, --tolerance, --max-iterations, --step, --duration and flags "
+          "of outputs",
+          flag));
+  if (given("--threads"))
+    return usage_error(
+        "--threads does not apply to bodies of kind \"tets\": set `threads` in the scene");
   if (given("--step")) scene.step = flags.step;
   if (given("--duration")) scene.duration = flags.duration;
   if (Status s = apply_output_flags(flags, given, scene.outputs); !s) return s;

@@ -44,8 +44,7 @@ TriangleShape ball_shape(double radius);
 TriangleShape disc_shape(double radius);
 
 // The shape's surface; of a plane a disc of radius `plane_radius`, m; of a grid the surface where
-// its distance is zero (runtime/apps/view/shape/collider_shape.h), since a collider file keeps no
-// triangles.
+// its distance is zero (iso_surface()), since a collider file keeps no triangles.
 TriangleShape collider_shape(const Collider& collider, double plane_radius);
 
 }  // namespace tremolo

@@ -65,9 +65,8 @@ struct SurfaceBasis {
 // of their largest entry.
 SurfaceBasis make_surface_basis(const VertexBlock& surface, const std::vector<Triangle>& triangles,
                                 const BasisRows& response = {});
-// The same for a render surface. Vertices at one position in one smooth patch share a normal
-// (runtime/bodies/reduced/surface/surface.h): no seam is visible where texture coordinates split
-// them.
+// The same for a render surface. Vertices at one position in one smooth patch share a normal: no
+// seam is visible where texture coordinates split them.
 SurfaceBasis make_surface_basis(const RenderBlock& render, const BasisRows& response = {});
 
 // Scratch of one caller; grows at the first call that needs it.

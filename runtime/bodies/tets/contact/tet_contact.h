@@ -1,5 +1,5 @@
-// Contact of a body of tetrahedra with fixed solids and other bodies, at points of its surface
-// (tet_contact.h). With the signed distance d of a solid at the point and its outward normal n,
+// Contact of a body of tetrahedra with fixed solids and other bodies, at points of its surface.
+// With the signed distance d of a solid at the point and its outward normal n,
 //   f = k <-d> n  -  mu k <-d> v_t / sqrt(|v_t|^2 + v_0^2),     v_t = v - (v.n) n,
 // <a> = max(a, 0), and v is the point's velocity relative to the solid. The first part has the
 // potential 1/2 k <-d>^2. The second only dissipates, and below v_0 it permits creep. A sticking

@@ -14,7 +14,7 @@
 namespace tremolo {
 
 // The parts of an element's exact tangent in addition to R K R^T, in single precision and rotated
-// into space, for matrices that are summed in floats (float_blocks.h).
+// into space, for matrices that are summed in floats.
 
 // With the symbols of TangentParts (tet_element.h): for each node R slopes_I, three columns, and R
 // turned_I, three more, which only a damped tangent has. `right` are these times their middle

@@ -117,8 +117,8 @@ void tet_tangent(const TetElement& element, const Elasticity& elasticity, Rotati
                  const TangentFactors& factors, NodeBlocks& out);
 
 // Computes shapes of several quadratic elements at once, one in each lane of a register. It finds
-// the same minimum over rotations as tet_shape() (tet_element.h), by Newton's method from each
-// element's previous rotation.
+// the same minimum over rotations as tet_shape(), by Newton's method from each element's previous
+// rotation.
 //
 // Near rest there is one minimum within reach from any start. The following elements are left to
 // tet_shape(): those strained by more than half of their size, those that rotate by more than
