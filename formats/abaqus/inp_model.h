@@ -78,11 +78,16 @@ struct InpModel {
   std::vector<InpInstance> instances;
   std::vector<InpAssemblySet> assembly_sets;
   std::map<std::string, InpMaterial> materials;  // by upper case of their names
+  std::size_t bytes = 0;                         // of all files
 };
 
-// Reads a whole file. Errors: kContent with the line; generated parts (*NGEN, *ELCOPY), other files
-// (*INCLUDE) and other coordinate systems are refused by their keyword.
+// Reads a whole file and those that it includes. Errors: kContent with the line; what would be
+// generated (*NGEN, *ELCOPY) or lies in other coordinate systems is refused by its keyword; kSystem
+// for an included file that cannot be read.
 Result<InpModel> parse_inp(std::string_view text, const std::string& path);
+
+// The lines of an Abaqus input file with those of the files it includes: keywords with parameters,
+// and the data behind them.
 
 // A line such as `*Element, type=C3D4, elset="Part one"`.
 struct InpKeyword {
@@ -94,7 +99,10 @@ struct InpKeyword {
   std::string value(const std::string& parameter) const;
 };
 
-// Goes over keywords and data lines; comments (two stars) and empty lines are passed over.
+// Goes over keywords and data lines; comments (two stars) and empty lines are passed over. The
+// lines of a file that *INCLUDE names stand where it stands, be they keywords or data. Such a file
+// lies in the folder of the one that names it or below; none includes itself, and all together are
+// at most kMostRepeats times as large as they are on disk.
 class InpInput {
  public:
   InpInput(std::string_view text, const std::string& path);
@@ -105,21 +113,35 @@ class InpInput {
   bool next_data();
   // True if the current data line ends in a comma: its record continues on the next line.
   bool continues() const;
+  // The lines of this file are next: what *NODE and *ELEMENT say with INPUT. False after an error.
+  bool include(const std::string& name);
 
-  TextScanner& line() { return scanner_; }
-  bool failed() const { return failed_; }
-  const Error& error() const { return scanner_.error(); }
-  Error problem(const std::string& text) const { return scanner_.problem(text); }
+  TextScanner& line() { return sources_.back().scanner; }
+  bool failed() const { return !error_.message.empty(); }
+  const Error& error() const { return failed() ? error_ : sources_.back().scanner.error(); }
+  Error problem(const std::string& text) const { return sources_.back().scanner.problem(text); }
+  // Bytes that have been opened so far, those of a file once for each time.
+  std::size_t bytes() const { return bytes_; }
 
  private:
   enum class Line { kKeyword, kData, kEnd };
-  // Goes to the start of the next line that is neither empty nor a comment.
+  // place: the path without links and detours, empty for the first file if it is not on disk.
+  struct Source {
+    TextScanner scanner;
+    std::string path;
+    std::string place;
+    bool started = false;
+  };
+  // Goes to the start of the next line that is neither empty nor a comment nor *INCLUDE.
   Line advance();
   std::string_view rest() const;
+  bool fail(const std::string& text);
 
-  TextScanner scanner_;
-  bool started_ = false;
-  bool failed_ = false;
+  std::vector<Source> sources_;               // the file being read is the last
+  std::map<std::string, std::string> texts_;  // of the included files, by place
+  std::size_t bytes_ = 0;
+  std::size_t distinct_bytes_ = 0;
+  Error error_;
   bool at_keyword_ = false;  // a keyword was met while data were looked for
 };
 

@@ -31,7 +31,6 @@ constexpr std::array<InpKind, 8> kSolids = {
 constexpr CellKind kOtherElements{"elements that are no solids", 0, Role::kOther};
 
 constexpr std::pair<std::string_view, std::string_view> kRefused[] = {
-    {"INCLUDE", "put what it includes into the file itself"},
     {"NGEN", "write the nodes out"},
     {"NFILL", "write the nodes out"},
     {"NCOPY", "write the nodes out"},
@@ -40,8 +39,7 @@ constexpr std::pair<std::string_view, std::string_view> kRefused[] = {
     {"ELCOPY", "write the elements out"},
     {"SYSTEM", "write the nodes in the global coordinate system"}};
 
-// One file while it is read. Sets of one file have at most `most_members` ids together, since a set
-// may list another, or all from 1 to 10^9.
+// One file while it is read.
 struct InpParser {
   explicit InpParser(InpInput source) : input(std::move(source)) {}
 
@@ -49,9 +47,11 @@ struct InpParser {
   InpModel model;
   InpPart* part = nullptr;  // the target of nodes and elements
   std::string material;     // upper case, of the *MATERIAL above
-  std::size_t members = 0;
-  std::size_t most_members = 0;
+  std::size_t members = 0;  // of all sets
   std::size_t sets = 0;
+
+  // Sets have so many ids together, since a set may list another, or all from 1 to 10^9.
+  std::size_t most_members() const { return 4 * input.bytes(); }
 
   Status fail(const std::string& text) const { return input.problem(text); }
   Status scan_error() { return input.error(); }
@@ -65,8 +65,8 @@ InpSet& set_named(InpParser& parser, InpSets& sets, const std::string& name) {
 }
 
 Status add_member(InpParser& parser, InpSet& set, std::int64_t id) {
-  if (++parser.members > parser.most_members)
-    return parser.fail("expected sets of at most " + std::to_string(parser.most_members) +
+  if (++parser.members > parser.most_members())
+    return parser.fail("expected sets of at most " + std::to_string(parser.most_members()) +
                        " nodes and elements together in a file of this size, found more");
   set.ids.push_back(id);
   return Success{};
@@ -77,8 +77,8 @@ Status read_nodes(InpParser& parser, const InpKeyword& keyword) {
   if (!system.empty() && system != "R")
     return parser.fail("expected nodes in rectangular coordinates, found SYSTEM=" + system +
                        ": write them in x, y, z");
-  if (keyword.has("INPUT"))
-    return parser.fail("expected nodes in this file, found INPUT: put them behind *NODE");
+  if (keyword.has("INPUT") && !parser.input.include(keyword.value("INPUT")))
+    return parser.scan_error();
   InpSet* set = nullptr;
   if (keyword.has("NSET")) set = &set_named(parser, parser.part->node_sets, keyword.value("NSET"));
   while (parser.input.next_data()) {
@@ -116,8 +116,8 @@ Status read_elements(InpParser& parser, const InpKeyword& keyword) {
   if (kind == nullptr)
     return parser.fail("expected C3D4, C3D10, C3D5, C3D6, C3D8, C3D15 or C3D20, found TYPE=" +
                        type);
-  if (keyword.has("INPUT"))
-    return parser.fail("expected elements in this file, found INPUT: put them behind *ELEMENT");
+  if (keyword.has("INPUT") && !parser.input.include(keyword.value("INPUT")))
+    return parser.scan_error();
   InpSet* set = nullptr;
   if (keyword.has("ELSET"))
     set = &set_named(parser, parser.part->element_sets, keyword.value("ELSET"));
@@ -309,7 +309,6 @@ Status read_keyword(InpParser& parser, const InpKeyword& keyword) {
 Result<InpModel> parse_inp(std::string_view text, const std::string& path) {
   InpParser parser(InpInput(text, path));
   parser.part = &parser.model.flat;
-  parser.most_members = 4 * text.size();
   InpKeyword keyword;
   // The history after *STEP has no mesh.
   while (parser.input.next_keyword(keyword) && keyword.name != "STEP") {
@@ -317,6 +316,7 @@ Result<InpModel> parse_inp(std::string_view text, const std::string& path) {
     if (!status) return status.error();
   }
   if (parser.input.failed()) return parser.input.error();
+  parser.model.bytes = parser.input.bytes();
   return std::move(parser.model);
 }
 

@@ -257,7 +257,7 @@ Result<MeshFile> read_inp(std::string_view text, const std::string& path) {
   Result<std::vector<Placement>> placements = find_placements(*model, path);
   if (!placements) return placements.error();
   InpMesh mesh{MeshBuilder(path), std::move(*placements), {}, {}};
-  Status status = bound_size(mesh, text.size(), path);
+  Status status = bound_size(mesh, model->bytes, path);
   if (status) status = add_nodes(path, mesh);
   if (status) status = add_elements(path, mesh);
   if (!status) return status.error();

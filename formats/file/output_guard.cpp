@@ -16,8 +16,10 @@
 #include <utility>
 
 #include "common/result.h"
+#include "common/text.h"
 #include "formats/file/atomic_file.h"
 #include "formats/file/input_file.h"
+#include "formats/file/named_below.h"
 
 namespace tremolo {
 namespace {
@@ -102,6 +104,38 @@ bool holds_text(const std::string& path, std::string_view text) {
          std::string_view::npos;
 }
 
+// Files that an Abaqus file names behind INPUT=, on lines that begin with a star.
+std::vector<std::string> included_by(const std::string& path) {
+  std::vector<std::string> included;
+  const Result<MappedFile> file = MappedFile::open(path);
+  if (!file) return included;
+  const auto bytes = file->bytes();
+  std::string_view rest(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  while (!rest.empty()) {
+    const std::string_view line = rest.substr(0, rest.find('\n'));
+    rest.remove_prefix(std::min(rest.size(), line.size() + 1));
+    if (!line.starts_with('*')) continue;
+    const std::size_t at = upper_case(line).find("INPUT=");
+    if (at == std::string::npos) continue;
+    std::string name(line.substr(at + 6, line.find(',', at) - at - 6));
+    std::erase_if(name, [](char c) { return c == '"' || c == '\r' || c == ' ' || c == '\t'; });
+    if (const auto below = named_below(path, name)) included.push_back(*below);
+  }
+  return included;
+}
+
+// True if the file at `place` is one of those that this file includes, or that they include. seen:
+// files that are known already.
+bool is_included(const fs::path& place, const std::string& path, std::set<fs::path>& seen) {
+  for (const std::string& name : included_by(path)) {
+    std::error_code code;
+    const fs::path next = fs::weakly_canonical(name, code);
+    if (next == place) return true;
+    if (seen.insert(next).second && is_included(place, name, seen)) return true;
+  }
+  return false;
+}
+
 // True if an existing output, at `place`, belongs to the input.
 bool is_named_by(const fs::path& place, const NamedFile& input, const fs::path& owner) {
   if (owner.empty() || !lies_in(place, owner.parent_path())) return false;
@@ -109,7 +143,9 @@ bool is_named_by(const fs::path& place, const NamedFile& input, const fs::path& 
   if ((extension == ".node" || extension == ".ele") && place.stem() == owner.stem() &&
       (place.extension() == ".node" || place.extension() == ".ele"))
     return true;
-  return holds_text(input.path, place.filename().string());
+  if (holds_text(input.path, place.filename().string())) return true;
+  std::set<fs::path> seen;
+  return extension == ".inp" && is_included(place, input.path, seen);
 }
 
 Error taken(const std::string& output, const std::string& whose) {

@@ -22,6 +22,7 @@ MeshFormat format_of_first_line(std::string_view text) {
   TextScanner uncommented(text, "", {.comment = '#'});
   const std::string_view keyword = uncommented.peek();
   const std::string upper = upper_case(first);
+  if (upper == "*INCLUDE,") return MeshFormat::kInp;  // VegaFEM has no comma there
   for (const std::string_view abaqus : {"*HEADING", "*NODE", "*PART"})
     if (upper == abaqus || upper == std::string(abaqus) + ",") return MeshFormat::kInp;
   if (upper == "BEGIN" || upper == "SOL" || upper == "CEND") return MeshFormat::kBdf;
@@ -32,7 +33,7 @@ MeshFormat format_of_first_line(std::string_view text) {
 MeshFormat format_of_extension(const std::string& extension) {
   if (extension == ".msh") return MeshFormat::kMsh;
   if (extension == ".vtk") return MeshFormat::kVtk;
-  if (extension == ".vtu") return MeshFormat::kVtu;
+  if (extension == ".vtu" || extension == ".pvtu") return MeshFormat::kVtu;
   if (extension == ".veg") return MeshFormat::kVeg;
   if (extension == ".vegb") return MeshFormat::kVegb;
   if (extension == ".inp") return MeshFormat::kInp;
@@ -67,11 +68,11 @@ Result<MeshFile> read_tet_mesh(const std::string& path) {
     case MeshFormat::kUnknown:
       break;
   }
-  return content_error(
-      path +
-      ", line 1: expected a tetrahedral mesh (.msh 2.2 or 4.1, .vtk, .vtu, .inp, .bdf, .veg, "
-      ".vegb, .node/.ele), found " +
-      quoted_text(TextScanner(*text, path).rest_of_line()));
+  return content_error(path +
+                       ", line 1: expected a tetrahedral mesh (.msh 2.2 or 4.1, .vtk, .vtu, .pvtu, "
+                       ".inp, .bdf, .veg, "
+                       ".vegb, .node/.ele), found " +
+                       quoted_text(TextScanner(*text, path).rest_of_line()));
 }
 
 }  // namespace tremolo

@@ -41,14 +41,14 @@ Result<MeshFile> read_msh(std::string_view text, const std::string& path);
 // VTK legacy unstructured grid, text and binary (big-endian).
 Result<MeshFile> read_vtk(std::string_view text, const std::string& path);
 // VTK XML unstructured grid: text, base64 or raw, inside the elements or appended, compressed by
-// zlib or LZ4 or not, of one piece or several.
+// zlib or LZ4 or not, of one piece or several; and .pvtu, whose pieces are such files beside it.
 Result<MeshFile> read_vtu(std::string_view text, const std::string& path);
 // VegaFEM's .veg. *INCLUDE takes files from the same folder, each once.
 Result<MeshFile> read_veg(std::string_view text, const std::string& path);
 // VegaFEM's .vegb, version 1, tetrahedra.
 Result<MeshFile> read_vegb(std::string_view bytes, const std::string& path);
-// Abaqus's input file: solids of all parts at the positions of their instances, with node and
-// element sets.
+// Abaqus's input file and those that it includes: solids of all parts, where their instances place
+// them, with node and element sets.
 Result<MeshFile> read_inp(std::string_view text, const std::string& path);
 // Nastran's bulk data, small, large and free field. Properties (PID) and sets become node sets.
 Result<MeshFile> read_bdf(std::string_view text, const std::string& path);

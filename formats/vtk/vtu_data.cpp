@@ -226,7 +226,8 @@ Status read_root(VtuDocument& document) {
   const pugi::xml_node root = document.root();
   const std::string& path = document.path;
   const std::string type = root.attribute("type").value();
-  if (type != "UnstructuredGrid")
+  document.partitioned = type == "PUnstructuredGrid";
+  if (type != "UnstructuredGrid" && !document.partitioned)
     return content_error(path + ": expected a VTKFile of type UnstructuredGrid, found " +
                          quoted_text(type));
   const std::string compressor = root.attribute("compressor").value();

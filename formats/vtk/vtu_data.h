@@ -45,6 +45,7 @@ struct VtuDocument {
   std::string_view appended;     // after the underscore; empty: none
   bool appended_base64 = false;  // raw otherwise
   std::size_t most_numbers = 0;  // an array has no more: a bound of the memory that it takes
+  bool partitioned = false;      // a PUnstructuredGrid, whose pieces are files
 
   pugi::xml_node root() const { return xml.child("VTKFile"); }
 };

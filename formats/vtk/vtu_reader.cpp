@@ -1,11 +1,16 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <map>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "formats/file/input_file.h"
+#include "formats/file/named_below.h"
 #include "formats/file/scanner.h"
 #include "formats/mesh/mesh_reader.h"
 #include "formats/vtk/vtk_cells.h"
@@ -14,8 +19,8 @@
 namespace tremolo {
 namespace {
 
-// The pieces of a grid are read into one mesh. Each has its own points; those at exactly the
-// position of an earlier piece's point become that point.
+// The pieces of a grid are read into one mesh. Each has points of its own: those of a piece that
+// lie exactly where one of an earlier piece of the same file lies are that point.
 struct VtuGrid {
   MeshBuilder builder;
   VtkCells cells;
@@ -25,7 +30,11 @@ struct VtuGrid {
   std::map<std::array<double, 3>, std::int64_t> id_of_place;  // of earlier pieces; empty for one
   std::size_t pieces = 0;
   std::size_t shared = 0;  // points that are in an earlier piece
+  std::size_t ghosts = 0;  // cells that are left out
 };
+
+// VTK's bit of a cell that belongs to another piece (vtkDataSetAttributes::DUPLICATECELL).
+constexpr std::int64_t kDuplicateCell = 1;
 
 std::string quoted_name(const char* name) {
   return "`" + std::string(name) + "`";
@@ -97,7 +106,7 @@ void read_regions(const VtuDocument& document, pugi::xml_node piece, std::size_t
     chosen = array;
   }
   const std::string name = chosen.attribute("Name").value();
-  if (grid.pieces == 1) grid.region_name = name;
+  if (grid.cells.types.size() == count) grid.region_name = name;
   if (grid.region_name.empty() && name.empty()) return;
   if (name != grid.region_name) {
     if (grid.region_problem.empty())
@@ -110,6 +119,41 @@ void read_regions(const VtuDocument& document, pugi::xml_node piece, std::size_t
     grid.regions.insert(grid.regions.end(), values.begin(), values.end());
   else if (grid.region_problem.empty())
     grid.region_problem = status.error().message;
+}
+
+// Which cells are another piece's; empty: none. Pieces of parallel programs overlap by such cells.
+Status read_ghosts(const VtuDocument& document, pugi::xml_node piece, std::size_t count,
+                   std::vector<bool>& ghosts) {
+  const pugi::xml_node node =
+      piece.child("CellData").find_child_by_attribute("DataArray", "Name", "vtkGhostType");
+  if (!node) return Success{};
+  std::vector<std::int64_t> values;
+  if (Status s = read_vtu_array(document, node, "`vtkGhostType`", count, values); !s) return s;
+  for (const std::int64_t value : values) ghosts.push_back((value & kDuplicateCell) != 0);
+  return Success{};
+}
+
+// `cells` have passed append_vtk_cells()' checks of their offsets.
+void leave_out(const std::vector<bool>& ghosts, std::size_t first, VtuGrid& grid) {
+  VtkCells& cells = grid.cells;
+  const bool with_regions = grid.regions.size() == cells.types.size();
+  std::size_t kept = first;
+  std::int64_t end = cells.offsets[first];
+  for (std::size_t c = 0; c < ghosts.size(); ++c) {
+    if (ghosts[c]) {
+      ++grid.ghosts;
+      continue;
+    }
+    for (std::int64_t n = cells.offsets[first + c]; n < cells.offsets[first + c + 1]; ++n)
+      cells.connectivity[end++] = cells.connectivity[n];
+    cells.types[kept] = cells.types[first + c];
+    if (with_regions) grid.regions[kept] = grid.regions[first + c];
+    cells.offsets[++kept] = end;
+  }
+  cells.offsets.resize(kept + 1);
+  cells.types.resize(kept);
+  cells.connectivity.resize(end);
+  if (with_regions) grid.regions.resize(kept);
 }
 
 Status read_list(const VtuDocument& document, pugi::xml_node cells, const char* name,
@@ -137,10 +181,82 @@ Status read_cells(const VtuDocument& document, pugi::xml_node piece,
                          ", which fits in the file, found " + std::to_string(length));
   status = read_list(document, cells, "connectivity", length, found.connectivity);
   if (!status) return status;
+  const std::size_t first = grid.cells.types.size();
   const std::string complaint = append_vtk_cells(found, id_of_point, grid.cells);
   if (!complaint.empty()) return content_error(document.path + ": " + complaint);
   read_regions(document, piece, *count, grid);
+  std::vector<bool> ghosts;
+  if (Status s = read_ghosts(document, piece, *count, ghosts); !s) return s;
+  if (!ghosts.empty()) leave_out(ghosts, first, grid);
   return Success{};
+}
+
+bool is_empty(pugi::xml_node piece) {
+  return piece.attribute("NumberOfPoints").value() == std::string_view("0") &&
+         piece.attribute("NumberOfCells").value() == std::string_view("0");
+}
+
+// All pieces of a file that has their data.
+Status read_pieces(const VtuDocument& document, VtuGrid& grid) {
+  const pugi::xml_node first = document.root().child("UnstructuredGrid").child("Piece");
+  if (!first) return content_error(document.path + ": expected a Piece, found none");
+  const bool several = static_cast<bool>(first.next_sibling("Piece"));
+  grid.id_of_place.clear();
+  const auto numbers = [&grid] {
+    return grid.cells.connectivity.size() + grid.builder.vertex_count() + grid.shared;
+  };
+  const std::size_t before = numbers();
+  std::size_t own = 0;
+  for (pugi::xml_node piece = first; piece; piece = piece.next_sibling("Piece")) {
+    ++grid.pieces;
+    ++own;
+    if (is_empty(piece)) continue;
+    std::vector<std::int64_t> id_of_point;
+    Status status = read_points(document, piece, several, grid, id_of_point);
+    if (status) status = read_cells(document, piece, id_of_point, grid);
+    if (!status) return status;
+    // Pieces may name the same appended bytes: together they still fit in the file.
+    if (numbers() > before + 2 * document.most_numbers)
+      return content_error(document.path + ": expected pieces that fit in the file, found " +
+                           std::to_string(own) + " pieces of more numbers");
+  }
+  return Success{};
+}
+
+// The pieces of a PUnstructuredGrid are files. Their points stay apart: those that coincide are
+// counted with those of other meshes, and joined if that is asked for.
+Status read_named_pieces(const VtuDocument& list, VtuGrid& grid) {
+  const pugi::xml_node all = list.root().child("PUnstructuredGrid");
+  if (!all.child("Piece")) return content_error(list.path + ": expected a Piece, found none");
+  std::set<std::string> read;
+  for (const pugi::xml_node piece : all.children("Piece")) {
+    const std::string name = piece.attribute("Source").value();
+    const std::optional<std::string> path = named_below(list.path, name);
+    if (!path || !read.insert(*path).second)
+      return content_error(list.path +
+                           ": expected a Piece with Source=FILE of a file in the same folder or "
+                           "below, each once, found " +
+                           quoted_text(name));
+    const Result<std::string> text = read_whole_file(*path);
+    if (!text)
+      return Error{text.error().kind, text.error().message + " (a piece of " + list.path + ")"};
+    VtuDocument document;
+    Status status = open_vtu(*text, *path, document);
+    if (status && document.partitioned)
+      return content_error(list.path + ": its piece " + quoted_text(name) +
+                           " is partitioned itself: expected one that has its points and cells");
+    if (status) status = read_pieces(document, grid);
+    if (!status) return status;
+  }
+  return Success{};
+}
+
+std::string pieces_note(const VtuGrid& grid, bool partitioned) {
+  const std::string pieces = std::to_string(grid.pieces) + " pieces are one mesh";
+  return partitioned
+             ? pieces + "; each keeps points of its own, which --merge joins where they coincide"
+             : pieces + ": " + std::to_string(grid.shared) +
+                   " points that lie where an earlier piece has one are taken once";
 }
 
 }  // namespace
@@ -150,27 +266,13 @@ Result<MeshFile> read_vtu(std::string_view text, const std::string& path) {
   Status status = open_vtu(text, path, document);
   if (!status) return status.error();
   VtuGrid grid{MeshBuilder(path), {}, {}, {}, {}, {}};
-  const pugi::xml_node first = document.root().child("UnstructuredGrid").child("Piece");
-  if (!first) return content_error(path + ": expected a Piece, found none");
-  const bool several = static_cast<bool>(first.next_sibling("Piece"));
-  std::size_t numbers = 0;
-  for (pugi::xml_node piece = first; piece; piece = piece.next_sibling("Piece")) {
-    ++grid.pieces;
-    std::vector<std::int64_t> id_of_point;
-    status = read_points(document, piece, several, grid, id_of_point);
-    if (status) status = read_cells(document, piece, id_of_point, grid);
-    if (!status) return status.error();
-    // Pieces may name the same appended bytes: together they still fit in the file.
-    numbers = grid.cells.connectivity.size() + grid.builder.vertex_count() + grid.shared;
-    if (numbers > 2 * document.most_numbers)
-      return content_error(path + ": expected pieces that fit in the file, found " +
-                           std::to_string(grid.pieces) + " pieces of more numbers");
-  }
+  status = document.partitioned ? read_named_pieces(document, grid) : read_pieces(document, grid);
+  if (!status) return status.error();
   if (!grid.builder.seal_vertices()) return content_error(path + ": " + grid.builder.complaint());
-  if (several)
-    grid.builder.add_note(std::to_string(grid.pieces) +
-                          " pieces are one mesh: " + std::to_string(grid.shared) +
-                          " points that lie where an earlier piece has one are taken once");
+  if (grid.pieces > 1) grid.builder.add_note(pieces_note(grid, document.partitioned));
+  if (grid.ghosts > 0)
+    grid.builder.add_note(std::to_string(grid.ghosts) +
+                          " ghost cells, which are other pieces' as well, are left out");
   const std::string complaint = add_vtk_cells(grid.cells, grid.builder);
   if (!complaint.empty()) return content_error(path + ": " + complaint);
   if (!grid.region_problem.empty())

@@ -77,10 +77,10 @@ bool vectors_are_words(const std::vector<std::string>& words, const std::string&
 }
 
 void add_solid_options(CLI::App& app, ProblemRequest& request, SolidTexts& texts) {
-  app.add_option(
-         "mesh", request.mesh_path,
-         "tetrahedral mesh (.msh .vtk .vtu .veg .vegb .node .ele), or a surface (.obj .ply\n"
-         ".stl .gltf .glb .fbx .dae ...), which is meshed first")
+  app.add_option("mesh", request.mesh_path,
+                 "tetrahedral mesh (.msh .vtk .vtu .pvtu .inp .bdf .veg .vegb .node .ele), or a\n"
+                 "surface (.obj .ply "
+                 ".stl .gltf .glb .fbx .dae ...), which is meshed first")
       ->required();
   app.add_option("--young", request.material.young, "Young's modulus, Pa")->capture_default_str();
   app.add_option("--poisson", request.material.poisson, "Poisson's ratio")->capture_default_str();

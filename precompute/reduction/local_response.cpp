@@ -30,11 +30,20 @@ void add_share(const TetMesh& mesh, VertexId vertex, double share,
   shares[vertex] += 0.5 * share;
 }
 
-ResponsePlace place_of(const TetMesh& mesh, VertexId at, const std::vector<VertexId>& vertices) {
+ResponsePlace place_of(const TetMesh& mesh, VertexId vertex) {
   std::map<VertexId, double> shares;
-  for (const VertexId vertex : vertices)
-    add_share(mesh, vertex, 1.0 / static_cast<double>(vertices.size()), shares);
-  return {at, {shares.begin(), shares.end()}};
+  add_share(mesh, vertex, 1.0, shares);
+  return {vertex, {shares.begin(), shares.end()}};
+}
+
+// All forces of the load point along their sum: a unit force is shared as the load is.
+ResponsePlace place_of_load(const TetMesh& mesh, const DefaultLoad& load) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& force : load.forces) sum += force;
+  std::map<VertexId, double> shares;
+  for (std::size_t n = 0; n < load.vertices.size(); ++n)
+    add_share(mesh, load.vertices[n], load.forces[n].dot(sum) / sum.squaredNorm(), shares);
+  return {kAtDefaultLoad, {shares.begin(), shares.end()}};
 }
 
 std::set<VertexId> chosen_vertices(const Problem& problem, const std::string& selector) {
@@ -84,8 +93,8 @@ std::vector<ResponsePlace> response_places(const Problem& problem,
   if (at_load && problem.load.vertices.empty())
     throw Failure(content_error(
         "--response-at load: there is no default load; give --load-at and --load-force"));
-  if (at_load) places.push_back(place_of(problem.mesh, kAtDefaultLoad, problem.load.vertices));
-  for (const VertexId vertex : vertices) places.push_back(place_of(problem.mesh, vertex, {vertex}));
+  if (at_load) places.push_back(place_of_load(problem.mesh, problem.load));
+  for (const VertexId vertex : vertices) places.push_back(place_of(problem.mesh, vertex));
   return places;
 }
 

@@ -299,6 +299,37 @@ TEST_F(ClothProgram, InspectTellsWhatASceneHoldsAndWhichStepsItStands) {
   EXPECT_EQ(run_program(folder_, kTremolo + "inspect scene.toml --select x").code, 2);
 }
 
+// Of colliders and of fixed balls; keyframes that begin at the identity, and poses in the world,
+// are no reason for it.
+TEST_F(ClothProgram, KeyframesAwayFromThePositionAreWarnedOf) {
+  const auto moved = [](const std::string& keys) {
+    return small_sheet() +
+           "[[balls]]\nname = \"b\"\nposition = [0, 0, -3]\nfixed = true\nmotion = { kind = "
+           "\"keyframes\", " +
+           keys +
+           " }\n[[colliders]]\nname = \"floor\"\nshape = \"plane\"\nposition = [0, 0, "
+           "-3]\nmotion = { kind = \"keyframes\", " +
+           keys + " }\n";
+  };
+  const std::string away = moved("keys = [[0, 0, 0, -3], [1, 0, 0, -4]]");
+  ProgramResult result = run(away, "--json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  for (const char* whose : {"ball 'b'", "collider 'floor'"})
+    EXPECT_NE(result.err.find(std::string(whose) + ": its keyframes put it 3 m and 0 degrees"),
+              std::string::npos)
+        << result.err;
+  EXPECT_EQ(json::parse(result.out)["warnings"].size(), 2u);
+  result = run_program(folder_, kTremolo + "inspect scene.toml --json");
+  EXPECT_NE(result.err.find("frame = \"world\""), std::string::npos) << result.err;
+  EXPECT_EQ(json::parse(result.out)["warnings"].size(), 2u);
+  for (const char* fine : {"keys = [[0, 0, 0, 0], [1, 0, 0, -1]]",
+                           "frame = \"world\", keys = [[0, 0, 0, -3], [1, 0, 0, -4]]"}) {
+    result = run(moved(fine), "--json");
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_TRUE(json::parse(result.out)["warnings"].empty()) << result.out;
+  }
+}
+
 // 60 s of each scene at 1/60 s under each method without a limit, in the long form; else a second
 // under the quickest.
 #ifdef TREMOLO_LONG_TESTS

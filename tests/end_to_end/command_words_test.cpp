@@ -207,6 +207,15 @@ TEST_F(InspectScene, OfTetrahedraAndOfBodiesByThemselvesToo) {
   EXPECT_EQ(bodies["warnings"].size(), 1u);  // the step does not follow the first mode
 }
 
+TEST_F(InspectScene, EscapeCodesInTheNameOfTheSceneAreShownAsText) {
+  std::ofstream(folder_ + "/a\033[2Jb.toml") << kCube + "position = [1, 2, 0.5]\n" + floor();
+  const ProgramResult result =
+      run_program(folder_, kTremolo + "inspect \"$(printf 'a\\033[2Jb.toml')\"");
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(result.out.find('\033'), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("a\\x1b[2Jb.toml"), std::string::npos) << result.out;
+}
+
 TEST_F(InspectScene, KeyframesAwayFromThePositionAreWarnedOfAndMayBeInTheWorld) {
   const std::string moved =
       "position = [0, 0, -1]\nmotion = { kind = \"keyframes\", keys = [[0, 0, 0, -1], [1, 0, 0, "

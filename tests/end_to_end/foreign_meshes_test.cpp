@@ -88,6 +88,29 @@ TEST_F(ForeignMesh, WithDoubledNodesIsOneBodyOnceItIsMerged) {
   EXPECT_NE(apart.err.find("--merge joins them"), std::string::npos) << apart.err;
 }
 
+// A list of two files, each a half of the bar.
+TEST_F(ForeignMesh, InPiecesOfFilesIsOneBodyOnceItIsMerged) {
+  write_veg(folder_ + "/bar.veg", testing::FormBar().mesh);
+  const std::string both = testing::form_vtu(
+      {testing::VtuForm::Compression::kNone, testing::VtuForm::Place::kText, false, 2});
+  const std::size_t first = both.find("<Piece"), second = both.find("<Piece", first + 1);
+  write("a_0.vtu", both.substr(0, second) + both.substr(both.find("</UnstructuredGrid>")));
+  write("a_1.vtu", both.substr(0, first) + both.substr(second));
+  write("a.pvtu",
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PUnstructuredGrid\">\n<PUnstructuredGrid>\n"
+        "<Piece Source=\"a_0.vtu\"/>\n<Piece Source=\"a_1.vtu\"/>\n"
+        "</PUnstructuredGrid>\n</VTKFile>\n");
+  const double expected = lowest("bar.veg");
+  EXPECT_NEAR(lowest("a.pvtu --merge"), expected, 1e-9 * expected);
+  const ProgramResult apart = run_program(folder_, kMayBeRoot + kPrecompute + "a.pvtu" + kSolid);
+  EXPECT_EQ(apart.code, 3) << apart.err;
+  EXPECT_NE(apart.err.find("9 pairs of vertices coincide"), std::string::npos) << apart.err;
+  // No output takes the place of a piece.
+  const ProgramResult kept = run_program(
+      folder_, kMayBeRoot + kPrecompute + "a.pvtu --merge --modes-vtu a_1.vtu" + kSolid);
+  EXPECT_EQ(kept.code, 2) << kept.err;
+}
+
 TEST_F(ForeignMesh, MergeIsRefusedWhereItHasNothingToDo) {
   write("cube.stl", "solid x\nendsolid x\n");
   const ProgramResult surface =

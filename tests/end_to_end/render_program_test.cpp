@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/basis/basis_reader.h"
+#include "formats/basis/basis_writer.h"
 #include "tests/support/frames/bar_skin.h"
 #include "tests/support/meshes/rigged_files.h"
 #include "tests/support/programs.h"
@@ -236,6 +238,22 @@ TEST_F(RigProgram, TheModelHasTheBonesOfItsSurface) {
   EXPECT_EQ(rig["bones"], json({"hip.L", "knee joint"}));
   EXPECT_EQ(rig["clips"][0]["name"], "bend");
   EXPECT_EQ(rig["clips"][0]["end"], 1.0);
+}
+
+// Names in a basis file are somebody else's; those of bones and clips reach the terminal as text.
+TEST_F(RigProgram, EscapeCodesInNamesOfBonesAndClipsAreShownAsText) {
+  Result<BasisData> data = read_basis(folder_ + "/box.tremolo");
+  ASSERT_TRUE(data) << data.error().message;
+  auto rig = std::make_shared<SurfaceRig>(*data->render->surface.rig);
+  rig->bones[0].name = "a\033[2Jb";
+  rig->clips[0].name = "c\033[2Jd";
+  data->render->surface.rig = rig;
+  ASSERT_TRUE(write_basis(folder_ + "/hostile.tremolo", *data));
+  const ProgramResult result = run(kTremolo + "inspect hostile.tremolo");
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(result.out.find('\033'), std::string::npos);
+  EXPECT_NE(result.out.find("a\\x1b[2Jb"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("c\\x1b[2Jd"), std::string::npos) << result.out;
 }
 
 TEST_F(RigProgram, TheBodyMovesAsItsSurfaceDidAndTheGlbNamesItsBones) {

@@ -126,6 +126,42 @@ TEST_F(Response, TheDefaultLoadIsAPlaceOfItsOwn) {
   EXPECT_LE((shown[0] - shown[1]).norm(), 1e-6 * shown[1].norm());
 }
 
+// The corners of the face have less area around them than its middle: a unit force that is shared
+// equally is another load.
+TEST_F(Response, UnderTheDefaultLoadOnAFaceTheShownShapeIsThatOfTheWholeMesh) {
+  const VertexId tip = near({1.0, 0.155, 0.115}), corner = near({1.0, 0.31, 0.23});
+  for (const std::string order : {"1", "2"}) {
+    const ProgramResult statics = run_program(
+        folder_, kPrecompute + "reference block.veg --order " + order + kSolid +
+                     "--static --json --load-at 'x>0.999' --load-force=1e-6,2e-6,-4e-6 --probe "
+                     "vertex:" +
+                     std::to_string(tip) + " --probe vertex:" + std::to_string(corner));
+    ASSERT_EQ(statics.code, 0) << statics.err;
+    const auto truth = nlohmann::json::parse(statics.out)["probes"];
+    const Model::Pointer model = loaded(
+        made(kSolid +
+                 std::string(" --load-at 'x>0.999' --load-force=1e-6,2e-6,-4e-6 --linear-modes 3 "
+                             "--modes 3 --response-at load --order ") +
+                 order,
+             "face.tremolo"));
+    Body body = std::move(*Body::create(model, "ep4"));
+    const Eigen::VectorXd reduced = *reduce_load(*model, model->default_load(), 1.0);
+    ASSERT_TRUE(body.set_state(reduced.cwiseQuotient(model->lambda()),
+                               Eigen::VectorXd::Zero(model->modes())));
+    ASSERT_TRUE(body.add_default_load({.kind = SignalKind::kConstant}, 1.0));
+    ASSERT_TRUE(body.step().converged);
+    std::size_t probe = 0;
+    for (const VertexId vertex : {tip, corner}) {
+      const auto& u = truth[probe++]["displacement"];
+      const Vector3d expected(u[0].get<double>(), u[1].get<double>(), u[2].get<double>());
+      // What is not linear in a displacement of 1e-8 is below 1e-6 of it; equal shares are off by
+      // more than 1e-3.
+      EXPECT_LE((*body.displacement(vertex) - expected).norm(), 1e-6 * expected.norm())
+          << order << " " << vertex;
+    }
+  }
+}
+
 TEST_F(Response, SeveralRanksAndACompactFileGiveTheSame) {
   const VertexId tip = near({1.0, 0.155, 0.23});
   const std::string arguments =

@@ -1,8 +1,11 @@
 // Modes as morph targets: the sum in viewers is X + U q.
 #include "runtime/io/exchange/morph_targets.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
+#include "runtime/io/exchange/bent_normals.h"
 #include "tests/support/wavy_animation.h"
 
 namespace tremolo {
@@ -104,6 +107,57 @@ TEST(MorphTargets, NormalsErrByTheSecondOrder) {
     EXPECT_GT(once, 0.01);
     EXPECT_NEAR(once / half, 4.0, 0.1) << plain;
   }
+}
+
+struct BentError {
+  double largest = 0.0;  // degrees
+  std::size_t targets = 0;
+};
+
+// The normals of two strongly bent sheets of one shape with targets of their own.
+BentError bent_error(std::size_t count, bool plain) {
+  Animation animation = wavy_animation(9, 4, 30, 0.12);
+  AnimatedBody other = animation.bodies[0];
+  other.name = "other";
+  for (double& q : other.q) q *= -0.7;
+  animation.bodies.push_back(other);
+  const TargetRanges ranges = target_ranges(animation, 0, plain);
+  MorphTargets targets = morph_targets(animation.shapes[0], ranges, true);
+  const Eigen::Index before = targets.normals.cols();
+  const BentNormals bent = add_bent_normals(animation, 0, ranges, plain, count, targets);
+  EXPECT_EQ(targets.normals.cols(), before + static_cast<Eigen::Index>(bent.targets));
+  for (Eigen::Index v = 0; v < 81; ++v)
+    EXPECT_NEAR((targets.normals.col(0).segment<3>(3 * v).norm()), 1.0f, 1e-6f);
+  for (const Eigen::MatrixXf& weights : bent.weights) {
+    if (weights.size() == 0 || plain) continue;
+    EXPECT_GE(weights.minCoeff(), 0.0f);
+    EXPECT_LE(weights.maxCoeff(), 1.0f);
+  }
+  return {morph_error(animation, 0, ranges, targets, bent.weights).normal_max, bent.targets};
+}
+
+TEST(MorphTargets, TargetsOfNormalsFollowStrongBending) {
+  for (const bool plain : {false, true}) {
+    const double none = bent_error(0, plain).largest, some = bent_error(4, plain).largest,
+                 more = bent_error(12, plain).largest;
+    EXPECT_GT(none, 10.0) << plain;
+    EXPECT_LT(some, 0.5 * none) << plain;
+    EXPECT_LT(more, 0.1 * some) << plain;
+    // All frames are held by as many targets as there are of them: what is left is rounding.
+    const BentError all = bent_error(100, plain);
+    EXPECT_LT(all.largest, 0.01) << plain;
+    EXPECT_LE(all.targets, 60U) << plain;
+  }
+}
+
+// A still frame has no weights that change: its base has the normals of the bent shape.
+TEST(MorphTargets, OfOneFrameTheBaseHasTheNormals) {
+  const Animation animation = wavy_animation(9, 4, 1, 0.12);
+  const TargetRanges ranges = target_ranges(animation, 0, false);
+  MorphTargets targets = morph_targets(animation.shapes[0], ranges, true);
+  const BentNormals bent = add_bent_normals(animation, 0, ranges, false, 8, targets);
+  EXPECT_EQ(bent.targets, 0U);
+  EXPECT_LT(morph_error(animation, 0, ranges, targets, bent.weights).normal_max, 0.01);
 }
 
 TEST(MorphTargets, WhereTheNormalIsLostTheRestShapesIsKept) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "runtime/io/exchange/animation_writer.h"
 #include "runtime/io/exchange/glb_writer.h"
@@ -61,6 +62,60 @@ TEST(GlbWriter, TenThousandTargetsAreRefusedWithAWord) {
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_EQ(report->targets, 0U);
   EXPECT_EQ(report->dropped, 10000U);
+}
+
+// The file's chunk of JSON.
+nlohmann::json glb_json(const std::string& path) {
+  const std::string bytes = slurp(path);
+  std::uint32_t size = 0;
+  std::memcpy(&size, bytes.data() + 12, sizeof(size));
+  return nlohmann::json::parse(bytes.substr(20, size), nullptr, false);
+}
+
+// Each has a position, which takes no bytes, and a weight in each frame.
+TEST(GlbWriter, TargetsOfNormalsStandBehindTheOthersAndMoveNothing) {
+  const TemporaryFolder folder;
+  const Animation animation = wavy_animation(9, 4, 30, 0.12);
+  const std::string path = folder.file("sheet.glb");
+  const auto without = write_glb(path, animation);
+  ASSERT_TRUE(without) << without.error().message;
+  GlbOptions options;
+  options.normal_targets = 6;
+  const auto report = write_glb(path, animation, options);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->targets, 4U);
+  EXPECT_EQ(report->normal_targets, 6U);
+  EXPECT_LT(report->normal_max, 0.2 * without->normal_max);
+  EXPECT_EQ(report->position_error, without->position_error);
+  // Normals and weights, and what the JSON says of them.
+  EXPECT_LE(report->bytes - without->bytes, 6 * (12 * 81 + 4 * 30) + 6 * 400);
+  const nlohmann::json json = glb_json(path);
+  const auto& mesh = json["meshes"][0];
+  EXPECT_EQ(mesh["weights"].size(), 10U);
+  EXPECT_EQ(mesh["extras"]["targetNames"][4], "normal0");
+  for (const auto& primitive : mesh["primitives"]) {
+    ASSERT_EQ(primitive["targets"].size(), 10U);
+    for (std::size_t k = 4; k < 10; ++k) {
+      const auto& target = primitive["targets"][k];
+      const auto& still = json["accessors"][target["POSITION"].get<std::size_t>()];
+      EXPECT_FALSE(still.contains("bufferView"));
+      EXPECT_EQ(still["count"], 81);
+      EXPECT_EQ(still["max"], (std::vector<double>{0, 0, 0}));
+      EXPECT_TRUE(json["accessors"][target["NORMAL"].get<std::size_t>()].contains("bufferView"));
+    }
+  }
+  const auto& channels = json["animations"][0]["channels"];
+  for (const auto& channel : channels)
+    if (channel["target"]["path"] == "weights") {
+      const auto& sampler =
+          json["animations"][0]["samplers"][channel["sampler"].get<std::size_t>()];
+      EXPECT_EQ(json["accessors"][sampler["output"].get<std::size_t>()]["count"], 10 * 30);
+    }
+  options.normal_targets = kMostGlbTargets - 3;
+  const auto refused = write_glb(folder.file("more.glb"), animation, options);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("at most 252 of normals"), std::string::npos)
+      << refused.error().message;
 }
 
 TEST(GlbWriter, ATextureThatLiesNowhereIsRefused) {

@@ -35,8 +35,6 @@ const std::string kInpTet =
     "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n*ELEMENT, TYPE=C3D4\n7, 1, 2, 3, 4\n";
 
 TEST(InpErrors, NameTheKeywordAndWhatToDo) {
-  expect_refused("a.inp", kInpTet + "*INCLUDE, INPUT=b.inp\n",
-                 {"line 8", "*INCLUDE", "into the file"});
   expect_refused("a.inp", kInpTet + "*NGEN\n1, 4, 1\n", {"line 8", "*NGEN", "write the nodes out"});
   expect_refused("a.inp", kInpTet + "*ELGEN\n7, 2\n", {"*ELGEN", "write the elements out"});
   expect_refused("a.inp", replaced(kInpTet, "*NODE", "*NODE, SYSTEM=C"), {"line 1", "SYSTEM=C"});

@@ -61,6 +61,17 @@ TEST_F(OutputGuard, FilesThatAnInputNamesAreInputsToo) {
   EXPECT_FALSE(keep_apart({at("part.ele")}, {{at("part.node"), "the mesh", true}}));
 }
 
+// Of Abaqus, in files in files; one that includes itself is no reason to go on without end.
+TEST_F(OutputGuard, FilesThatAnIncludedFileIncludesAreInputsToo) {
+  std::ofstream(at("a.inp")) << "*HEADING\nx\n** INPUT=none.inp\n*Include, Input=\"b.inp\"\n";
+  std::ofstream(at("b.inp")) << "*INCLUDE, INPUT=c.inp\n*INCLUDE, INPUT=b.inp\n";
+  std::ofstream(at("c.inp")) << "*NODE\n";
+  std::ofstream(at("d.inp")) << "*NODE\n";
+  const std::vector<NamedFile> inputs{{at("a.inp"), "the mesh", true}};
+  EXPECT_FALSE(keep_apart({at("c.inp")}, inputs));
+  EXPECT_TRUE(keep_apart({at("d.inp")}, inputs));
+}
+
 TEST_F(OutputGuard, NoOutputIsAFolderOfAnother) {
   EXPECT_FALSE(keep_apart({at("new"), at("new/run.csv")}, {}));
   EXPECT_FALSE(keep_apart({at("new/a/b/run.csv"), at("new/a")}, {}));

@@ -156,6 +156,81 @@ TEST(ClothView, ASheetIsDrawnWhereItIs) {
   EXPECT_NEAR(low[0] + high[0], 199, 2);
 }
 
+// Particles are outside of a box, triangles between them cut off its edge: a sheet lies over the
+// whole of a box that is seen from a corner, so that nothing of the box is seen.
+TEST(ClothView, EdgesOfABoxAreNotSeenThroughTheSheetThatLiesOnThem) {
+  if (const std::string why = testing::no_pictures(); !why.empty()) GTEST_SKIP() << why;
+  const std::string folder = fresh_folder();
+  // Rows of particles over the top of the box, 0.05 m from its edge at first, and down its front.
+  std::ofstream mesh(folder + "/sheet.obj");
+  std::string pins;
+  constexpr int kColumns = 11;
+  std::vector<Eigen::Vector2d> rows;  // y, z
+  for (int k = 6; k >= 0; --k) rows.emplace_back(-0.25 + 0.1 * k, 0.206);
+  for (int k = 0; k < 5; ++k) rows.emplace_back(-0.306, 0.15 - 0.1 * k);
+  for (std::size_t row = 0; row < rows.size(); ++row)
+    for (int column = 0; column < kColumns; ++column) {
+      mesh << "v " << -0.5 + 0.1 * column << " " << rows[row].x() << " " << rows[row].y() << "\n";
+      pins += (pins.empty() ? "" : ", ") + std::to_string(row * kColumns + column);
+    }
+  for (std::size_t row = 0; row + 1 < rows.size(); ++row)
+    for (int column = 0; column + 1 < kColumns; ++column) {
+      const std::size_t a = row * kColumns + column + 1, b = a + kColumns;
+      mesh << "f " << a << " " << b << " " << b + 1 << "\nf " << a << " " << b + 1 << " " << a + 1
+           << "\n";
+    }
+  mesh.close();
+  std::ofstream(folder + "/box.toml")
+      << "duration = 1\nstep = 0.01\n[[cloths]]\nname = \"sheet\"\nfile = \"sheet.obj\"\npins = ["
+      << pins
+      << "]\n[[colliders]]\nname = \"box\"\nshape = \"box\"\nhalf-extents = [0.3, 0.3, 0.2]\n";
+  const testing::Shots shots =
+      testing::shoot(folder, "box.toml",
+                     "--size 300x300 --camera 0,45 --background black --paint '#400000' "
+                     "--lights 8");
+  ASSERT_EQ(shots.result.code, 0) << shots.result.err;
+  const Result<Picture> picture = read_png(shots.json["frames"][0]["file"]);
+  ASSERT_TRUE(picture);
+  int sheet = 0, box = 0;
+  for (std::size_t i = 0; i < picture->pixels.size(); i += 3) {
+    sheet += picture->pixels[i] > 25 ? 1 : 0;
+    box += picture->pixels[i + 2] > 60 ? 1 : 0;
+  }
+  EXPECT_GT(sheet, 10000);
+  EXPECT_EQ(box, 0);
+}
+
+// A wall behind the square is glass: no shadow of the square floats on it.
+TEST(ClothView, ShadowsAreNotSeenOnWallsThatAreGlass) {
+  if (const std::string why = testing::no_pictures(); !why.empty()) GTEST_SKIP() << why;
+  const std::string folder = fresh_folder();
+  const std::string flags = "--size 200x200 --camera 0,20,0.5 --background black --lights 4";
+  const auto picture = [&](const std::string& name, const std::string& scene) {
+    std::ofstream(folder + "/" + name + ".toml") << scene;
+    const testing::Shots shots = testing::shoot(folder, name + ".toml", flags);
+    EXPECT_EQ(shots.result.code, 0) << shots.result.err;
+    Result<Picture> shown = read_png(shots.json["frames"][0]["file"]);
+    EXPECT_TRUE(shown);
+    return shown ? std::move(*shown) : Picture{};
+  };
+  const std::string wall =
+      "[[colliders]]\nname = \"wall\"\nshape = \"plane\"\nposition = [0, 0.6, 1]\n"
+      "quaternion = [0.70710678118654752, 0.70710678118654752, 0, 0]\n";
+  const Picture alone = picture("alone", kSquare), walled = picture("walled", kSquare + wall);
+  ASSERT_EQ(alone.pixels.size(), walled.pixels.size());
+  int least = 255, largest = 0, count = 0;
+  for (std::size_t i = 0; i < alone.pixels.size(); i += 3) {
+    const int green = walled.pixels[i + 1];
+    if (alone.pixels[i + 1] > 0 || green == 0) continue;  // the square, or beyond the wall's disc
+    least = std::min(least, green);
+    largest = std::max(largest, green);
+    ++count;
+  }
+  EXPECT_GT(count, 10000);
+  // Shine of the lamp changes over the wall, a shadow takes a third of its light.
+  EXPECT_GT(least, 0.85 * largest);
+}
+
 TEST(ClothView, FlagsThatAreOfBodiesAreRefused) {
   const std::string folder = fresh_folder();
   std::ofstream(folder + "/square.toml") << kSquare;

@@ -98,7 +98,13 @@ void add_motion_outputs(CLI::App& app, MotionOutputs& o) {
   app.add_flag(
       "--plain-weights", o.plain_weights,
       "of a .glb: weights are q itself, which programs that clamp them to [0, 1] get wrong");
-  app.add_flag("--no-normals", o.no_normals, "of a .glb: half as large; viewers make normals up");
+  CLI::Option* none = app.add_flag("--no-normals", o.no_normals,
+                                   "of a .glb: half as large; viewers make normals up");
+  app.add_option("--normal-targets", o.normal_targets,
+                 "of a .glb: so many more morph targets, of normals alone, which follow strong "
+                 "bending")
+      ->check(CLI::Range(0, 256))
+      ->excludes(none);
   app.add_flag("--no-colliders", o.no_colliders, "leave the scene's colliders out");
   app.add_option("--texture", o.textures,
                  "of a .glb: [MATERIAL=]IMAGE, a .png or .jpg; may be repeated");

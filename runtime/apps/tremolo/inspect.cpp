@@ -137,8 +137,8 @@ void print_rig(const SurfaceRig& rig) {
   for (const RigClip& clip : rig.clips)
     clips.push_back(
         fmt::format("'{}' ({:.4g} to {:.4g} s)", clip.name, clip.times.front(), clip.times.back()));
-  fmt::print("    bones: {}\n", fmt::join(bones, ", "));
-  if (!clips.empty()) fmt::print("    clips: {}\n", fmt::join(clips, ", "));
+  show("    bones: {}\n", fmt::join(bones, ", "));
+  if (!clips.empty()) show("    clips: {}\n", fmt::join(clips, ", "));
 }
 
 Json render_json(const std::optional<RenderBlock>& render) {

@@ -17,6 +17,8 @@ constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
 constexpr std::uint32_t kBinChunk = 0x004E4942;   // "BIN"
 constexpr std::size_t kAlignment = 4;
 
+constexpr const char* kTypes[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
+
 constexpr int kArrayBuffer = 34962;
 constexpr int kElementArrayBuffer = 34963;
 
@@ -56,7 +58,6 @@ std::size_t GlbFile::view_of(GlbPart part) {
 
 std::size_t GlbFile::add(GlbPart part, const GlbFormat& format, const void* bytes, std::size_t size,
                          std::size_t count) {
-  constexpr const char* kTypes[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
   std::string& place = parts_[static_cast<std::size_t>(part)];
   place.resize(padded_to_words(place.size()), '\0');
   std::string text = "{\"bufferView\":" + json_number(view_of(part)) +
@@ -74,6 +75,14 @@ std::size_t GlbFile::add(GlbPart part, const GlbFormat& format, const void* byte
   place.append(static_cast<const char*>(bytes), size);
   if (part != GlbPart::kIndices && part != GlbPart::kMotion)
     stride_[static_cast<std::size_t>(part)] = component_size(format.component) * format.components;
+  return accessors_.size() - 1;
+}
+
+std::size_t GlbFile::add_zeros(int components, std::size_t count) {
+  const std::vector<float> one(static_cast<std::size_t>(components), 0.0F);
+  accessors_.push_back("{\"componentType\":" + json_number(static_cast<int>(GlbComponent::kFloat)) +
+                       ",\"count\":" + json_number(count) + ",\"type\":\"" +
+                       kTypes[components - 1] + "\"" + bounds_text(one, one.size()) + "}");
   return accessors_.size() - 1;
 }
 

@@ -11,6 +11,7 @@
 
 #include "common/result.h"
 #include "runtime/io/exchange/animation.h"
+#include "runtime/io/exchange/bent_normals.h"
 #include "runtime/io/exchange/glb_writer.h"
 #include "runtime/io/exchange/morph_targets.h"
 
@@ -40,6 +41,8 @@ class GlbFile {
                   std::size_t count);
   std::size_t add_floats(GlbPart part, int components, std::span<const float> values,
                          bool bounds = false);
+  // Vectors of zeros, with bounds, of which the file has no bytes.
+  std::size_t add_zeros(int components, std::size_t count);
   // Adds an image in the format of its file; returns its number.
   std::size_t add_image(const std::string& name, const std::string& type, std::string bytes);
 
@@ -69,11 +72,13 @@ struct GlbLists {
   std::vector<std::size_t> images;  // of GlbOptions::textures, each once; the image's number
 };
 
-// attributes: the members `"NAME":accessor` of the base. targets: the same of each target.
+// attributes: the members `"NAME":accessor` of the base. targets: the same of each target, those of
+// the ranges first, then those of normals alone.
 // primitives: of each material that has triangles, the accessor of its corners and its number in
 // GlbLists::materials.
 struct GlbShape {
   TargetRanges ranges;
+  BentNormals bent;
   std::vector<std::string> attributes;
   std::vector<std::string> targets;
   struct Primitive {
@@ -89,6 +94,10 @@ Status add_textures(GlbFile& file, const GlbOptions& options, GlbLists& lists);
 // Adds its numbers to the report.
 GlbShape add_shape(GlbFile& file, const Animation& animation, std::size_t shape,
                    const GlbOptions& options, GlbLists& lists, GlbReport& report);
+
+// The weights of all targets in a frame of the body of this number, which is one of the shape's.
+std::vector<float> shape_weights(const Animation& animation, std::size_t body, std::size_t frame,
+                                 const GlbShape& shape);
 
 // The members of a body on bones: the joints and weights of its vertices, four a set, as many sets
 // as the vertex with the most bones needs, which `most` receives.

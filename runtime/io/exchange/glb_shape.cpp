@@ -130,6 +130,16 @@ void add_targets(GlbFile& file, const MorphTargets& morphs, GlbShape& out) {
     else
       out.targets.push_back(object(members));
   }
+  // Programs read POSITION of all targets or of none.
+  const Eigen::Index first = morphs.positions.cols();
+  if (morphs.normals.cols() <= first) return;
+  const std::size_t still = file.add_zeros(3, rows / 3);
+  for (Eigen::Index k = first; k < morphs.normals.cols(); ++k) {
+    const std::span<const float> normals(morphs.normals.col(k).data(), rows);
+    out.targets.push_back(
+        object({member("POSITION", still),
+                member("NORMAL", file.add_floats(GlbPart::kVectors, 3, normals))}));
+  }
 }
 
 // "image/png" or "image/jpeg" by the file's first bytes; empty: neither.
@@ -160,7 +170,9 @@ GlbShape add_shape(GlbFile& file, const Animation& animation, std::size_t shape,
   const AnimatedShape& known = animation.shapes[shape];
   GlbShape out;
   out.ranges = target_ranges(animation, shape, options.plain);
-  const MorphTargets morphs = morph_targets(known, out.ranges, options.normals);
+  MorphTargets morphs = morph_targets(known, out.ranges, options.normals);
+  out.bent =
+      add_bent_normals(animation, shape, out.ranges, options.plain, options.normal_targets, morphs);
   add_targets(file, morphs, out);
   if (!known.surface.uvs.empty())
     out.attributes.push_back(member("TEXCOORD_0", add_uvs(file, known.surface.uvs)));
@@ -172,12 +184,23 @@ GlbShape add_shape(GlbFile& file, const Animation& animation, std::size_t shape,
   add_primitives(file, known, options, scenery, lists, out);
   report.vertices += known.surface.vertices.size();
   report.targets = std::max(report.targets, out.ranges.targets.size());
+  report.normal_targets = std::max(report.normal_targets, out.bent.targets);
   report.dropped += static_cast<std::size_t>(known.modes.cols()) - out.ranges.targets.size();
-  const MorphError error = morph_error(animation, shape, out.ranges, morphs);
+  const MorphError error = morph_error(animation, shape, out.ranges, morphs, out.bent.weights);
   report.position_error = std::max(report.position_error, error.position);
   report.normal_mean = std::max(report.normal_mean, error.normal_mean);
   report.normal_max = std::max(report.normal_max, error.normal_max);
   return out;
+}
+
+std::vector<float> shape_weights(const Animation& animation, std::size_t body, std::size_t frame,
+                                 const GlbShape& shape) {
+  std::vector<float> weights =
+      target_weights(coordinates_at(animation, animation.bodies[body], frame), shape.ranges);
+  const Eigen::MatrixXf& further = shape.bent.weights[body];
+  for (Eigen::Index k = 0; k < further.rows(); ++k)
+    weights.push_back(further(k, static_cast<Eigen::Index>(frame)));
+  return weights;
 }
 
 double four_bones_error(const Animation& animation, const AnimatedBody& body) {
@@ -259,6 +282,8 @@ std::string mesh_text(const std::string& name, const GlbShape& shape,
     std::vector<std::string> names;
     for (const TargetRange& range : shape.ranges.targets)
       names.push_back("\"q" + json_number(range.coordinate) + "\"");
+    for (std::size_t k = 0; k < shape.bent.targets; ++k)
+      names.push_back("\"normal" + json_number(k) + "\"");
     text += ",\"weights\":" + json_numbers(weights) +
             ",\"extras\":{\"targetNames\":" + json_list(names) + "}";
   }

@@ -74,13 +74,12 @@ std::size_t add_posed_node(GlbFile& file, GlbScene& scene, const AnimatedBody& b
   return node;
 }
 
-void add_weight_keys(GlbFile& file, GlbScene& scene, const Animation& animation,
-                     const AnimatedBody& body, const GlbShape& shape, std::size_t node) {
+void add_weight_keys(GlbFile& file, GlbScene& scene, const Animation& animation, std::size_t body,
+                     const GlbShape& shape, std::size_t node) {
   if (shape.targets.empty() || !scene.moves) return;
   std::vector<float> all;
   for (std::size_t frame = 0; frame < animation.frames(); ++frame) {
-    const std::vector<float> weights =
-        target_weights(coordinates_at(animation, body, frame), shape.ranges);
+    const std::vector<float> weights = shape_weights(animation, body, frame, shape);
     all.insert(all.end(), weights.begin(), weights.end());
   }
   add_channel(scene, node, "weights", file.add_floats(GlbPart::kMotion, 1, all));
@@ -91,8 +90,9 @@ std::string name_of_bone(const AnimatedBody& body, std::size_t bone) {
                                        : body.name + " bone " + std::to_string(bone);
 }
 
-void add_body(GlbFile& file, GlbScene& scene, const Animation& animation, const AnimatedBody& body,
+void add_body(GlbFile& file, GlbScene& scene, const Animation& animation, std::size_t number,
               const GlbShape& shape, GlbReport& report) {
+  const AnimatedBody& body = animation.bodies[number];
   std::vector<std::string> further;
   std::string members =
       "\"name\":" + json_string(body.name) + ",\"mesh\":" + json_number(scene.meshes.size());
@@ -101,12 +101,12 @@ void add_body(GlbFile& file, GlbScene& scene, const Animation& animation, const 
     further = add_bone_weights(file, body.weights, report.bones_a_vertex);
     report.four_bones_error = std::max(report.four_bones_error, four_bones_error(animation, body));
   }
-  const std::vector<float> first = target_weights(coordinates_at(animation, body, 0), shape.ranges);
+  const std::vector<float> first = shape_weights(animation, number, 0, shape);
   scene.meshes.push_back(mesh_text(body.name, shape, further, first));
   if (!on_bones) {
     const std::size_t node = add_posed_node(file, scene, body, 0, members, animation.frames());
     scene.below_root.push_back(node);
-    return add_weight_keys(file, scene, animation, body, shape, node);
+    return add_weight_keys(file, scene, animation, number, shape, node);
   }
   // A skinned mesh is placed by its joints; the transform of its own node is ignored.
   std::vector<std::size_t> joints;
@@ -120,7 +120,7 @@ void add_body(GlbFile& file, GlbScene& scene, const Animation& animation, const 
                         ",\"joints\":" + json_numbers(joints) + "}");
   scene.nodes.push_back("{" + members + "}");
   scene.beside_root.push_back(scene.nodes.size() - 1);
-  add_weight_keys(file, scene, animation, body, shape, scene.nodes.size() - 1);
+  add_weight_keys(file, scene, animation, number, shape, scene.nodes.size() - 1);
 }
 
 // Adds the root, which rotates z up to y up and has the bodies as children.
@@ -141,6 +141,13 @@ Status check_sizes(const std::string& path, const Animation& animation, const Gl
   for (std::size_t k = 0; k < animation.shapes.size(); ++k) {
     const AnimatedShape& shape = animation.shapes[k];
     const std::size_t targets = target_ranges(animation, k, options.plain).targets.size();
+    const std::size_t further = options.normals && targets > 0 ? options.normal_targets : 0;
+    if (targets <= kMostGlbTargets && targets + further > kMostGlbTargets)
+      return content_error(path + ": '" + shape.name + "' has " + std::to_string(targets) +
+                           " morph targets, and programs hold at most " +
+                           std::to_string(kMostGlbTargets) + ": expected at most " +
+                           std::to_string(kMostGlbTargets - targets) + " of normals, found " +
+                           std::to_string(further));
     if (targets > kMostGlbTargets)
       return content_error(
           path + ": '" + shape.name + "' moves in " + std::to_string(targets) +
@@ -149,6 +156,7 @@ Status check_sizes(const std::string& path, const Animation& animation, const Gl
           " of them: keep the first ones only, or write a point cache, which has no such limit");
     bytes += (options.normals ? 24.0 : 12.0) * static_cast<double>(shape.surface.vertices.size()) *
              static_cast<double>(targets + 1);
+    bytes += 12.0 * static_cast<double>(shape.surface.vertices.size() * further);
   }
   if (bytes > 4e9)
     return content_error(path + ": it would have " + std::to_string(bytes / 1e9) +
@@ -232,8 +240,8 @@ Result<GlbReport> write_glb(const std::string& path, const Animation& animation,
   std::vector<GlbShape> shapes;
   for (std::size_t k = 0; k < animation.shapes.size(); ++k)
     shapes.push_back(add_shape(file, animation, k, options, lists, report));
-  for (const AnimatedBody& body : animation.bodies)
-    add_body(file, scene, animation, body, shapes[body.shape], report);
+  for (std::size_t b = 0; b < animation.bodies.size(); ++b)
+    add_body(file, scene, animation, b, shapes[animation.bodies[b].shape], report);
   const std::vector<std::size_t> roots = add_root(scene, options.z_up);
   if (Status s = file.write(path, top_level(animation, scene, roots, lists), report.bytes); !s)
     return s.error();

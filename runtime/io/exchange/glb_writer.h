@@ -24,10 +24,13 @@ struct GlbTexture {
 };
 
 // plain: weights are q itself instead of numbers in [0, 1]; programs that clamp weights then show
-// something else. normals: of vertices and targets. z_up: the world's up is z, else y.
+// something else. normals: of vertices and targets. normal_targets: targets of normals alone, at
+// most, which bring the normals of strongly bent shapes nearer to theirs
+// (runtime/io/exchange/bent_normals.h). z_up: the world's up is z, else y.
 struct GlbOptions {
   bool plain = false;
   bool normals = true;
+  std::size_t normal_targets = 0;
   bool z_up = true;
   std::vector<GlbTexture> textures;
 };
@@ -40,7 +43,8 @@ inline constexpr std::size_t kMostGlbTargets = 256;
 struct GlbReport {
   std::uint64_t bytes = 0;  // of the file
   std::size_t vertices = 0;
-  std::size_t targets = 0;         // the most of a shape
+  std::size_t targets = 0;         // the most of a shape, without those of normals alone
+  std::size_t normal_targets = 0;  // the most of a shape, of normals alone
   std::size_t dropped = 0;         // coordinates of all shapes that never change
   double position_error = 0.0;     // relative to the size (MorphError)
   double normal_mean = 0.0;        // degrees

@@ -109,12 +109,14 @@ struct FrameError {
   std::size_t normals = 0;
 };
 
+// further: weights of the normals' columns behind those of the ranges.
 FrameError frame_error(const AnimatedShape& shape, const VectorXd& q, const TargetRanges& ranges,
-                       const MorphTargets& targets) {
+                       const MorphTargets& targets, const Eigen::VectorXf& further) {
   FrameError error;
-  const std::vector<float> weights = target_weights(q, ranges);
-  const Map<const Eigen::VectorXf> w(weights.data(), static_cast<Index>(weights.size()));
-  const auto evaluated = [&w](const Eigen::MatrixXf& columns) {
+  std::vector<float> weights = target_weights(q, ranges);
+  weights.insert(weights.end(), further.begin(), further.end());
+  const auto evaluated = [&weights](const Eigen::MatrixXf& columns) {
+    const Map<const Eigen::VectorXf> w(weights.data(), columns.cols() - 1);
     const Eigen::VectorXf sum = columns.col(0) + columns.rightCols(w.size()) * w;
     return Matrix3Xd(Map<const Eigen::Matrix3Xf>(sum.data(), 3, sum.size() / 3).cast<double>());
   };
@@ -196,17 +198,21 @@ std::vector<float> target_weights(const VectorXd& q, const TargetRanges& ranges)
 }
 
 MorphError morph_error(const Animation& animation, std::size_t shape, const TargetRanges& ranges,
-                       const MorphTargets& targets) {
+                       const MorphTargets& targets, std::span<const Eigen::MatrixXf> further) {
   constexpr std::size_t kFrames = 64;
   MorphError error;
   FrameError all;
   const std::size_t looks = std::min(kFrames, animation.frames());
-  for (const AnimatedBody& body : animation.bodies) {
+  for (std::size_t b = 0; b < animation.bodies.size(); ++b) {
+    const AnimatedBody& body = animation.bodies[b];
     if (body.shape != shape) continue;
     for (std::size_t k = 0; k < looks; ++k) {
       const std::size_t frame = looks < 2 ? 0 : k * (animation.frames() - 1) / (looks - 1);
-      const FrameError one = frame_error(animation.shapes[shape],
-                                         coordinates_at(animation, body, frame), ranges, targets);
+      const Eigen::VectorXf more = further.empty() || further[b].size() == 0
+                                       ? Eigen::VectorXf()
+                                       : Eigen::VectorXf(further[b].col(static_cast<Index>(frame)));
+      const FrameError one = frame_error(
+          animation.shapes[shape], coordinates_at(animation, body, frame), ranges, targets, more);
       all.position = std::max(all.position, one.position);
       all.normal_max = std::max(all.normal_max, one.normal_max);
       all.normal_sum += one.normal_sum;

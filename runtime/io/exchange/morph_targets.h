@@ -12,6 +12,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -52,8 +53,11 @@ MorphTargets morph_targets(const AnimatedShape& shape, const TargetRanges& range
 // The weights of a frame, as many as targets.
 std::vector<float> target_weights(const Eigen::VectorXd& q, const TargetRanges& ranges);
 
-// Errors by float numbers and by the first order of the normals, over at most 64 evenly spaced
-// frames.
+// What floats and the first order cost, over frames that lie evenly, at most 64. position: the
+// largest distance from X + U q, over the shape's size. normal_mean, normal_max: degrees between
+// the normals and those of the bent shape, each vertex counting alike; zero without normals.
+// further: weights of each body, columns x frames, of the columns of the normals behind those of
+// the ranges (runtime/io/exchange/bent_normals.h); none: there are no such columns.
 struct MorphError {
   double position = 0.0;     // the largest distance from X + U q, relative to the shape's size
   double normal_mean = 0.0;  // degrees to the normals of the deformed shape, over all vertices
@@ -61,6 +65,6 @@ struct MorphError {
 };
 
 MorphError morph_error(const Animation& animation, std::size_t shape, const TargetRanges& ranges,
-                       const MorphTargets& targets);
+                       const MorphTargets& targets, std::span<const Eigen::MatrixXf> further = {});
 
 }  // namespace tremolo

@@ -9,6 +9,7 @@
 #include "common/result.h"
 #include "formats/file/output_guard.h"
 #include "runtime/apps/tremolo/export/motion_source.h"
+#include "runtime/apps/tremolo/output/warnings.h"
 #include "runtime/apps/tremolo/run/run_options.h"
 #include "runtime/io/scenes/nodal_readers.h"
 
@@ -27,10 +28,14 @@ std::vector<NamedFile> inputs_of(const ClothFile& file);
 // printed on stderr.
 int run_cloth_command(const ClothFile& file, bool json);
 
-// `tremolo inspect` of a scene with [[cloths]]. Prints the particles, springs, triangles, mass and
-// fastest oscillation of each cloth, and the longest stable step of methods with a limit. json: one
-// object on stdout. Returns the exit code; errors are printed on stderr.
+// Prints the particles, springs, triangles, mass and fastest oscillation of each cloth, and the
+// longest stable step of methods with a limit. json: one object on stdout. Returns the exit code;
+// errors are printed on stderr.
 int inspect_cloth_command(const ClothFile& file, bool json);
+
+// Colliders and fixed balls whose keyframes are relative to their `position`, and away from it at
+// t = 0: a sentence for each.
+Warnings keyframe_warnings(const ClothScene& scene);
 
 // `tremolo export` of a scene with [[cloths]]. Scenes, at least one, each to the right of the
 // previous one; a name that exists already gets "-2" appended. Cloths of a scene are first in its

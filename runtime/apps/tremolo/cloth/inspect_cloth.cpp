@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -10,6 +9,7 @@
 
 #include "common/mesh/tet_mesh.h"
 #include "runtime/apps/tremolo/cloth/cloth_commands.h"
+#include "runtime/apps/tremolo/output/scene_places.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/output/text_values.h"
 #include "runtime/apps/tremolo/run/run_body.h"
@@ -104,6 +104,7 @@ Json scene_contents(const ClothFile& file, const ClothWorld& world) {
                               {"radius", file.scene.balls[b].radius}});
   json["contacts"] = contacts_of(file, world);
   json["stability_limits_s"] = step_limits(world);
+  json["warnings"] = keyframe_warnings(file.scene);
   return json;
 }
 
@@ -126,16 +127,16 @@ void print_contents(const Json& json) {
     return fmt::format("({:.4g}, {:.4g}, {:.4g})", x[0].get<double>(), x[1].get<double>(),
                        x[2].get<double>());
   };
-  fmt::print("at t = 0:\n");
+  show("at t = 0:\n");
   for (const Json& cloth : json["cloths"])
-    fmt::print("  {}: from {} to {} m\n", cloth["cloth"].get<std::string>(), text(cloth["low"]),
-               text(cloth["high"]));
+    show("  {}: from {} to {} m\n", cloth["cloth"].get<std::string>(), text(cloth["low"]),
+         text(cloth["high"]));
   for (const Json& ball : json["places"])
-    fmt::print("  {}: at {}, radius {:.4g} m\n", ball["ball"].get<std::string>(),
-               text(ball["position"]), ball["radius"].get<double>());
+    show("  {}: at {}, radius {:.4g} m\n", ball["ball"].get<std::string>(), text(ball["position"]),
+         ball["radius"].get<double>());
   for (const Json& contact : json["contacts"])
-    fmt::print("  {} is {:.4g} m from {}\n", contact["cloth"].get<std::string>(),
-               contact["distance_m"].get<double>(), contact["ball"].get<std::string>());
+    show("  {} is {:.4g} m from {}\n", contact["cloth"].get<std::string>(),
+         contact["distance_m"].get<double>(), contact["ball"].get<std::string>());
   for (const auto& [name, limit] : json["stability_limits_s"].items())
     show("  {} is stable up to steps of {:.4g} s\n", name, limit.get<double>());
 }
@@ -149,11 +150,19 @@ int inspect_cloth_command(const ClothFile& file, bool json) {
   const Result<ClothWorld> world = ClothWorld::create(scene);
   if (!world) return report_error(error_of_file(file.path, value_error(world.error())));
   const Json contents = scene_contents(file, *world);
+  print_warnings(keyframe_warnings(file.scene));
   if (json)
     print_json(contents);
   else
     print_contents(contents);
   return flushed(0);
+}
+
+Warnings keyframe_warnings(const ClothScene& scene) {
+  Warnings warnings = keyframe_warnings({}, scene.colliders);
+  for (const SceneBall& ball : scene.balls)
+    warn_away("ball '" + ball.name + "'", ball.motion, Pose{ball.position}, warnings);
+  return warnings;
 }
 
 }  // namespace tremolo

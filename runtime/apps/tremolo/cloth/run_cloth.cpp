@@ -108,6 +108,7 @@ Json cloth_json(const ClothFile& file, const ClothWorld& world, const ClothLog& 
   add_parts(json, world);
   json["exit_code"] = ending.exit_code;
   json["reason"] = ending.reason.empty() ? Json(nullptr) : Json(ending.reason);
+  json["warnings"] = keyframe_warnings(file.scene);
   json["files"] = log.report().files;
   return json;
 }
@@ -170,6 +171,7 @@ void tell_cloths(const ClothFile& file, const ClothWorld& world, const ClothLog&
       report.end.contact, -report.end.damped, report.end.numerical);
   if (std::isfinite(world.stability_limit()))
     tell("  stable up to steps of {:.4g} s\n", world.stability_limit());
+  print_warnings(keyframe_warnings(file.scene));
   if (!report.files.empty())
     tell("  wrote into {}: {}\n", file.outputs.out, list_files(report.files));
 }

@@ -107,7 +107,7 @@ Status write_rescaled(const ExportOptions& options, BasisData data, bool compact
   if (!made) return made.error();
   const BasisEncoding encoding = compact ? BasisEncoding::kCompact : BasisEncoding::kFull;
   if (Status status = write_basis(options.rescaled, *made, encoding); !status) return status;
-  fmt::print("{}: the model with {}\n", options.rescaled, options.rescale);
+  show("{}: the model with {}\n", options.rescaled, options.rescale);
   return Success{};
 }
 

@@ -60,6 +60,7 @@ struct MotionOutputs {
   std::size_t modes = 0;  // coordinates kept in the files; 0: all; the motion always has all
   bool plain_weights = false;
   bool no_normals = false;
+  std::size_t normal_targets = 0;
   bool no_colliders = false;
   std::vector<std::string> textures;  // "MATERIAL=IMAGE" or "IMAGE"
   std::string up = "z";               // or "y", of the world

@@ -144,6 +144,7 @@ Result<Json> write_as_glb(const MotionOutputs& outputs, const Animation& animati
   GlbOptions options;
   options.plain = outputs.plain_weights;
   options.normals = !outputs.no_normals;
+  options.normal_targets = outputs.normal_targets;
   options.z_up = outputs.up == "z";
   for (const std::string& text : outputs.textures)
     options.textures.push_back(texture_of_flag(text));
@@ -152,6 +153,7 @@ Result<Json> write_as_glb(const MotionOutputs& outputs, const Animation& animati
   Json json = file_json({outputs.glb, report->bytes}, "glb");
   json["vertices"] = report->vertices;
   json["targets"] = report->targets;
+  json["normal_targets"] = report->normal_targets;
   json["dropped"] = report->dropped;
   json["position_error"] = report->position_error;
   json["normal_error_mean"] = report->normal_mean;
@@ -255,14 +257,16 @@ void print_files(const Json& files) {
     show("{}: {} bytes", path, file["bytes"].get<std::uint64_t>());
     if (format == "glb")
       show(
-          ", {} vertices, {} morph targets ({} coordinates never change); positions to {:.1e} of "
+          ", {} vertices, {} morph targets and {} of normals ({} coordinates never change); "
+          "positions to {:.1e} of "
           "the size, normals to {:.2g} degrees in the mean",
           file["vertices"].get<std::size_t>(), file["targets"].get<std::size_t>(),
-          file["dropped"].get<std::size_t>(), file["position_error"].get<double>(),
-          file["normal_error_mean"].get<double>());
+          file["normal_targets"].get<std::size_t>(), file["dropped"].get<std::size_t>(),
+          file["position_error"].get<double>(), file["normal_error_mean"].get<double>());
     if (format == "glb" && file["normal_error_max"].get<double>() > kMuchTurned)
-      fmt::print(
-          "; up to {:.2g} degrees where it bends most: --no-normals leaves them to the viewer",
+      show(
+          "; up to {:.2g} degrees where it bends most: --normal-targets 8 follows it, --no-normals "
+          "leaves them to the viewer",
           file["normal_error_max"].get<double>());
     if (format == "page")
       show(", positions to {:.1e} of the size", file["position_error"].get<double>());

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 #include <limits>
 #include <numbers>
 #include <variant>
@@ -10,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "common/mesh/tet_mesh.h"
-#include "runtime/math/motion.h"
+#include "runtime/apps/tremolo/output/tell.h"
 
 namespace tremolo {
 namespace {
@@ -94,25 +93,6 @@ std::string contact_text(const Json& contact) {
                      distance < 0 ? "inside" : "above", contact["collider"].get<std::string>());
 }
 
-// A keyframed thing away from where it is said to be.
-void warn_away(const std::string& whose, const Motion& motion, const Pose& base,
-               Warnings& warnings) {
-  for (const MotionPart& part : motion.parts) {
-    const auto* keyframes = std::get_if<KeyframeMotion>(&part);
-    if (keyframes == nullptr || keyframes->absolute) continue;
-    const Result<MotionPath> path = MotionPath::create({{part}}, base);
-    if (!path) continue;
-    const Pose begin = path->pose(0.0);
-    const double away = (begin.position - base.position).norm();
-    const double degrees = begin.rotation.angularDistance(base.rotation) * 180 / std::numbers::pi;
-    if (away < 1e-9 && degrees < 1e-6) continue;
-    warnings.push_back(fmt::format(
-        "{}: its keyframes put it {:.4g} m and {:.4g} degrees away from its `position` at t = 0. "
-        "They are relative to it; frame = \"world\" makes them poses in the world",
-        whose, away, degrees));
-  }
-}
-
 }  // namespace
 
 Json places_json(const ScenePlaces& places) {
@@ -133,27 +113,45 @@ void print_places(const ScenePlaces& places, bool json) {
   const Json contents = places_json(places);
   print_warnings(places.warnings);
   if (json) {
-    std::cout << contents.dump(2) << '\n';
+    print_json(contents);
     return;
   }
-  fmt::print("{}: {}, {} bodies and {} colliders, {:.6g} s in steps of {:.4g} s\nat t = 0:\n",
-             places.path, places.kind, places.bodies.size(), places.colliders.size(),
-             places.duration, places.step);
+  show("{}: {}, {} bodies and {} colliders, {:.6g} s in steps of {:.4g} s\nat t = 0:\n",
+       places.path, places.kind, places.bodies.size(), places.colliders.size(), places.duration,
+       places.step);
   for (const Json& body : contents["bodies"]) {
-    fmt::print("  {}: {}, at {}, from {} to {} m\n", body["name"].get<std::string>(),
-               body["kind"].get<std::string>(), vector_text(body["position"]),
-               vector_text(body["low"]), vector_text(body["high"]));
+    show("  {}: {}, at {}, from {} to {} m\n", body["name"].get<std::string>(),
+         body["kind"].get<std::string>(), vector_text(body["position"]), vector_text(body["low"]),
+         vector_text(body["high"]));
     if (body.contains("first_mode_hz"))
-      fmt::print("    first mode {:.4g} Hz: {:.3g} steps a period; {:.4g} s or less resolve it\n",
-                 body["first_mode_hz"].get<double>(), body["steps_a_period"].get<double>(),
-                 body["resolving_step_s"].get<double>());
+      show("    first mode {:.4g} Hz: {:.3g} steps a period; {:.4g} s or less resolve it\n",
+           body["first_mode_hz"].get<double>(), body["steps_a_period"].get<double>(),
+           body["resolving_step_s"].get<double>());
   }
   for (const Json& collider : contents["colliders"])
-    fmt::print("  {}: {}, at {}\n", collider["name"].get<std::string>(),
-               collider["shape"].get<std::string>(), vector_text(collider["position"]));
+    show("  {}: {}, at {}\n", collider["name"].get<std::string>(),
+         collider["shape"].get<std::string>(), vector_text(collider["position"]));
   if (!places.together) return;
-  fmt::print("in contact at t = 0:{}\n", contents["contacts"].empty() ? " nothing" : "");
-  for (const Json& contact : contents["contacts"]) fmt::print("  {}\n", contact_text(contact));
+  show("in contact at t = 0:{}\n", contents["contacts"].empty() ? " nothing" : "");
+  for (const Json& contact : contents["contacts"]) show("  {}\n", contact_text(contact));
+}
+
+void warn_away(const std::string& whose, const Motion& motion, const Pose& base,
+               Warnings& warnings) {
+  for (const MotionPart& part : motion.parts) {
+    const auto* keyframes = std::get_if<KeyframeMotion>(&part);
+    if (keyframes == nullptr || keyframes->absolute) continue;
+    const Result<MotionPath> path = MotionPath::create({{part}}, base);
+    if (!path) continue;
+    const Pose begin = path->pose(0.0);
+    const double away = (begin.position - base.position).norm();
+    const double degrees = begin.rotation.angularDistance(base.rotation) * 180 / std::numbers::pi;
+    if (away < 1e-9 && degrees < 1e-6) continue;
+    warnings.push_back(fmt::format(
+        "{}: its keyframes put it {:.4g} m and {:.4g} degrees away from its `position` at t = 0. "
+        "They are relative to it; frame = \"world\" makes them poses in the world",
+        whose, away, degrees));
+  }
 }
 
 Warnings keyframe_warnings(const std::vector<SceneBody>& bodies,

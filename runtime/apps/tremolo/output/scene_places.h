@@ -11,6 +11,7 @@
 
 #include "runtime/apps/tremolo/output/warnings.h"
 #include "runtime/contact/contact_law.h"
+#include "runtime/math/motion.h"
 #include "runtime/scene/scene.h"
 
 namespace tremolo {
@@ -52,8 +53,13 @@ nlohmann::ordered_json places_json(const ScenePlaces& places);
 // As JSON or as lines on stdout; warnings on stderr.
 void print_places(const ScenePlaces& places, bool json);
 
-// A sentence for each body or collider whose keyframes are relative to its `position` and differ
-// from it at t = 0.
+// Adds a sentence for each keyframed part of the motion that is relative to the thing's `position`,
+// and away from it at t = 0. whose: "ball 'a'". base: the thing's pose without its motion.
+void warn_away(const std::string& whose, const Motion& motion, const Pose& base,
+               Warnings& warnings);
+
+// Bodies and colliders whose keyframes are relative to their `position`, and away from it at t = 0:
+// a sentence for each.
 Warnings keyframe_warnings(const std::vector<SceneBody>& bodies,
                            const std::vector<SceneCollider>& colliders);
 

@@ -8,6 +8,7 @@
 
 #include "common/processor.h"
 #include "formats/file/output_guard.h"
+#include "runtime/apps/tremolo/output/scene_places.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/output/text_values.h"
 #include "runtime/apps/tremolo/run/run_files.h"
@@ -275,6 +276,7 @@ TetsJson TetsRun::json() const {
   json["energies_final"] = energies_json(end);
   json["exit_code"] = ending_.exit_code;
   json["reason"] = ending_.reason.empty() ? TetsJson(nullptr) : TetsJson(ending_.reason);
+  json["warnings"] = keyframe_warnings({}, scene_.colliders);
   json["bodies"] = TetsJson::array();
   for (std::size_t i = 0; i < logs_.size(); ++i)
     json["bodies"].push_back(
@@ -293,6 +295,7 @@ void TetsRun::print() const {
       static_cast<double>(ending_.steps) / ending_.wall.sum(),
       scene_.step * static_cast<double>(ending_.steps) / ending_.wall.sum(),
       bodies_.group->sleeping());
+  print_warnings(keyframe_warnings({}, scene_.colliders));
   for (std::size_t i = 0; i < std::min<std::size_t>(logs_.size(), 12); ++i) {
     const TetsReport& report = logs_[i].report();
     tell(

@@ -120,7 +120,7 @@ void Renderer::draw_maps(std::span<const DrawnThing> things, const ShownBall& ba
       sky_maps_.begin(light - light_counts_.lamps);
     depth_.set("clip", clip_of_light(lights_[i].direction, ball.centre, ball.radius));
     for (const DrawnThing& thing : things) {
-      if (!thing.shadow) continue;
+      if (!thing.shadow || thing.glass < 1.0f) continue;
       depth_.set("pose", thing.pose);
       thing.mesh->draw(thing.first, thing.count);
     }
@@ -163,6 +163,7 @@ void Renderer::draw_things(std::span<const DrawnThing> things, const Matrix4f& c
   surface_.set("clip", clip);
   const auto draw = [this](const DrawnThing& thing) {
     surface_.set("pose", thing.pose);
+    surface_.set("yields", thing.yields);
     thing.mesh->draw(thing.first, thing.count);
   };
   surface_.set("line", Eigen::Vector4f(Eigen::Vector4f::Zero()));
@@ -172,6 +173,7 @@ void Renderer::draw_things(std::span<const DrawnThing> things, const Matrix4f& c
     surface_.set("colour", thing.colour);
     surface_.set("gloss", thing.gloss);
     surface_.set("glass", thing.glass);
+    surface_.set("lifted", thing.lifted);
     if (thing.paint == Paint::kImage) glBindTexture(GL_TEXTURE_2D, thing.image);
     if (thing.glass < 1.0f) {
       glEnable(GL_BLEND);
@@ -218,6 +220,8 @@ void Renderer::draw_ground(const ShownBall& ball, const Camera& camera, const Pi
   surface_.set("colour", kGroundColour);
   surface_.set("gloss", 0.0f);
   surface_.set("glass", 1.0f);
+  surface_.set("yields", 0.0f);
+  surface_.set("lifted", 0.0f);
   glUniform2f(glGetUniformLocation(surface_.name(), "ground_fade"), kFadeFrom * radius,
               kFadeTo * radius);
   glEnable(GL_CULL_FACE);

@@ -28,7 +28,14 @@ struct DrawnThing {
   Eigen::Vector3f colour = Eigen::Vector3f::Constant(0.6f);  // linear light, r g b in 0 to 1
   GLuint image = 0;                                          // a texture's name
   float gloss = 1.0f;                                        // 0 to 1
-  float glass = 1.0f;   // opacity; below 1 it hides nothing behind it
+  // Opacity; below 1 it hides nothing behind it, casts no shadow and shows none, because shadows of
+  // something that is hardly visible would be noticed more than the thing.
+  float glass = 1.0f;
+  // Something that is behind its surface by less than this is drawn over it, m: a sheet that rests
+  // on a solid by its vertices has triangles that cut off the solid's edges.
+  float yields = 0.0f;
+  // Distance along its normals at which its surface looks for shadows, m, for the same reason.
+  float lifted = 0.0f;
   bool shadow = true;   // it casts one
   bool wire = true;     // drawn when PictureLook::wire is set
   bool on_top = false;  // nothing hides it; such things are last in the list

@@ -9,6 +9,8 @@ layout(location = 2) in vec3 rest;
 layout(location = 3) in vec4 paint;
 layout(location = 4) in vec2 uv;
 uniform mat4 pose, clip;
+uniform vec3 eye;
+uniform float yields;  // m: by which it counts as farther away than it is
 out vec3 world, world_normal, paint_of;
 out vec2 uv_of;
 out float moved;
@@ -20,6 +22,10 @@ void main() {
   uv_of = uv;
   moved = distance(position, rest);
   gl_Position = clip * place;
+  if (yields > 0.0) {
+    vec4 farther = clip * vec4(place.xyz + yields * normalize(place.xyz - eye), 1.0);
+    gl_Position.z = farther.z / farther.w * gl_Position.w;
+  }
 }
 )";
 
@@ -39,7 +45,7 @@ uniform vec3 colour, eye, up, centre, lamp_colour, sky_colour;
 uniform vec4 line;           // of wires: alpha above zero takes the place of all light
 uniform vec2 ground_fade;    // m: where the ground begins to end, and where it has; x < 0: no ground
 uniform vec3 horizon, zenith;
-uniform float height, moved_scale, lamp_shift, sky_shift, gloss, glass;
+uniform float height, moved_scale, lamp_shift, sky_shift, gloss, glass, lifted;
 in vec3 world, world_normal, paint_of;
 in vec2 uv_of;
 in float moved;
@@ -59,6 +65,7 @@ vec3 moved_colour(float share) {
 float bend(float x) { return x < 0.8 ? x : 1.0 - 0.2 * exp(-(x - 0.8) / 0.2); }
 
 float seen(int i, vec3 place) {
+  if (glass < 1.0) return 1.0;
   vec4 at = vec4(place, 1.0);
   vec3 map = vec3(dot(to_map[3 * i], at), dot(to_map[3 * i + 1], at), dot(to_map[3 * i + 2], at));
   return i < lamps ? texture(lamp_maps, vec4(map.xy, float(i), map.z))
@@ -87,7 +94,8 @@ void main() {
   if (paint_kind == 2) base = texture(image, uv_of).rgb;
   if (paint_kind == 3) base = moved_colour(moved * moved_scale);
   if (paint_kind == 4) base = moved_colour(paint_of.r * moved_scale);
-  vec3 lamp_place = world + lamp_shift * n, sky_place = world + sky_shift * n;
+  vec3 lamp_place = world + (lamp_shift + lifted) * n;
+  vec3 sky_place = world + (sky_shift + lifted) * n;
   float lamp = 0.0, sky = 0.0, shine = 0.0;
   for (int i = 0; i < lights; ++i) {
     float facing = dot(n, light[i].xyz);

@@ -24,6 +24,10 @@ constexpr float kGlassOfWalls = 0.22F;
 // Balls are drawn smaller, so that they do not cross triangles between particles in contact with
 // them.
 constexpr double kUnder = 0.985;
+// Other solids yield to what lies on them (DrawnThing::yields): by an edge of the sheets'
+// triangles, of which half is cut off at a right angle, but by no more than this part of the
+// solid's least extent, since behind it things are hidden.
+constexpr double kMostYield = 0.5;
 
 Eigen::Matrix4f shown_at(const Pose& pose) {
   Eigen::Matrix4f matrix = Eigen::Matrix4f::Identity();
@@ -58,6 +62,7 @@ SurfaceStage::SurfaceStage(const MovingSurfaces& scenes, const std::vector<Vecto
     add_solid(solids[i], i, scenes.pose(i), colliders, paints, next);
   hand_mesh_ = GpuMesh(ball_shape(kTakenRadius));
   pose(scenes);
+  edge_ = mean_edge();
   if (has_ground_) return;
   ground_ = std::numeric_limits<double>::infinity();
   for (std::size_t i = 2; i < points_.size(); i += 3) ground_ = std::min(ground_, points_[i]);
@@ -81,10 +86,31 @@ void SurfaceStage::add_solid(const ShownSolid& shown, std::size_t number, const 
     // A file holds distances; the world has them, the scene's values do not.
     if (!colliders || !shown.collider->file.empty()) return;
     solid.is_plane = std::holds_alternative<PlaneShape>(shown.collider->shape);
+    if (!solid.is_plane) {
+      const BoundingBox box = bounds(shown.collider->shape);
+      solid.least_extent = (box.high - box.low).minCoeff();
+      yielding_ = true;
+    }
     solid.colour = linear_colour(kScenery);
     solid.mesh = GpuMesh(collider_shape(shown.collider->shape, kPlane));
   }
   solids_.push_back(std::move(solid));
+}
+
+double SurfaceStage::mean_edge() const {
+  double coarsest = 0.0;
+  for (const Sheet& sheet : sheets_) {
+    const auto at = [&sheet](VertexId v) {
+      return Eigen::Map<const Vector3f>(sheet.positions.data() + 3 * static_cast<std::size_t>(v));
+    };
+    double sum = 0.0;
+    for (const Triangle& t : sheet.triangles)
+      for (std::size_t k = 0; k < 3; ++k)
+        sum += static_cast<double>((at(t[(k + 1) % 3]) - at(t[k])).norm());
+    if (!sheet.triangles.empty())
+      coarsest = std::max(coarsest, sum / (3.0 * static_cast<double>(sheet.triangles.size())));
+  }
+  return coarsest;
 }
 
 // The mean of the triangles' normals, by their areas.
@@ -164,6 +190,7 @@ const std::vector<DrawnThing>& SurfaceStage::things() {
     thing.colour = sheet.colour;
     if (sheet.numbered) thing.paint = Paint::kNumber;
     thing.gloss = 0.15F;
+    if (yielding_) thing.lifted = static_cast<float>(0.5 * edge_);
     things_.push_back(thing);
   }
   for (const Solid& solid : solids_) {
@@ -177,6 +204,7 @@ const std::vector<DrawnThing>& SurfaceStage::things() {
       thing.glass = kGlassOfWalls;
       thing.shadow = thing.wire = false;
     }
+    thing.yields = static_cast<float>(std::min(edge_, kMostYield * solid.least_extent));
     things_.push_back(thing);
   }
   // Glass shows only things drawn before it.

@@ -42,6 +42,7 @@ class SurfaceStage {
     std::size_t number = 0;  // of the scenes' solids
     double radius = 0.0;     // m, of a ball; 0: a collider
     bool is_plane = false;
+    double least_extent = 0.0;  // m, of a collider that is no plane
     Eigen::Matrix4f pose = Eigen::Matrix4f::Identity();
     Eigen::Vector3f colour;
   };
@@ -52,6 +53,7 @@ class SurfaceStage {
   void pose_sheet(const MovingSurfaces& scenes, std::size_t number);
   void pose_solid(const MovingSurfaces& scenes, Solid& solid);
   void enclose();
+  double mean_edge() const;
 
   std::vector<Sheet> sheets_;
   std::vector<Solid> solids_;
@@ -59,6 +61,8 @@ class SurfaceStage {
   std::optional<Eigen::Vector3d> hand_;
   std::vector<DrawnThing> things_;
   std::vector<double> points_;
+  double edge_ = 0.0;      // m, of the sheets' triangles at first; the coarsest sheet's mean
+  bool yielding_ = false;  // there are solids that yield to sheets
   ShownBall ball_;
   bool posed_ = false;
   double ground_ = 0.0;

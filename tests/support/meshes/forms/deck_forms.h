@@ -56,8 +56,16 @@ inline std::string inp_of_meshio() {
          "*NSET, NSET=foot\n" + joined(bar.foot, ",", 1) + "\n";
 }
 
-// The form of Abaqus/CAE: a part at its own position, an instance, sections, sets of the assembly,
-// and a step at the end.
+// The nodes in a file of their own.
+inline std::vector<std::pair<std::string, std::string>> inp_in_files() {
+  const std::string text = inp_of_meshio();
+  const std::size_t nodes = text.find("*NODE\n") + 6, elements = text.find("*ELEMENT");
+  return {{"a.inp", text.substr(0, nodes) + "*INCLUDE, INPUT=nodes.txt\n" + text.substr(elements)},
+          {"nodes.txt", text.substr(nodes, elements - nodes)}};
+}
+
+// As Abaqus/CAE writes: a part in its own place, an instance, sections, sets of the assembly, and a
+// step behind it all.
 inline std::string inp_of_cae() {
   const FormBar bar;
   const std::size_t low = bar.tets_of_half(0).size();
@@ -243,6 +251,7 @@ inline std::vector<WriterForm> deck_forms() {
       {"meshio", "Abaqus", {{"a.inp", inp_of_meshio()}}, "foot", named},
       {"meshio", "Nastran, large field", {{"a.nas", form_bdf(16, false)}}, "SET 7", properties},
       {"Abaqus", "part and instance", {{"a.inp", inp_of_cae()}}, "foot", {"LOW", "HIGH"}},
+      {"Abaqus", "INCLUDE", inp_in_files(), "foot", named},
       {"Abaqus", "C3D10", {{"a.inp", inp_quadratic()}}, "foot", {"solid"}, true},
       {"Nastran", "small field", {{"a.bdf", form_bdf(8, false)}}, "SET 7", properties},
       {"Nastran", "free field", {{"a.bdf", form_bdf(0, false)}}, "SET 7", properties},
