@@ -201,6 +201,10 @@ TEST_F(RunProgram, AnotherRunIntoTheSameFolderLeavesNothingOfTheFirst) {
   EXPECT_TRUE(names().contains("surface-0000-t0.099000s.obj"));
 }
 
+TEST_F(RunProgram, ADegreeOfAReducedBodyIsRefused) {
+  expect_failure(run("run " + model() + " --duration 0.1 --degree linear"), 2, "kind \"tets\"");
+}
+
 TEST_F(RunProgram, DrawsTheEnergyOfSeveralRuns) {
   ASSERT_EQ(run("run " + model() + " --duration 0.5 --out a --plot").code, 0);
   ASSERT_EQ(run("run " + model() + " --duration 0.5 --out b --integrator newmark").code, 0);

@@ -213,8 +213,10 @@ std::vector<RunOptions> bodies_of(const Request& request, const RunOptions& flag
   return {options};
 }
 
-// Refuses flags that apply only to worlds.
+// Refuses flags that apply only to worlds or to tetrahedra.
 Status check_not_saved(const Request& request) {
+  if (!request.degree.empty())
+    return usage_error("--degree applies only to bodies of kind \"tets\"");
   if (request.threads)
     return usage_error(
         "--threads applies only to a scene with [[bodies]]: one body is stepped by one thread");
