@@ -93,8 +93,8 @@ TEST(Recording, AFreeBodyIsWhereTheBodySaysItIsAndSharesItsShape) {
   const Model::Pointer model = testing::frame_model(4, true, 20.0, 400.0, 0.2, 5);
   IntegratorOptions options;
   options.step = 1e-3;
-  Body one = make_framed(model, FrameKind::kFree, options);
-  Body two = make_framed(model, FrameKind::kFree, options);
+  ContactBody one = make_framed(model, FrameKind::kFree, options);
+  ContactBody two = make_framed(model, FrameKind::kFree, options);
   ASSERT_TRUE(one.set_motion({1, 2, 3}, {4, 5, 6}));
   Recording recording;
   const std::size_t a = *recording.add(one, "one"), b = *recording.add(two, "two");

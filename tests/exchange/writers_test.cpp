@@ -88,7 +88,7 @@ TEST(GlbWriter, TargetsOfNormalsStandBehindTheOthersAndMoveNothing) {
   EXPECT_LT(report->normal_max, 0.2 * without->normal_max);
   EXPECT_EQ(report->position_error, without->position_error);
   // Normals and weights, and what the JSON says of them.
-  EXPECT_LE(report->bytes - without->bytes, 6 * (12 * 81 + 4 * 30) + 6 * 400);
+  EXPECT_LE(report->bytes - without->bytes, 6U * (12U * 81U + 4U * 30U) + 6U * 400U);
   const nlohmann::json json = glb_json(path);
   const auto& mesh = json["meshes"][0];
   EXPECT_EQ(mesh["weights"].size(), 10U);
@@ -100,7 +100,7 @@ TEST(GlbWriter, TargetsOfNormalsStandBehindTheOthersAndMoveNothing) {
       const auto& still = json["accessors"][target["POSITION"].get<std::size_t>()];
       EXPECT_FALSE(still.contains("bufferView"));
       EXPECT_EQ(still["count"], 81);
-      EXPECT_EQ(still["max"], (std::vector<double>{0, 0, 0}));
+      EXPECT_EQ(still["max"], nlohmann::json({0, 0, 0}));
       EXPECT_TRUE(json["accessors"][target["NORMAL"].get<std::size_t>()].contains("bufferView"));
     }
   }
