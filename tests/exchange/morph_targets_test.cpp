@@ -116,7 +116,7 @@ struct BentError {
 
 // The normals of two strongly bent sheets of one shape with targets of their own.
 BentError bent_error(std::size_t count, bool plain) {
-  Animation animation = wavy_animation(9, 4, 30, 0.12);
+  Animation animation = wavy_animation(9, 4, 30, 0.5);
   AnimatedBody other = animation.bodies[0];
   other.name = "other";
   for (double& q : other.q) q *= -0.7;

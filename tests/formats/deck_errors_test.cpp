@@ -122,7 +122,9 @@ TEST(Decks, CutAtAnyLengthAreReadOrRefused) {
     for (std::size_t length = 0; length < bytes.size(); length += 7) {
       const Result<MeshFile> file = read_tet_mesh(folder.write(name, bytes.substr(0, length)));
       if (!file) {
-        EXPECT_EQ(file.error().kind, ErrorKind::kContent) << file.error().message;
+        // The name of an included file that is cut short is that of no file.
+        const bool no_file = form.files.size() > 1 && file.error().kind == ErrorKind::kSystem;
+        EXPECT_TRUE(no_file || file.error().kind == ErrorKind::kContent) << file.error().message;
         continue;
       }
       EXPECT_TRUE(name.ends_with(".inp") || length + 1 >= bytes.size()) << "ENDDATA is missing";
