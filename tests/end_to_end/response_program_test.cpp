@@ -306,7 +306,7 @@ TEST_F(Response, WrongPlacesAreNamed) {
     EXPECT_EQ(result.code, code) << arguments;
     EXPECT_NE(result.err.find(word), std::string::npos) << result.err;
   };
-  fails("--response-at vertex:0", 3, "vertex 0 is held");
+  fails("--response-at vertex:0", 3, "vertex 0 is fixed");
   fails("--response-at 'x>5'", 3, "x>5");
   fails("--response-at nonsense", 2, "nonsense");
   write_veg(folder_ + "/block.veg", box_mesh({12, 6, 6}, {1.0, 0.31, 0.23}));
