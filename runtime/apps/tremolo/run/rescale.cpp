@@ -12,8 +12,6 @@
 namespace tremolo {
 namespace {
 
-using Json = nlohmann::json;
-
 struct NewMaterial {
   std::optional<double> young;    // Pa
   std::optional<double> density;  // kg/m^3
@@ -48,19 +46,19 @@ Result<NewMaterial> parse_rescale(const std::string& text) {
 }
 
 // Parses an untrusted text as JSON, unless it is nested deeply.
-Json parse_flat(const std::string& text) {
+nlohmann::json parse_flat(const std::string& text) {
   bool deep = false;
-  Json json = Json::parse(
+  nlohmann::json json = nlohmann::json::parse(
       text,
-      [&deep](int depth, Json::parse_event_t, Json&) {
+      [&deep](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
         deep = deep || depth > 64;
         return !deep;
       },
       false);
-  return deep ? Json() : json;
+  return deep ? nlohmann::json() : json;
 }
 
-std::optional<double> number_of(const Json& material, const char* key) {
+std::optional<double> number_of(const nlohmann::json& material, const char* key) {
   if (!material.is_object() || !material.contains(key) || !material[key].is_number())
     return std::nullopt;
   const double value = material[key].get<double>();
@@ -75,7 +73,7 @@ Result<BasisData> rescale_model(BasisData data, const std::string& text, const s
   const auto refuse = [&](const std::string& why) {
     return content_error(path + ": --rescale " + text + ": " + why);
   };
-  Json maker = parse_flat(data.provenance);
+  nlohmann::json maker = parse_flat(data.provenance);
   if (maker.is_object() && maker.contains("materials"))
     return refuse(
         "the model has several materials, whose stiffness and mass do not change together: make it "
@@ -84,7 +82,7 @@ Result<BasisData> rescale_model(BasisData data, const std::string& text, const s
     return refuse("the file does not say of which material it is");
   if (wanted->density && maker.contains("point_masses"))
     return refuse("the model has point masses, which do not change with the density");
-  Json& material = maker["material"];
+  nlohmann::json& material = maker["material"];
   const auto factor = [&](const std::optional<double>& value, const char* key) {
     const auto old = number_of(material, key);
     if (!value) return std::optional(1.0);

@@ -27,10 +27,6 @@ Result<PlacedBody> placed(const std::string& name, const std::string& kind,
   return place;
 }
 
-std::string kind_name(FrameKind kind) {
-  return kind == FrameKind::kFixed ? "fixed" : kind == FrameKind::kDriven ? "driven" : "free";
-}
-
 void warn_of_step(const PlacedBody& body, double step, ScenePlaces& places) {
   if (!body.first_mode) return;
   const std::string warning =

@@ -54,11 +54,6 @@ Json json_quaternion(const Eigen::Quaterniond& q) {
           number_or_null(q.z())};
 }
 
-const char* kind_name(FrameKind kind) {
-  if (kind == FrameKind::kFree) return "free";
-  return kind == FrameKind::kDriven ? "driven" : "fixed";
-}
-
 Json json_causes(const EnergyAccount& account) {
   return {{"load", number_or_null(account.load)},
           {"support", number_or_null(account.support)},
@@ -443,6 +438,11 @@ Result<WorldRun> run_world(SceneFile file, unsigned threads) {
 }
 
 }  // namespace
+
+const char* kind_name(FrameKind kind) {
+  if (kind == FrameKind::kFree) return "free";
+  return kind == FrameKind::kDriven ? "driven" : "fixed";
+}
 
 std::vector<NamedFile> inputs_of(const Scene& scene) {
   std::vector<NamedFile> inputs;

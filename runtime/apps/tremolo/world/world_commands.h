@@ -19,6 +19,9 @@ namespace tremolo {
 Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
                    SceneFile& file);
 
+// "fixed", "driven" or "free".
+const char* kind_name(FrameKind kind);
+
 // The files that a run of the scene reads; of the scene alone: those that its parts name.
 std::vector<NamedFile> inputs_of(const Scene& scene);
 std::vector<NamedFile> inputs_of(const SceneFile& file);
