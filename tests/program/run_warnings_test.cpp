@@ -45,7 +45,9 @@ TEST(StepWarning, ARunKnowsItsFirstMode) {
   options.duration = 0.03;
   options.load = "none";
   options.start = "5=0,0,0.001";
-  const Result<RunReport> report = simulate(options);
+  const Result<BodyScene> scene = body_scene(options);
+  ASSERT_TRUE(scene) << scene.error().message;
+  const Result<RunReport> report = simulate(*scene);
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_NEAR(report->first_frequency, 290.0, 1e-9);
   EXPECT_NE(step_warning(report->first_frequency, report->step, "the ", ""), "");
@@ -119,7 +121,9 @@ TEST(SoundStep, TheFileHasTheFrequenciesOfTheModel) {
   options.wav = wav;
   options.listen = "5";
   take_sound_step(options);
-  const Result<RunReport> report = simulate(options);
+  const Result<BodyScene> scene = body_scene(options);
+  ASSERT_TRUE(scene) << scene.error().message;
+  const Result<RunReport> report = simulate(*scene);
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_DOUBLE_EQ(report->step, kSoundStep / 3.0);
   EXPECT_EQ(report->sound_warning, "");

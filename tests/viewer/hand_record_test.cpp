@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 using testing::fresh_folder;
 
 ViewFlags no_flags() {
-  return {RunOptions{}, [](const char*) { return false; }, [](RunOptions&) {}};
+  return {RunOptions{}, [](const char*) { return false; }};
 }
 
 // A ray towards the middle of the triangle of the body's surface that is farthest along `way`.

@@ -20,7 +20,6 @@
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/run/run_options.h"
 #include "runtime/apps/tremolo/run/simulate.h"
-#include "runtime/apps/tremolo/run/sound.h"
 #include "runtime/apps/tremolo/world/world_commands.h"
 #include "runtime/integrator.h"
 #include "runtime/io/scenes/scene_keys.h"
@@ -128,7 +127,7 @@ struct Request {
   std::string picture;
 };
 
-// The same command line read onto given defaults: flags win over a scene's keys.
+// The commands with their flags; request and options must outlive it.
 struct Parser {
   CLI::App app{
       "Deformable solids that vibrate in real time without losing their energy. SI units."};
@@ -206,13 +205,6 @@ int start_viewer(char** words) {
                       words);
 }
 
-std::vector<RunOptions> bodies_of(const Request& request, const RunOptions& flags) {
-  RunOptions options = flags;
-  options.model = request.file;
-  options.name = std::filesystem::path(request.file).stem().string();
-  return {options};
-}
-
 // Refuses flags that apply only to worlds or to tetrahedra.
 Status check_not_saved(const Request& request) {
   if (!request.degree.empty())
@@ -254,96 +246,96 @@ int run_world_scene(const std::string& text, const Request& request, const Scene
   return run_world_command(*file, request.threads.value_or(1), request.json);
 }
 
-// Reads a scene with one table per body and applies the flags.
-Result<std::vector<RunOptions>> scene_bodies(const std::string& text, const std::string& path,
-                                             int count, char** words, CLI::App* Parser::*command) {
-  Result<std::vector<RunOptions>> bodies = parse_scene(text, path);
-  if (!bodies) return bodies.error();
-  for (RunOptions& body : *bodies) {
-    Request ignored;
-    Parser parser(ignored, body);
-    parser.app.parse(count, words);  // cannot fail: it has been parsed before
-    const CLI::App& flags = *(parser.*command);
-    // A flag overrides the scene's key for the same quantity.
-    if (flags.count("--load") > 0) {
-      body.signal.clear();
-      if (flags.count("--frequency") == 0) body.shape.frequency.reset();
-      if (flags.count("--sweep") == 0) body.shape.sweep.clear();
-    }
-    if (flags.count("--alpha") + flags.count("--beta") > 0) body.damping_ratio.clear();
-    if (flags.count("--scale") > 0) body.deflect.clear();
-    if (flags.count("--deflect") > 0) body.scale = 1.0;
-    if (!body.wav.empty() && flags.count("--step") == 0) take_sound_step(body);
-    if (!body.wav.empty() && bodies->size() > 1)
-      return usage_error("--wav applies only to one body, and " + path + " has several");
-  }
-  return bodies;
-}
-
-int run_bodies_scene(const std::string& text, int count, char** words, const Request& request) {
-  if (Status s = check_not_saved(request); !s) return report_error(s.error());
-  Result<std::vector<RunOptions>> bodies =
-      scene_bodies(text, request.file, count, words, &Parser::run);
-  if (!bodies) return report_error(bodies.error());
-  for (RunOptions& body : *bodies)
-    if (bodies->size() > 1 && !body.out.empty())
-      body.out = (std::filesystem::path(body.out) / body.name).string();
-  return run_command(*bodies, request.json);
-}
-
 bool is_scene(const std::string& path) {
   return std::filesystem::path(path).extension() == ".toml";
 }
 
-int run_scene(int count, char** words, const Request& request, const SceneCommand& command) {
+// The body of a basis file.
+RunOptions body_of_model(const std::string& path) {
+  RunOptions options;
+  options.model = path;
+  options.name = std::filesystem::path(path).stem().string();
+  return options;
+}
+
+// The bodies with the flags over their keys. path: of the scene or the model, for errors.
+Result<std::vector<BodyScene>> body_scenes(std::vector<RunOptions> bodies,
+                                           const SceneCommand& command) {
+  std::vector<BodyScene> scenes;
+  for (RunOptions& body : bodies) {
+    put_over(command.flags, command.told, body);
+    if (!body.wav.empty() && bodies.size() > 1)
+      return usage_error("--wav applies only to one body, and " + command.file + " has several");
+    // Several bodies have a folder each.
+    if (bodies.size() > 1 && !body.out.empty())
+      body.out = (std::filesystem::path(body.out) / body.name).string();
+    Result<BodyScene> scene = body_scene(body);
+    if (!scene) return scene.error();
+    scenes.push_back(std::move(*scene));
+  }
+  return scenes;
+}
+
+// text: of a scene with one table per body.
+Result<std::vector<BodyScene>> tables_of(const std::string& text, const SceneCommand& command) {
+  Result<std::vector<RunOptions>> bodies = parse_scene(text, command.file);
+  if (!bodies) return bodies.error();
+  return body_scenes(std::move(*bodies), command);
+}
+
+int run_bodies(const Result<std::vector<BodyScene>>& bodies, bool json) {
+  return bodies ? run_command(*bodies, json) : report_error(bodies.error());
+}
+
+int run_scene(const Request& request, const SceneCommand& command) {
   const Result<std::string> text = read_whole_file(command.file);
   if (!text) return report_error(text.error());
   const Result<SceneKind> kind = scene_kind(*text, command.file);
   if (!kind) return report_error(kind.error());
-  if (*kind == SceneKind::kBodies) return run_bodies_scene(*text, count, words, request);
+  if (*kind == SceneKind::kBodies) {
+    if (Status s = check_not_saved(request); !s) return report_error(s.error());
+    return run_bodies(tables_of(*text, command), request.json);
+  }
   if (*kind == SceneKind::kWorld) return run_world_scene(*text, request, command);
   return *kind == SceneKind::kCloth ? run_cloth_scene(*text, command)
                                     : run_tets_scene(*text, command);
 }
 
-// The motion that `tremolo export` records.
-Result<std::unique_ptr<MotionSource>> scene_motion(const std::string& text, SceneKind kind,
-                                                   int count, char** words,
-                                                   const SceneCommand& command) {
-  if (kind == SceneKind::kCloth) return cloth_source(text, command);
-  if (kind == SceneKind::kTets) return tets_source(text, command);
-  if (kind == SceneKind::kWorld) {
-    Result<SceneFile> file = world_of(text, command);
+// The motion that `tremolo export` records, of a scene.
+Result<MotionSource> scene_motion(const SceneCommand& command) {
+  const Result<std::string> text = read_whole_file(command.file);
+  if (!text) return text.error();
+  const Result<SceneKind> kind = scene_kind(*text, command.file);
+  if (!kind) return kind.error();
+  if (*kind == SceneKind::kCloth) return cloth_source(*text, command);
+  if (!command.beside.empty()) return usage_error("--beside applies only to scenes of cloth");
+  if (*kind == SceneKind::kTets) return tets_source(*text, command);
+  if (*kind == SceneKind::kWorld) {
+    Result<SceneFile> file = world_of(*text, command);
     if (!file) return file.error();
     return world_motion(std::move(*file));
   }
-  Result<std::vector<RunOptions>> bodies =
-      scene_bodies(text, command.file, count, words, &Parser::exporter);
-  if (!bodies) return bodies.error();
+  Result<std::vector<RunOptions>> tables = parse_scene(*text, command.file);
+  if (!tables) return tables.error();
   // Their files are those of `tremolo run`.
-  for (RunOptions& body : *bodies) {
-    body.out.clear();
-    body.surfaces = 0;
-    body.plot = false;
+  for (RunOptions& table : *tables) {
+    table.out.clear();
+    table.surfaces = 0;
+    table.plot = false;
   }
+  Result<std::vector<BodyScene>> bodies = body_scenes(std::move(*tables), command);
+  if (!bodies) return bodies.error();
   return bodies_motion(std::move(*bodies));
 }
 
-int export_scene(int count, char** words, const MotionOutputs& outputs,
-                 const SceneCommand& command) {
-  const Result<std::string> text = read_whole_file(command.file);
-  if (!text) return report_error(text.error());
-  const Result<SceneKind> kind = scene_kind(*text, command.file);
-  if (!kind) return report_error(kind.error());
-  if (!command.beside.empty() && *kind != SceneKind::kCloth)
-    return report_error(usage_error("--beside applies only to scenes of cloth"));
-  const Result<std::unique_ptr<MotionSource>> source =
-      scene_motion(*text, *kind, count, words, command);
-  return source ? export_motion_command(outputs, **source) : report_error(source.error());
+Result<MotionSource> model_motion(const SceneCommand& command) {
+  if (!command.beside.empty()) return usage_error("--beside applies only to scenes of cloth");
+  Result<std::vector<BodyScene>> bodies = body_scenes({body_of_model(command.file)}, command);
+  if (!bodies) return bodies.error();
+  return bodies_motion(std::move(*bodies));
 }
 
-int run_export(int count, char** words, const Request& request, const RunOptions& flags,
-               const CLI::App& app) {
+int run_export(const Request& request, const RunOptions& flags, const CLI::App& app) {
   ExportOptions still = request.exported;
   still.rescale = flags.rescale;
   const bool asks_still = still.any();
@@ -356,19 +348,13 @@ int run_export(int count, char** words, const Request& request, const RunOptions
                             {});
       !s)
     return report_error(s.error());
-  if (asks_still || !request.motion.any())
+  if (asks_still || !moved.any())
     if (const int code = export_command(still); code != 0) return code;
-  if (!request.motion.any()) return 0;
-  if (is_scene(still.model)) {
-    const SceneCommand command = {
-        still.model, flags, told_flags(app), {}, request.motion.json, request.motion.beside};
-    return export_scene(count, words, request.motion, command);
-  }
-  if (!request.motion.beside.empty())
-    return report_error(usage_error("--beside applies only to scenes of cloth"));
-  Request of_run = request;
-  of_run.file = still.model;
-  return export_motion_command(request.motion, *bodies_motion(bodies_of(of_run, flags)));
+  if (!moved.any()) return 0;
+  const SceneCommand command = {still.model, flags, told_flags(app), {}, moved.json, moved.beside};
+  const Result<MotionSource> source =
+      is_scene(still.model) ? scene_motion(command) : model_motion(command);
+  return source ? export_motion_command(moved, *source) : report_error(source.error());
 }
 
 int inspect_scene(const Request& request) {
@@ -378,16 +364,16 @@ int inspect_scene(const Request& request) {
   if (!kind) return report_error(kind.error());
   if (!request.select.empty())
     return report_error(usage_error("--select applies only to a basis file, not to a scene"));
-  const SceneCommand command = {request.file, {}, {}, {}, request.json};
+  const auto no_flags = [](const char*) { return false; };
+  const SceneCommand command = {request.file, {}, no_flags, {}, request.json};
   if (*kind == SceneKind::kCloth) return inspect_cloth_scene(*text, command);
   if (*kind == SceneKind::kTets) return inspect_tets_scene(*text, command);
   if (*kind == SceneKind::kWorld) {
     const Result<SceneFile> file = parse_world(*text, request.file);
     return file ? inspect_world_command(*file, request.json) : report_error(file.error());
   }
-  const Result<std::vector<RunOptions>> bodies = parse_scene(*text, request.file);
-  return bodies ? inspect_bodies_command(*bodies, request.file, request.json)
-                : report_error(bodies.error());
+  const Result<std::vector<BodyScene>> bodies = tables_of(*text, command);
+  return bodies ? inspect_bodies_command(*bodies, request.json) : report_error(bodies.error());
 }
 
 int run_program(int count, char** words) {
@@ -398,17 +384,14 @@ int run_program(int count, char** words) {
   if (*parser.inspect && is_scene(request.file)) return inspect_scene(request);
   if (*parser.inspect) return inspect_command(request.file, request.select, request.json);
   if (*parser.plot) return plot_command(request.directories, request.picture);
-  if (*parser.exporter) return run_export(count, words, request, options, *parser.exporter);
+  if (*parser.exporter) return run_export(request, options, *parser.exporter);
   if (*parser.bench || *parser.reproduce) return start_laboratory(words);
   if (*parser.view) return start_viewer(words);
-  if (!is_scene(request.file)) {
-    if (Status s = check_not_saved(request); !s) return report_error(s.error());
-    if (!options.wav.empty() && parser.run->count("--step") == 0) take_sound_step(options);
-    return run_command(bodies_of(request, options), request.json);
-  }
   const SceneCommand command = {request.file, options, told_flags(*parser.run), request.degree,
                                 request.json};
-  return run_scene(count, words, request, command);
+  if (is_scene(request.file)) return run_scene(request, command);
+  if (Status s = check_not_saved(request); !s) return report_error(s.error());
+  return run_bodies(body_scenes({body_of_model(request.file)}, command), request.json);
 }
 
 }  // namespace

@@ -52,8 +52,7 @@ int inspect_tets_scene(const std::string& text, const SceneCommand& command) {
   return scene ? inspect_tets_command(*scene, command.json) : report_error(scene.error());
 }
 
-Result<std::unique_ptr<MotionSource>> cloth_source(const std::string& text,
-                                                   const SceneCommand& command) {
+Result<MotionSource> cloth_source(const std::string& text, const SceneCommand& command) {
   Result<ClothFile> file = cloths_of(text, command);
   if (!file) return file.error();
   std::vector<ClothFile> files{std::move(*file)};
@@ -69,8 +68,7 @@ Result<std::unique_ptr<MotionSource>> cloth_source(const std::string& text,
   return cloth_motion(std::move(files));
 }
 
-Result<std::unique_ptr<MotionSource>> tets_source(const std::string& text,
-                                                  const SceneCommand& command) {
+Result<MotionSource> tets_source(const std::string& text, const SceneCommand& command) {
   Result<TetScene> scene = tets_of(text, command);
   if (!scene) return scene.error();
   return tets_motion(std::move(*scene));

@@ -2,7 +2,6 @@
 // kind "tets". run_* and inspect_* print errors and return the exit code.
 #pragma once
 
-#include <memory>
 #include <string>
 
 #include "common/result.h"
@@ -16,9 +15,7 @@ int run_cloth_scene(const std::string& text, const SceneCommand& command);
 int run_tets_scene(const std::string& text, const SceneCommand& command);
 int inspect_cloth_scene(const std::string& text, const SceneCommand& command);
 int inspect_tets_scene(const std::string& text, const SceneCommand& command);
-Result<std::unique_ptr<MotionSource>> cloth_source(const std::string& text,
-                                                   const SceneCommand& command);
-Result<std::unique_ptr<MotionSource>> tets_source(const std::string& text,
-                                                  const SceneCommand& command);
+Result<MotionSource> cloth_source(const std::string& text, const SceneCommand& command);
+Result<MotionSource> tets_source(const std::string& text, const SceneCommand& command);
 
 }  // namespace tremolo

@@ -98,14 +98,7 @@ int view(int count, char** words) {
   ViewParser parser(options);
   if (const std::optional<int> code = read_words(parser.app, count, words)) return *code;
   const ViewFlags flags{options.body,
-                        [&parser](const char* flag) { return is_given(parser.app, flag); },
-                        [count, words](RunOptions& body) {
-                          ViewerOptions again;
-                          again.body = body;
-                          ViewParser onto(again);
-                          onto.app.parse(count, words);  // cannot fail: it has been parsed before
-                          body = again.body;
-                        }};
+                        [&parser](const char* flag) { return is_given(parser.app, flag); }};
   if (is_cloth_file(options.file)) return view_cloth_command(options, flags);
   if (!options.beside.empty())
     return report_error(usage_error("--beside applies only to scenes of cloth"));

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -42,6 +41,6 @@ Warnings keyframe_warnings(const ClothScene& scene);
 // recording, then balls and, if requested, colliders as scenery, planes of the first scene only.
 // Errors of record: those of ClothWorld::create and step, and of frame_steps; kContent if the
 // frames of the scenes have different times.
-std::unique_ptr<MotionSource> cloth_motion(std::vector<ClothFile> files);
+MotionSource cloth_motion(std::vector<ClothFile> files);
 
 }  // namespace tremolo

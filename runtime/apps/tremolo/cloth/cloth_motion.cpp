@@ -155,73 +155,46 @@ void put_beside(RecordedMotion& first, RecordedMotion second) {
   first.left_out.insert(first.left_out.end(), second.left_out.begin(), second.left_out.end());
 }
 
-class ClothMotion : public MotionSource {
- public:
-  explicit ClothMotion(std::vector<ClothFile> files) : files_(std::move(files)) {}
-
-  std::vector<std::string> names() const override {
-    std::vector<std::string> names;
-    std::set<std::string> taken;
-    for (const ClothFile& file : files_)
-      for (const SceneCloth& cloth : file.scene.cloths)
-        names.push_back(free_name(cloth.name, taken));
-    return names;
+// The recordings of all scenes, next to each other.
+Result<RecordedMotion> animate_side_by_side(const std::vector<ClothFile>& files,
+                                            const FrameRange& range, bool colliders) {
+  Result<RecordedMotion> motion = animate_cloths(files.front(), range, colliders, true);
+  for (std::size_t i = 1; motion && i < files.size(); ++i) {
+    Result<RecordedMotion> next = animate_cloths(files[i], range, colliders, false);
+    if (!next) return next.error();
+    if (next->animation.times != motion->animation.times)
+      return content_error(files[i].path +
+                           ": its frames have other times than those of the first scene: say "
+                           "--step and --duration");
+    put_beside(*motion, std::move(*next));
   }
-
-  std::vector<std::string> scenery() const override {
-    std::vector<std::string> names;
-    for (const ClothFile& file : files_) {
-      for (const SceneBall& ball : file.scene.balls) names.push_back(ball.name);
-      for (const SceneCollider& collider : file.scene.colliders) names.push_back(collider.name);
-    }
-    return names;
-  }
-
-  std::vector<NamedFile> inputs() const override {
-    std::vector<NamedFile> inputs;
-    for (const ClothFile& file : files_)
-      for (NamedFile& input : inputs_of(file)) inputs.push_back(std::move(input));
-    return inputs;
-  }
-
-  std::string told() const override {
-    const ClothScene& scene = files_.front().scene;
-    std::string methods;
-    for (const ClothFile& file : files_)
-      methods += (methods.empty() ? "`" : "; beside it by `") + file.scene.integrator + "`";
-    return fmt::format("{:.4g} s in steps of {:.4g} ms by {}", scene.duration,
-                       1e3 * scene.options.step, methods);
-  }
-
-  Status check(const MotionOutputs& outputs) const override {
-    if (outputs.modes > 0) return usage_error("--modes applies only to bodies: a cloth has none");
-    if (!outputs.extras.live.empty())
-      return usage_error("--live applies only to bodies: a page's engine moves no cloth");
-    return Success{};
-  }
-
-  Result<RecordedMotion> record(const FrameRange& range, bool colliders) const override {
-    Result<RecordedMotion> motion = animate_cloths(files_.front(), range, colliders, true);
-    for (std::size_t i = 1; motion && i < files_.size(); ++i) {
-      Result<RecordedMotion> next = animate_cloths(files_[i], range, colliders, false);
-      if (!next) return next.error();
-      if (next->animation.times != motion->animation.times)
-        return content_error(files_[i].path +
-                             ": its frames have other times than those of the first scene: say "
-                             "--step and --duration");
-      put_beside(*motion, std::move(*next));
-    }
-    return motion;
-  }
-
- private:
-  std::vector<ClothFile> files_;
-};
+  return motion;
+}
 
 }  // namespace
 
-std::unique_ptr<MotionSource> cloth_motion(std::vector<ClothFile> files) {
-  return std::make_unique<ClothMotion>(std::move(files));
+MotionSource cloth_motion(std::vector<ClothFile> files) {
+  MotionSource source;
+  std::set<std::string> taken;
+  std::string methods;
+  for (const ClothFile& file : files) {
+    const ClothScene& scene = file.scene;
+    for (const SceneCloth& cloth : scene.cloths)
+      source.names.push_back(free_name(cloth.name, taken));
+    for (const SceneBall& ball : scene.balls) source.scenery.push_back(ball.name);
+    for (const SceneCollider& collider : scene.colliders) source.scenery.push_back(collider.name);
+    for (NamedFile& input : inputs_of(file)) source.inputs.push_back(std::move(input));
+    methods += (methods.empty() ? "`" : "; beside it by `") + scene.integrator + "`";
+  }
+  const ClothScene& first = files.front().scene;
+  source.told = fmt::format("{:.4g} s in steps of {:.4g} ms by {}", first.duration,
+                            1e3 * first.options.step, methods);
+  source.no_modes = "--modes applies only to bodies: a cloth has none";
+  source.no_live = "--live applies only to bodies: a page's engine moves no cloth";
+  source.record = [files = std::move(files)](const FrameRange& range, bool colliders) {
+    return animate_side_by_side(files, range, colliders);
+  };
+  return source;
 }
 
 }  // namespace tremolo

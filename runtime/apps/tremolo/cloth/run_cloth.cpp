@@ -89,6 +89,7 @@ Json cloth_json(const ClothFile& file, const ClothWorld& world, const ClothLog& 
   const double step = file.scene.options.step, each = mean(ending.each);
   const auto steps = static_cast<double>(world.steps());
   Json json;
+  json["schema"] = kReportSchema;
   json["scene"] = file.path;
   json["integrator"] = file.scene.integrator;
   json["step"] = step;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -54,29 +53,30 @@ namespace {
 // A body during its run, with everything that it refers to.
 struct StartedBody {
   RunInput input;
-  std::optional<Body> body;
+  Body body;
+
+  const std::string& name() const { return input.scene.body().name; }
 };
 
-Status check_together(const std::vector<RunOptions>& bodies) {
-  for (const RunOptions& one : bodies)
-    if (one.step != bodies[0].step || one.duration != bodies[0].duration)
-      return content_error(one.scene + ": bodies '" + bodies[0].name + "' and '" + one.name +
+Status check_together(const std::vector<BodyScene>& bodies) {
+  const BodyScene& first = bodies.front();
+  for (const BodyScene& one : bodies)
+    if (one.step() != first.step() || one.file.scene.duration != first.file.scene.duration)
+      return content_error(one.file.path + ": bodies '" + first.body().name + "' and '" +
+                           one.body().name +
                            "' have other steps or durations, and frames are of all bodies: say "
                            "--step and --duration");
   return Success{};
 }
 
-Result<std::vector<std::unique_ptr<StartedBody>>> start_bodies(
-    const std::vector<RunOptions>& bodies) {
-  std::vector<std::unique_ptr<StartedBody>> started;
-  for (const RunOptions& options : bodies) {
-    Result<RunInput> input = prepare_run(options);
+Result<std::vector<StartedBody>> start_bodies(const std::vector<BodyScene>& bodies) {
+  std::vector<StartedBody> started;
+  for (const BodyScene& scene : bodies) {
+    Result<RunInput> input = prepare_run(scene);
     if (!input) return input.error();
-    auto one = std::make_unique<StartedBody>(StartedBody{std::move(*input), {}});
-    Result<Body> body = make_body(one->input.options, one->input.model, one->input.table);
+    Result<Body> body = make_body(input->scene, input->model);
     if (!body) return body.error();
-    one->body.emplace(std::move(*body));
-    started.push_back(std::move(one));
+    started.push_back({std::move(*input), std::move(*body)});
   }
   return started;
 }
@@ -86,10 +86,9 @@ Error step_error(const std::string& name, const StepReport& report, double time)
 }
 
 Status step_to(StartedBody& one, std::int64_t step) {
-  Body& body = *one.body;
-  while (body.steps() < step)
-    if (const StepReport report = body.step(); !report.converged)
-      return step_error(one.input.options.name, report, body.time());
+  while (one.body.steps() < step)
+    if (const StepReport report = one.body.step(); !report.converged)
+      return step_error(one.name(), report, one.body.time());
   return Success{};
 }
 
@@ -165,28 +164,26 @@ Status record_frame(const SceneWorld& world, const WorldTracks& tracks, Recordin
 
 }  // namespace
 
-Result<RecordedMotion> animate_bodies(const std::vector<RunOptions>& bodies,
+Result<RecordedMotion> animate_bodies(const std::vector<BodyScene>& bodies,
                                       const FrameRange& range) {
   if (Status s = check_together(bodies); !s) return s.error();
-  for (const RunOptions& options : bodies)
-    if (Status s = check_run(options); !s) return s.error();
-  const Result<FrameSteps> frames = frame_steps(range, bodies[0].step, bodies[0].duration);
+  const double h = bodies.front().step(), duration = bodies.front().file.scene.duration;
+  const Result<FrameSteps> frames = frame_steps(range, h, duration);
   if (!frames) return frames.error();
-  Result<std::vector<std::unique_ptr<StartedBody>>> started = start_bodies(bodies);
+  Result<std::vector<StartedBody>> started = start_bodies(bodies);
   if (!started) return started.error();
   Recording recording(range.rate);
-  for (const auto& one : *started)
-    if (const auto added = recording.add(*one->body, one->input.options.name); !added)
-      return added.error();
-  ToldProgress progress(bodies[0].name, bodies[0].duration);
+  for (const StartedBody& one : *started)
+    if (const auto added = recording.add(one.body, one.name()); !added) return added.error();
+  ToldProgress progress(bodies.front().body().name, duration);
   for (const std::int64_t step : frames->steps) {
-    for (const auto& one : *started)
-      if (Status s = step_to(*one, step); !s) return s.error();
-    if (Status s = recording.begin_frame(static_cast<double>(step) * bodies[0].step); !s)
-      return s.error();
+    const double time = static_cast<double>(step) * h;
+    for (StartedBody& one : *started)
+      if (Status s = step_to(one, step); !s) return s.error();
+    if (Status s = recording.begin_frame(time); !s) return s.error();
     for (std::size_t i = 0; i < started->size(); ++i)
-      if (Status s = recording.record(i, *(*started)[i]->body); !s) return s.error();
-    progress.reached(static_cast<double>(step) * bodies[0].step);
+      if (Status s = recording.record(i, (*started)[i].body); !s) return s.error();
+    progress.reached(time);
   }
   RecordedMotion motion;
   motion.offset = frames->offset;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/result.h"
-#include "runtime/apps/tremolo/run/run_options.h"
+#include "runtime/apps/tremolo/run/body_scene.h"
 #include "runtime/io/exchange/animation.h"
 #include "runtime/io/scenes/scene_reader.h"
 
@@ -43,7 +43,7 @@ struct RecordedMotion {
 // Bodies as `tremolo run` starts and steps them, each by itself; steps and durations must agree.
 // Errors: those of prepare_run and make_body; kContent for a range that does not fit; kSolver and
 // kBound for a step that could not be made.
-Result<RecordedMotion> animate_bodies(const std::vector<RunOptions>& bodies,
+Result<RecordedMotion> animate_bodies(const std::vector<BodyScene>& bodies,
                                       const FrameRange& range);
 
 // A scene with [[bodies]]. colliders: they are recorded too. Errors: those of SceneWorld::create,

@@ -35,7 +35,7 @@ GlbTexture texture_of_flag(const std::string& text) {
 
 std::vector<NamedFile> sources_of(const MotionOutputs& outputs, const MotionSource& source) {
   namespace fs = std::filesystem;
-  std::vector<NamedFile> files = source.inputs();
+  std::vector<NamedFile> files = source.inputs;
   for (const std::string& text : outputs.textures)
     files.push_back({texture_of_flag(text).path, "--texture"});
   for (const PlotSource& run : plot_sources(outputs.extras.runs)) {
@@ -71,8 +71,8 @@ Status check_endings(const MotionOutputs& outputs) {
 Status check_names(const MotionOutputs& outputs, const MotionSource& source) {
   if (outputs.pc2.empty() && outputs.mdd.empty() && outputs.pvd.empty() && outputs.series.empty())
     return Success{};
-  std::vector<std::string> names = source.names();
-  const std::vector<std::string> scenery = source.scenery();
+  std::vector<std::string> names = source.names;
+  const std::vector<std::string> scenery = source.scenery;
   if (!outputs.pvd.empty() && !outputs.no_colliders)
     names.insert(names.end(), scenery.begin(), scenery.end());
   std::map<std::string, std::string> taken;
@@ -95,7 +95,7 @@ struct MotionPaths {
 MotionPaths paths_of(const MotionOutputs& outputs, const MotionSource& source) {
   MotionPaths paths;
   paths.named = {outputs.glb, outputs.pvd, outputs.usda, outputs.page};
-  const std::vector<std::string> names = source.names();
+  const std::vector<std::string> names = source.names;
   std::vector<std::string> shapes;
   for (const std::string& name : names)
     for (const auto& [cache, ending] : {std::pair{&outputs.pc2, ".pc2"}, {&outputs.mdd, ".mdd"}}) {
@@ -304,7 +304,8 @@ void tell_motion(const MotionOutputs& outputs, const RecordedMotion& motion, dou
 }
 
 Status export_motion(const MotionOutputs& outputs, const MotionSource& source) {
-  if (Status s = source.check(outputs); !s) return s;
+  if (outputs.modes > 0 && !source.no_modes.empty()) return usage_error(source.no_modes);
+  if (!outputs.extras.live.empty() && !source.no_live.empty()) return usage_error(source.no_live);
   const std::vector<NamedFile> sources = sources_of(outputs, source);
   if (Status s = check_paths(outputs, sources, source); !s) return s;
   const GuardedInputs guard(sources);
@@ -313,7 +314,7 @@ Status export_motion(const MotionOutputs& outputs, const MotionSource& source) {
   double left_out = 0.0;
   if (outputs.modes > 0)
     if (Status s = take(left_out, keep_coordinates(motion->animation, outputs.modes)); !s) return s;
-  const Result<Json> files = write_motion_files(outputs, motion->animation, source.told());
+  const Result<Json> files = write_motion_files(outputs, motion->animation, source.told);
   if (!files) return files.error();
   tell_motion(outputs, *motion, left_out);
   if (!outputs.json) {

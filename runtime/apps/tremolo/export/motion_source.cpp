@@ -15,85 +15,38 @@
 #include "runtime/io/exchange/recording.h"
 
 namespace tremolo {
-namespace {
 
-class BodiesMotion : public MotionSource {
- public:
-  explicit BodiesMotion(std::vector<RunOptions> bodies) : bodies_(std::move(bodies)) {}
-
-  std::vector<std::string> names() const override {
-    std::vector<std::string> names;
-    for (const RunOptions& body : bodies_) names.push_back(body.name);
-    return names;
+MotionSource bodies_motion(std::vector<BodyScene> bodies) {
+  MotionSource source;
+  std::vector<std::string> methods;
+  for (const BodyScene& one : bodies) {
+    source.names.push_back(one.body().name);
+    for (NamedFile& file : inputs_of(one)) source.inputs.push_back(std::move(file));
+    const std::string& method = one.body().integrator;
+    if (std::find(methods.begin(), methods.end(), method) == methods.end())
+      methods.push_back(method);
   }
-
-  std::vector<NamedFile> inputs() const override {
-    std::vector<NamedFile> files;
-    for (const RunOptions& body : bodies_)
-      for (NamedFile& file : inputs_of(body)) files.push_back(std::move(file));
-    return files;
-  }
-
-  std::string told() const override {
-    std::vector<std::string> methods;
-    for (const RunOptions& body : bodies_)
-      if (std::find(methods.begin(), methods.end(), body.integrator) == methods.end())
-        methods.push_back(body.integrator);
-    return fmt::format("{:.4g} s by `{}` in steps of {:.4g} ms", bodies_.front().duration,
-                       fmt::join(methods, "`, `"), 1e3 * bodies_.front().step);
-  }
-
-  Status check(const MotionOutputs&) const override { return Success{}; }
-
-  Result<RecordedMotion> record(const FrameRange& range, bool) const override {
-    return animate_bodies(bodies_, range);
-  }
-
- private:
-  std::vector<RunOptions> bodies_;
-};
-
-class WorldMotion : public MotionSource {
- public:
-  explicit WorldMotion(SceneFile file) : file_(std::move(file)) {}
-
-  std::vector<std::string> names() const override {
-    std::vector<std::string> names;
-    for (const SceneBody& body : file_.scene.bodies) names.push_back(body.name);
-    return names;
-  }
-
-  std::vector<std::string> scenery() const override {
-    std::vector<std::string> names;
-    for (const SceneCollider& collider : file_.scene.colliders) names.push_back(collider.name);
-    return names;
-  }
-
-  std::vector<NamedFile> inputs() const override { return inputs_of(file_); }
-
-  std::string told() const override {
-    return fmt::format("{:.4g} s in steps of {:.4g} ms", file_.scene.duration,
-                       1e3 * file_.scene.step);
-  }
-
-  Status check(const MotionOutputs&) const override { return Success{}; }
-
-  Result<RecordedMotion> record(const FrameRange& range, bool colliders) const override {
-    return animate_world(file_, range, colliders);
-  }
-
- private:
-  SceneFile file_;
-};
-
-}  // namespace
-
-std::unique_ptr<MotionSource> bodies_motion(std::vector<RunOptions> bodies) {
-  return std::make_unique<BodiesMotion>(std::move(bodies));
+  const Scene& first = bodies.front().file.scene;
+  source.told = fmt::format("{:.4g} s by `{}` in steps of {:.4g} ms", first.duration,
+                            fmt::join(methods, "`, `"), 1e3 * first.step);
+  source.record = [bodies = std::move(bodies)](const FrameRange& range, bool) {
+    return animate_bodies(bodies, range);
+  };
+  return source;
 }
 
-std::unique_ptr<MotionSource> world_motion(SceneFile file) {
-  return std::make_unique<WorldMotion>(std::move(file));
+MotionSource world_motion(SceneFile file) {
+  MotionSource source;
+  for (const SceneBody& body : file.scene.bodies) source.names.push_back(body.name);
+  for (const SceneCollider& collider : file.scene.colliders)
+    source.scenery.push_back(collider.name);
+  source.inputs = inputs_of(file);
+  source.told =
+      fmt::format("{:.4g} s in steps of {:.4g} ms", file.scene.duration, 1e3 * file.scene.step);
+  source.record = [file = std::move(file)](const FrameRange& range, bool colliders) {
+    return animate_world(file, range, colliders);
+  };
+  return source;
 }
 
 namespace {

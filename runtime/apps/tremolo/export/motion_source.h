@@ -1,7 +1,7 @@
 // A motion for `tremolo export`: it has names and files, runs, and is recorded.
 #pragma once
 
-#include <memory>
+#include <functional>
 #include <set>
 #include <span>
 #include <string>
@@ -10,36 +10,26 @@
 #include "common/result.h"
 #include "formats/file/output_guard.h"
 #include "runtime/apps/tremolo/export/animate.h"
-#include "runtime/apps/tremolo/run/run_options.h"
 #include "runtime/io/exchange/animation.h"
 #include "runtime/scene/scene.h"
 
 namespace tremolo {
 
-struct MotionOutputs;
-
-class MotionSource {
- public:
-  virtual ~MotionSource() = default;
-
-  // Names of the deforming bodies, in the order of the recording.
-  virtual std::vector<std::string> names() const = 0;
-  // Names of the scenery that is recorded with it.
-  virtual std::vector<std::string> scenery() const { return {}; }
-  // The files that a run of it reads.
-  virtual std::vector<NamedFile> inputs() const = 0;
-  // "30 s by `imexv` in steps of 3 ms".
-  virtual std::string told() const = 0;
-  // Errors (kUsage): formats or flags that it does not support. Called before the run.
-  virtual Status check(const MotionOutputs& outputs) const = 0;
+struct MotionSource {
+  std::vector<std::string> names;    // of the deforming bodies, in the order of the recording
+  std::vector<std::string> scenery;  // names of the scenery that is recorded with it
+  std::vector<NamedFile> inputs;     // files that a run of it reads
+  std::string told;                  // "30 s by `imexv` in steps of 3 ms"
+  // Errors of --modes and of --live; empty: the motion supports them.
+  std::string no_modes = {}, no_live = {};
   // Runs it. colliders: they are recorded too. Errors: those of the run, and of frame_steps.
-  virtual Result<RecordedMotion> record(const FrameRange& range, bool colliders) const = 0;
+  std::function<Result<RecordedMotion>(const FrameRange& range, bool colliders)> record;
 };
 
-// Bodies as `tremolo run` takes them.
-std::unique_ptr<MotionSource> bodies_motion(std::vector<RunOptions> bodies);
+// Bodies as `tremolo run` takes them, each by itself.
+MotionSource bodies_motion(std::vector<BodyScene> bodies);
 // A scene with [[bodies]].
-std::unique_ptr<MotionSource> world_motion(SceneFile file);
+MotionSource world_motion(SceneFile file);
 
 // colliders: numbers of the recorded ones, in that order. left_out: names of colliders without
 // triangles, whose file has only distances.

@@ -65,7 +65,8 @@ ReportJson report_in(const fs::path& folder) {
   const bool ours = report.is_object() && report.contains("exit_code") &&
                     report.contains("reached") && report.contains("duration");
   // Of several bodies it holds the reports of all.
-  const bool of_several = report.is_object() && report.size() == 1 && report.contains("bodies");
+  const bool of_several = report.is_object() && report.contains("bodies") &&
+                          report.size() == (report.contains("schema") ? 2U : 1U);
   return ours || of_several ? std::move(report) : ReportJson(nullptr);
 }
 

@@ -63,13 +63,13 @@ RigidLoss rigid_loss(const Model& model, const DefaultLoad& load, double mass,
   return loss;
 }
 
-Result<std::optional<RigidLoss>> rigid_loss(const RunOptions& options, const Model& model) {
+Result<std::optional<RigidLoss>> rigid_loss(const BodyScene& scene, const Model& model) {
   using Loss = std::optional<RigidLoss>;
-  Result<BasisReader> reader = BasisReader::open(options.model);
+  Result<BasisReader> reader = BasisReader::open(scene.body().model);
   if (!reader) return reader.error();
   const std::uint64_t rigid = reader->dimensions().rigid;
   if (rigid == 0) return Loss();
-  const Result<DefaultLoad> load = load_of_run(options, model);
+  const Result<DefaultLoad> load = load_of_run(scene, model);
   if (!load) return load.error();
   if (load->vertices.empty()) return Loss();
   double mass = 0.0;

@@ -1,6 +1,7 @@
 #include "runtime/apps/tremolo/run/recorder.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <iterator>
@@ -13,6 +14,7 @@
 #include "formats/file/atomic_file.h"
 #include "formats/surface/surface_writer.h"
 #include "runtime/apps/tremolo/run/run_files.h"
+#include "runtime/scene/selection.h"
 
 namespace tremolo {
 
@@ -53,6 +55,58 @@ std::span<const Moment> March::advance(std::int64_t last) {
 
 double March::microseconds_per_step() const {
   return 1e6 * seconds_ / static_cast<double>(std::max<std::int64_t>(tried_, 1));
+}
+
+namespace {
+
+bool read_index(std::string_view text, int& value) {
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && stop == text.data() + text.size() && value >= 0;
+}
+
+// The vertices of ids and selectors, each once, in the order named.
+Result<std::vector<int>> probes_of(const std::vector<std::string>& texts, const Model& model) {
+  std::vector<int> probes;
+  for (const std::string& text : texts) {
+    const Result<std::vector<VertexId>> vertices = vertices_of(text, model);
+    if (!vertices) return Error{vertices.error().kind, "--probe: " + vertices.error().message};
+    for (const VertexId id : *vertices)
+      if (std::find(probes.begin(), probes.end(), id) == probes.end()) probes.push_back(id);
+  }
+  return probes;
+}
+
+}  // namespace
+
+Result<std::vector<int>> coordinates_of(const std::vector<std::string>& texts, Eigen::Index modes) {
+  std::vector<int> coordinates;
+  for (const std::string& text : texts) {
+    int first = 0, last = static_cast<int>(modes) - 1;
+    const std::size_t dash = text.find('-', 1);
+    const bool good =
+        text == "all" || (dash == std::string::npos ? read_index(text, first)
+                                                    : read_index(text.substr(0, dash), first) &&
+                                                          read_index(text.substr(dash + 1), last));
+    if (!good || first > last)
+      return usage_error("coordinate '" + text + "': expected a number, a range as in 0-5, or all");
+    if (text != "all" && dash == std::string::npos) last = first;
+    if (last >= modes)
+      return content_error(
+          fmt::format("coordinate {}: the model has {}, counted from 0", last, modes));
+    for (int i = first; i <= last; ++i)
+      if (std::find(coordinates.begin(), coordinates.end(), i) == coordinates.end())
+        coordinates.push_back(i);
+  }
+  return coordinates;
+}
+
+Result<RecordedColumns> recorded_columns(const SceneColumns& columns, const Model& model) {
+  RecordedColumns recorded;
+  recorded.velocities = columns.velocities;
+  if (Status s = take(recorded.coordinates, coordinates_of(columns.coordinates, model.modes())); !s)
+    return s.error();
+  if (Status s = take(recorded.probes, probes_of(columns.probes, model)); !s) return s.error();
+  return recorded;
 }
 
 namespace {
@@ -156,8 +210,8 @@ Status write_shape(const Body& body, const std::string& path, const std::string&
 }
 
 bool Frames::due(std::int64_t steps) const {
-  if (written_ >= options_.surfaces) return false;
-  return steps >= std::llround(static_cast<double>(steps_) * (written_ + 1) / options_.surfaces);
+  if (written_ >= outputs_.surfaces) return false;
+  return steps >= std::llround(static_cast<double>(steps_) * (written_ + 1) / outputs_.surfaces);
 }
 
 Status Frames::keep(const std::string& path, Status status) {
@@ -166,8 +220,8 @@ Status Frames::keep(const std::string& path, Status status) {
 }
 
 Status Frames::write(const Body& body, double time) {
-  const std::string name = frame_name(written_, time, options_.surface_format);
-  const std::string path = (fs::path(options_.out) / name).string();
+  const std::string name = frame_name(written_, time, outputs_.surface_format);
+  const std::string path = (fs::path(outputs_.out) / name).string();
   list_ += fmt::format("{},{:.9g},{}\n", written_, time, name);
   ++written_;
   return keep(path, write_shape(body, path, kMaterialsName));
@@ -175,10 +229,10 @@ Status Frames::write(const Body& body, double time) {
 
 Status Frames::finish(const Model& model) {
   if (written_ == 0) return Success{};
-  const std::string list = (fs::path(options_.out) / kFramesName).string();
+  const std::string list = (fs::path(outputs_.out) / kFramesName).string();
   if (Status status = keep(list, write_file(list, list_)); !status) return status;
-  if (options_.surface_format != "obj" || model.render() == nullptr) return Success{};
-  const std::string materials = (fs::path(options_.out) / kMaterialsName).string();
+  if (outputs_.surface_format != "obj" || model.render() == nullptr) return Success{};
+  const std::string materials = (fs::path(outputs_.out) / kMaterialsName).string();
   return keep(materials, write_file(materials, material_library(model.render()->surface)));
 }
 

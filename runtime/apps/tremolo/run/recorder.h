@@ -6,14 +6,16 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/result.h"
 #include "formats/file/atomic_file.h"
-#include "runtime/apps/tremolo/run/run_options.h"
 #include "runtime/body.h"
 #include "runtime/energy.h"
+#include "runtime/io/scenes/scene_keys.h"
 #include "runtime/model.h"
+#include "runtime/scene/scene.h"
 
 namespace tremolo {
 
@@ -71,6 +73,13 @@ struct RecordedColumns {
   std::vector<std::string> further;
 };
 
+// The coordinates of "all", "I" and "I-J", each once, in the order named. Errors: kUsage.
+Result<std::vector<int>> coordinates_of(const std::vector<std::string>& texts, Eigen::Index modes);
+
+// The columns of a body of the scene, without further ones. Errors: kUsage for a text of the wrong
+// form, kContent for a coordinate that the model does not have; those of selectors.
+Result<RecordedColumns> recorded_columns(const SceneColumns& columns, const Model& model);
+
 // Columns: t (s), kinetic, potential, total, high_band, work, dissipated (J), the further ones,
 // q<i> (kg^1/2 m) and p<i> (kg^1/2 m/s) of chosen coordinates, u<v>x u<v>y u<v>z (m) and v<v>x
 // v<v>y v<v>z (m/s) of chosen vertices. Whole lines are written to a temporary file, which finish()
@@ -109,8 +118,8 @@ Status write_shape(const Body& body, const std::string& path, const std::string&
 
 class Frames {
  public:
-  // steps: of the whole run. The options must outlive this.
-  Frames(const RunOptions& options, std::int64_t steps) : options_(options), steps_(steps) {}
+  // outputs: the body's folder, the number of surfaces and their format. steps: of the whole run.
+  Frames(SceneOutputs outputs, std::int64_t steps) : outputs_(std::move(outputs)), steps_(steps) {}
 
   // True if a surface is due after `steps` steps. Surfaces are due at k/N of the run, k = 1 ... N.
   bool due(std::int64_t steps) const;
@@ -124,7 +133,7 @@ class Frames {
  private:
   Status keep(const std::string& path, Status status);
 
-  const RunOptions& options_;
+  SceneOutputs outputs_;
   std::int64_t steps_;
   int written_ = 0;
   std::string list_ = "frame,t,file\n";

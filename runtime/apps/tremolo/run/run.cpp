@@ -25,15 +25,16 @@ Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
-Json to_json(const RunReport& report, const RunOptions& options) {
+Json to_json(const RunReport& report, const BodyScene& scene) {
   Json json;
+  json["schema"] = kReportSchema;
   json["body"] = report.name;
-  json["model"] = options.model;
+  json["model"] = scene.body().model;
   json["integrator"] = report.integrator;
-  json["load"] = options.signal.empty() ? options.load : options.signal;
+  json["load"] = scene.load_name;
   json["scale"] = number(report.scale);
-  json["deflect"] = options.deflect.empty() ? Json(nullptr) : Json(options.deflect);
-  json["start"] = options.start.empty() ? Json(nullptr) : Json(options.start);
+  json["deflect"] = scene.deflect.empty() ? Json(nullptr) : Json(scene.deflect);
+  json["start"] = scene.start.empty() ? Json(nullptr) : Json(scene.start);
   json["step"] = report.step;
   json["duration"] = report.duration;
   json["steps"] = report.steps;
@@ -66,7 +67,8 @@ Json to_json(const RunReport& report, const RunOptions& options) {
   json["largest_displacement_at"] = number(report.farthest_at);
   json["rigid_modes"] = report.rigid ? Json(report.rigid->rigid_modes) : Json(0);
   json["load_rigid_share"] = report.rigid ? number(report.rigid->share) : Json(nullptr);
-  if (!options.probes.empty()) json["largest_probe_displacement"] = number(report.largest_probe);
+  if (!scene.body().columns.probes.empty())
+    json["largest_probe_displacement"] = number(report.largest_probe);
   json["exit_code"] = report.exit_code;
   json["reason"] = report.reason.empty() ? Json(nullptr) : Json(report.reason);
   json["notes"] = report.notes;
@@ -128,59 +130,57 @@ void print_text(const RunReport& report, const Warnings& warnings) {
 }
 
 // Writes report.json and prints the list of all files of the run, including `files`.
-Status write_report(const RunOptions& options, std::vector<std::string> files, const Json& json,
+Status write_report(const std::string& out, std::vector<std::string> files, const Json& json,
                     std::vector<std::string>& written) {
-  if (options.out.empty()) return Success{};
-  const std::string path = (std::filesystem::path(options.out) / kReportName).string();
+  if (out.empty()) return Success{};
+  const std::string path = (std::filesystem::path(out) / kReportName).string();
   if (Status status = write_file(path, json_text(json)); !status) return status;
   files.push_back(path);
-  tell("  wrote into {}: {}\n", options.out, list_files(files));
+  tell("  wrote into {}: {}\n", out, list_files(files));
   written.insert(written.end(), files.begin(), files.end());
   return Success{};
 }
 
+Json report_of_all(const Json& bodies) {
+  return {{"schema", kReportSchema}, {"bodies", bodies}};
+}
+
 // Of several bodies, the reports of those that have a folder in the same one.
-Status write_reports(const std::vector<RunOptions>& bodies, const Json& objects,
+Status write_reports(const std::vector<BodyScene>& bodies, const Json& objects,
                      std::vector<std::string>& written) {
   std::map<std::string, Json> reports;
   for (std::size_t i = 0; i < objects.size(); ++i)
-    if (!bodies[i].out.empty()) reports[folder_of_all(bodies[i], bodies)].push_back(objects[i]);
+    if (!bodies[i].file.outputs.out.empty())
+      reports[folder_of_all(bodies[i], bodies)].push_back(objects[i]);
   for (const auto& [folder, report] : reports) {
     const std::string path = (std::filesystem::path(folder) / kReportName).string();
-    if (Status s = write_file(path, json_text(Json{{"bodies", report}})); !s) return s;
+    if (Status s = write_file(path, json_text(report_of_all(report))); !s) return s;
     written.push_back(path);
   }
   return Success{};
 }
 
-// Options, outputs and inputs of all bodies. Errors: kUsage, kContent, kSystem.
-Status check_bodies(const std::vector<RunOptions>& bodies, const RunOutputs& outputs,
-                    const std::vector<NamedFile>& inputs) {
-  for (const RunOptions& options : bodies)
-    if (Status s = check_run(options); !s) return s;
-  return outputs.check(inputs);
-}
-
 }  // namespace
 
-int run_command(const std::vector<RunOptions>& bodies, bool json) {
+int run_command(const std::vector<BodyScene>& bodies, bool json) {
   const RunOutputs outputs = outputs_of(bodies);
   std::vector<NamedFile> inputs;
-  for (const RunOptions& body : bodies)
+  for (const BodyScene& body : bodies)
     for (NamedFile& input : inputs_of(body)) inputs.push_back(std::move(input));
-  if (Status s = check_bodies(bodies, outputs, inputs); !s) return report_error(s.error());
+  if (Status s = outputs.check(inputs); !s) return report_error(s.error());
   const GuardedInputs guard(inputs);
   std::vector<std::string> written;
   Json objects = Json::array();
   int code = 0, signal = 0;
-  for (const RunOptions& options : bodies) {
-    Result<RunReport> report = simulate(options);
+  for (const BodyScene& body : bodies) {
+    Result<RunReport> report = simulate(body);
     if (!report) return report_error(report.error());
     const Warnings warnings = warnings_of(*report);
     print_text(*report, warnings);
-    objects.push_back(to_json(*report, options));
+    objects.push_back(to_json(*report, body));
     objects.back()["warnings"] = warnings;
-    if (Status status = write_report(options, report->files, objects.back(), written); !status)
+    if (Status status = write_report(body.file.outputs.out, report->files, objects.back(), written);
+        !status)
       return report_error(status.error());
     if (report->exit_code != 0) {
       tell("tremolo: {}: {}\n", report->name, report->reason);
@@ -192,7 +192,7 @@ int run_command(const std::vector<RunOptions>& bodies, bool json) {
   if (bodies.size() > 1)
     if (Status s = write_reports(bodies, objects, written); !s) return report_error(s.error());
   if (Status s = outputs.remove_earlier(written); !s) return report_error(s.error());
-  if (json) print_json(objects.size() == 1 ? objects.front() : Json{{"bodies", objects}});
+  if (json) print_json(objects.size() == 1 ? objects.front() : report_of_all(objects));
   const Status printed = flush_standard_output();
   // The calling process sees that a signal ended this one.
   if (signal != 0) ::raise(signal);

@@ -1,51 +1,33 @@
-// Makes the body of `tremolo run` from the command line's or the scene's options.
+// Makes the body of a scene of one body.
 #pragma once
 
 #include <string>
 
 #include "common/result.h"
 #include "formats/basis/basis_data.h"
-#include "runtime/apps/tremolo/run/run_options.h"
+#include "runtime/apps/tremolo/run/body_scene.h"
 #include "runtime/body.h"
 
 namespace tremolo {
 
-// Checks the options that can be judged without the model. Errors: kUsage, kContent.
-Status check_run(const RunOptions& options);
-
-// The integrator's options among those of the run. Errors: kUsage.
-Result<IntegratorOptions> integrator_options(const RunOptions& options);
-
-// The model that the options name.
-Result<Model::Pointer> load_model(const RunOptions& options);
+// The model of the scene's body.
+Result<Model::Pointer> load_model(const BodyScene& scene);
 
 // The load in space, unscaled: of --at and --force, else the model's; without vertices for --load
 // none.
-Result<DefaultLoad> load_of_run(const RunOptions& options, const Model& model);
+Result<DefaultLoad> load_of_run(const BodyScene& scene, const Model& model);
 
-// Makes the body with its load in the state of --start. table: of options.signal; it must outlive
-// the body.
-// Errors of Body::create and Body::add_load, and of start_state.
-Result<Body> make_body(const RunOptions& options, Model::Pointer model, const SignalTable& table);
+// Makes the body with its load in the state of --start. The scene must outlive it. Errors of
+// Body::create and Body::add_load, and of start_state.
+Result<Body> make_body(const BodyScene& scene, Model::Pointer model);
 
 // The largest reduced force of the load in time, r: of a square, a sine and a constant one; zero
 // for an impulse, which is over before the body is where it would hold it, and for --signal.
-Result<Eigen::VectorXd> largest_load(const RunOptions& options, const Model& model,
-                                     const SignalTable& table);
-
-// The coordinates of "all", "I" and "I-J", each once, in the order named. Errors: kUsage.
-Result<std::vector<int>> coordinates_of(const std::vector<std::string>& texts, Eigen::Index modes);
-
-// The vertices of ids and selectors, each once, in the order named.
-Result<std::vector<int>> probes_of(const std::vector<std::string>& texts, const Model& model);
+Result<Eigen::VectorXd> largest_load(const BodyScene& scene, const Model& model);
 
 // Turns the library's kUsage for a wrong argument into kContent: on the command line kUsage means
 // an unknown flag or name, and a number out of range is an invalid value.
 Error value_error(Error error);
-
-// options.load with its frequencies and duration; not of --signal. Errors: those of parse_signal
-// and shape_signal.
-Result<Signal> shaped_signal(const RunOptions& options);
 
 // The share of --deflect: "5%" or "0.05". Errors: kUsage; kContent if it is not positive.
 Result<double> parse_share(const std::string& text);

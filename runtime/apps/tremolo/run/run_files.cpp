@@ -23,15 +23,15 @@ void add_ids_of(const std::string& selector, const std::string& whose,
     inputs.push_back({file, "the ids of " + whose});
 }
 
-std::vector<NamedFile> inputs_of(const RunOptions& options) {
-  std::vector<NamedFile> inputs{{options.model, "the basis file"},
-                                {options.scene, "the scene"},
-                                {options.signal, "--signal"},
-                                {file_of_start(options.start), "--start"}};
-  add_ids_of(options.at, "--at", inputs);
-  add_ids_of(options.listen, "--listen", inputs);
-  add_ids_of(selector_of_start(options.start), "--start", inputs);
-  for (const std::string& probe : options.probes) add_ids_of(probe, "--probe", inputs);
+std::vector<NamedFile> inputs_of(const BodyScene& scene) {
+  std::vector<NamedFile> inputs{{scene.body().model, "the basis file"},
+                                {scene.file.path, "the scene"},
+                                {file_of_start(scene.start), "--start"}};
+  for (const std::string& csv : scene.file.files) inputs.push_back({csv, "--signal"});
+  add_ids_of(scene.load().at, "--at", inputs);
+  add_ids_of(scene.file.outputs.listen, "--listen", inputs);
+  add_ids_of(selector_of_start(scene.start), "--start", inputs);
+  for (const std::string& probe : scene.body().columns.probes) add_ids_of(probe, "--probe", inputs);
   return inputs;
 }
 
@@ -85,26 +85,28 @@ const std::vector<const char*>& body_files() {
   return kNames;
 }
 
-RunOutputs outputs_of(const std::vector<RunOptions>& bodies) {
+RunOutputs outputs_of(const std::vector<BodyScene>& bodies) {
   RunOutputs outputs;
   std::map<std::string, std::vector<std::string>> folders;
-  for (const RunOptions& body : bodies) {
-    outputs.add(body.wav);
-    if (!body.out.empty()) folders[folder_of_all(body, bodies)].push_back(body.name);
+  for (const BodyScene& one : bodies) {
+    outputs.add(one.file.outputs.wav);
+    if (!one.file.outputs.out.empty())
+      folders[folder_of_all(one, bodies)].push_back(one.body().name);
   }
   for (const auto& [folder, names] : folders)
     outputs.add_folder(folder, bodies.size() > 1 ? names : std::vector<std::string>());
-  for (const RunOptions& body : bodies) {
-    outputs.add_files(body.out, body_files());
-    outputs.add_files(body.out, {kReportName});
+  for (const BodyScene& one : bodies) {
+    outputs.add_files(one.file.outputs.out, body_files());
+    outputs.add_files(one.file.outputs.out, {kReportName});
   }
   if (bodies.size() > 1)
     for (const auto& [folder, names] : folders) outputs.add_files(folder, {kReportName});
   return outputs;
 }
 
-std::string folder_of_all(const RunOptions& body, const std::vector<RunOptions>& bodies) {
-  return bodies.size() > 1 ? fs::path(body.out).parent_path().string() : body.out;
+std::string folder_of_all(const BodyScene& body, const std::vector<BodyScene>& bodies) {
+  const std::string& out = body.file.outputs.out;
+  return bodies.size() > 1 ? fs::path(out).parent_path().string() : out;
 }
 
 std::string list_files(const std::vector<std::string>& files) {

@@ -6,13 +6,15 @@
 
 #include "common/result.h"
 #include "formats/file/output_guard.h"
+#include "runtime/apps/tremolo/run/body_scene.h"
 #include "runtime/apps/tremolo/run/earlier_run.h"
-#include "runtime/apps/tremolo/run/run_options.h"
 
 namespace tremolo {
 
 inline constexpr const char* kTableName = "run.csv";
 inline constexpr const char* kReportName = "report.json";
+inline constexpr int kReportSchema =
+    1;  // `schema` of reports: raised when a key changes its meaning
 inline constexpr const char* kFramesName = "frames.csv";      // the surfaces' times
 inline constexpr const char* kMaterialsName = "surface.mtl";  // of surfaces as .obj
 
@@ -20,7 +22,7 @@ inline constexpr const char* kMaterialsName = "surface.mtl";  // of surfaces as 
 std::string frame_name(int frame, double time, const std::string& format);
 
 // The files that a run reads: the model, the scene, --signal, --start and lists of ids.
-std::vector<NamedFile> inputs_of(const RunOptions& options);
+std::vector<NamedFile> inputs_of(const BodyScene& scene);
 // Adds the lists of ids named in a selector, or a vertex's number. whose: "--at".
 void add_ids_of(const std::string& selector, const std::string& whose,
                 std::vector<NamedFile>& inputs);
@@ -51,10 +53,10 @@ class RunOutputs {
 
 // The files that a run of these bodies writes. Several bodies have one folder each, NAME in the
 // requested folder, which also gets the report of all.
-RunOutputs outputs_of(const std::vector<RunOptions>& bodies);
+RunOutputs outputs_of(const std::vector<BodyScene>& bodies);
 
 // The folder requested as the bodies' --out; for a single body its own.
-std::string folder_of_all(const RunOptions& body, const std::vector<RunOptions>& bodies);
+std::string folder_of_all(const BodyScene& body, const std::vector<BodyScene>& bodies);
 
 // Names of the files of one body in its folder.
 const std::vector<const char*>& body_files();

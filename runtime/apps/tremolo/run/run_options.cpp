@@ -7,14 +7,12 @@
 #include <toml++/toml.h>
 
 #include "formats/file/input_file.h"
+#include "runtime/apps/tremolo/run/sound.h"
 #include "runtime/apps/tremolo/start/start_state.h"
 #include "runtime/io/scenes/toml_keys.h"
 
 namespace tremolo {
 namespace {
-
-// One key of a scene: how to store its value; false if the type is wrong.
-using Store = bool (*)(const toml::node&, RunOptions&);
 
 template <class T>
 std::optional<T> value_of(const toml::node& node) {
@@ -34,20 +32,15 @@ bool store(const toml::node& node, T& target) {
   return value.has_value();
 }
 
-bool store_frequency(const toml::node& node, SignalShape& shape) {
-  shape.frequency = node.value<double>();
-  return shape.frequency.has_value();
-}
-
-bool store_duration(const toml::node& node, SignalShape& shape) {
-  shape.duration = node.value<double>();
-  return shape.duration.has_value();
+bool store_number(const toml::node& node, std::optional<double>& target) {
+  target = node.value<double>();
+  return target.has_value();
 }
 
 // "F1,F2" or [F1, F2].
-bool store_sweep(const toml::node& node, SignalShape& shape) {
+bool store_sweep(const toml::node& node, std::string& target) {
   const auto text = sweep_text(node);
-  if (text) shape.sweep = *text;
+  if (text) target = *text;
   return text.has_value();
 }
 
@@ -68,60 +61,81 @@ bool store_at(const toml::node& node, std::string& target) {
   return selector.has_value();
 }
 
-struct Key {
+// An option by the name of its flag and key. store: keeps the key's value and returns false if the
+// type is wrong; null: only a flag. copy: from one body's options to another's.
+struct Option {
   std::string_view name;
-  Store store;
+  bool (*store)(const toml::node&, RunOptions&);
+  void (*copy)(const RunOptions&, RunOptions&);
 };
 
 template <auto Member,
           auto Take = store<std::remove_reference_t<decltype(std::declval<RunOptions&>().*Member)>>>
-bool keep(const toml::node& node, RunOptions& options) {
-  return Take(node, options.*Member);
+constexpr Option option(std::string_view name) {
+  return {name,
+          [](const toml::node& node, RunOptions& options) { return Take(node, options.*Member); },
+          [](const RunOptions& from, RunOptions& to) { to.*Member = from.*Member; }};
 }
 
-constexpr Key kKeys[] = {
-    {"model", keep<&RunOptions::model>},
-    {"integrator", keep<&RunOptions::integrator>},
-    {"step", keep<&RunOptions::step>},
-    {"duration", keep<&RunOptions::duration>},
-    {"modes", keep<&RunOptions::modes>},
-    {"rescale", keep<&RunOptions::rescale>},
-    {"linear", keep<&RunOptions::linear>},
-    {"load", keep<&RunOptions::load>},
-    {"at", keep<&RunOptions::at, store_at>},
-    {"force", keep<&RunOptions::force>},
-    {"frequency", keep<&RunOptions::shape, store_frequency>},
-    {"sweep", keep<&RunOptions::shape, store_sweep>},
-    {"load-duration", keep<&RunOptions::shape, store_duration>},
-    {"signal", keep<&RunOptions::signal>},
-    {"scale", keep<&RunOptions::scale>},
-    {"alpha", keep<&RunOptions::alpha>},
-    {"beta", keep<&RunOptions::beta>},
-    {"damping-ratio", keep<&RunOptions::damping_ratio>},
-    {"newmark-beta", keep<&RunOptions::newmark_beta>},
-    {"newmark-gamma", keep<&RunOptions::newmark_gamma>},
-    {"split", keep<&RunOptions::split>},
-    {"safety", keep<&RunOptions::safety>},
-    {"tolerance", keep<&RunOptions::tolerance>},
-    {"max-iterations", keep<&RunOptions::max_iterations>},
-    {"probe", keep<&RunOptions::probes, store_list>},
-    {"coordinate", keep<&RunOptions::coordinates, store_list>},
-    {"velocities", keep<&RunOptions::velocities>},
-    {"deflect", keep<&RunOptions::deflect>},
-    {"start", keep<&RunOptions::start>},
-    {"out", keep<&RunOptions::out>},
-    {"every", keep<&RunOptions::every>},
-    {"plot", keep<&RunOptions::plot>},
-    {"surfaces", keep<&RunOptions::surfaces>},
-    {"surface-format", keep<&RunOptions::surface_format>},
-    {"hull", keep<&RunOptions::hull>},
+// Of the load's shape.
+template <auto Part, auto Take>
+constexpr Option shape_option(std::string_view name) {
+  return {
+      name,
+      [](const toml::node& node, RunOptions& options) { return Take(node, options.shape.*Part); },
+      [](const RunOptions& from, RunOptions& to) { to.shape.*Part = from.shape.*Part; }};
+}
+
+template <auto Member>
+constexpr Option flag_only(std::string_view name) {
+  return {name, nullptr, [](const RunOptions& from, RunOptions& to) { to.*Member = from.*Member; }};
+}
+
+constexpr Option kOptions[] = {
+    option<&RunOptions::model>("model"),
+    option<&RunOptions::integrator>("integrator"),
+    option<&RunOptions::step>("step"),
+    option<&RunOptions::duration>("duration"),
+    option<&RunOptions::modes>("modes"),
+    option<&RunOptions::rescale>("rescale"),
+    option<&RunOptions::linear>("linear"),
+    option<&RunOptions::load>("load"),
+    option<&RunOptions::at, store_at>("at"),
+    option<&RunOptions::force>("force"),
+    shape_option<&SignalShape::frequency, store_number>("frequency"),
+    shape_option<&SignalShape::sweep, store_sweep>("sweep"),
+    shape_option<&SignalShape::duration, store_number>("load-duration"),
+    option<&RunOptions::signal>("signal"),
+    option<&RunOptions::scale>("scale"),
+    option<&RunOptions::alpha>("alpha"),
+    option<&RunOptions::beta>("beta"),
+    option<&RunOptions::damping_ratio>("damping-ratio"),
+    option<&RunOptions::newmark_beta>("newmark-beta"),
+    option<&RunOptions::newmark_gamma>("newmark-gamma"),
+    option<&RunOptions::split>("split"),
+    option<&RunOptions::safety>("safety"),
+    option<&RunOptions::tolerance>("tolerance"),
+    option<&RunOptions::max_iterations>("max-iterations"),
+    option<&RunOptions::probes, store_list>("probe"),
+    option<&RunOptions::coordinates, store_list>("coordinate"),
+    option<&RunOptions::velocities>("velocities"),
+    option<&RunOptions::deflect>("deflect"),
+    option<&RunOptions::start>("start"),
+    option<&RunOptions::out>("out"),
+    option<&RunOptions::every>("every"),
+    option<&RunOptions::plot>("plot"),
+    option<&RunOptions::surfaces>("surfaces"),
+    option<&RunOptions::surface_format>("surface-format"),
+    option<&RunOptions::hull>("hull"),
+    flag_only<&RunOptions::wav>("wav"),
+    flag_only<&RunOptions::listen>("listen"),
 };
 
 Status read_body(const std::string& path, const toml::table& table, RunOptions& body) {
   for (const auto& [key, node] : table) {
-    const Key* known = nullptr;
-    for (const Key& candidate : kKeys)
-      if (candidate.name == key.str()) known = &candidate;
+    const Option* known = nullptr;
+    for (const Option& candidate : kOptions)
+      if (candidate.name == key.str() && candidate.store != nullptr) known = &candidate;
     if (known == nullptr)
       return error_at(path, key.source(), "unknown key '" + std::string(key.str()) + "'");
     if (!known->store(node, body))
@@ -181,6 +195,21 @@ Result<std::vector<RunOptions>> parse_scene(std::string_view text, const std::st
   }
   if (bodies.empty()) return content_error(path + ": the scene has no body");
   return bodies;
+}
+
+void put_over(const RunOptions& flags, const std::function<bool(const char*)>& given,
+              RunOptions& options) {
+  for (const Option& option : kOptions)
+    if (given(("--" + std::string(option.name)).c_str())) option.copy(flags, options);
+  if (given("--load")) {
+    options.signal.clear();
+    if (!given("--frequency")) options.shape.frequency.reset();
+    if (!given("--sweep")) options.shape.sweep.clear();
+  }
+  if (given("--alpha") || given("--beta")) options.damping_ratio.clear();
+  if (given("--scale")) options.deflect.clear();
+  if (given("--deflect")) options.scale = 1.0;
+  if (!options.wav.empty() && !given("--step")) take_sound_step(options);
 }
 
 }  // namespace tremolo

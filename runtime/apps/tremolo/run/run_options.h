@@ -1,6 +1,8 @@
-// Options of `tremolo run`, from flags or from a scene file.
+// Options of one body, as flags or the keys of a scene's table name them. body_scene.h makes a
+// scene of them.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -59,6 +61,11 @@ struct RunOptions {
 Result<std::vector<RunOptions>> read_scene(const std::string& path);
 // The same for the file's contents; `path` is for errors, and `model` is relative to it.
 Result<std::vector<RunOptions>> parse_scene(std::string_view text, const std::string& path);
+
+// Flags that are `given`, such as "--step", replace the options of the same quantity. --wav without
+// --step chooses the step.
+void put_over(const RunOptions& flags, const std::function<bool(const char*)>& given,
+              RunOptions& options);
 
 }  // namespace tremolo
 

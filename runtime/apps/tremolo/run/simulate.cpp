@@ -19,7 +19,6 @@
 #include "runtime/apps/tremolo/run/sound.h"
 #include "runtime/apps/tremolo/run/watch.h"
 #include "runtime/apps/tremolo/start/run_notes.h"
-#include "runtime/io/scenes/csv_rows.h"
 #include "runtime/scene/selection.h"
 
 namespace tremolo {
@@ -32,14 +31,14 @@ namespace fs = std::filesystem;
 constexpr std::size_t kBlock = 64;
 constexpr std::chrono::seconds kFlushEvery{1};  // the CSV can be followed so closely
 
-RunReport start_report(const RunOptions& options, const Body& body) {
+RunReport start_report(const BodyScene& scene, const Body& body) {
   RunReport report;
-  report.name = options.name;
-  report.integrator = options.integrator;
-  report.step = options.step;
-  report.duration = options.duration;
+  report.name = scene.body().name;
+  report.integrator = scene.body().integrator;
+  report.step = scene.step();
+  report.duration = scene.file.scene.duration;
   report.first_frequency = hertz(body.model().lambda()(0));
-  report.scale = options.scale;
+  report.scale = scene.load().scale;
   report.split = body.integrator().split();
   return report;
 }
@@ -87,36 +86,40 @@ Result<bool> follow(Body& body, std::int64_t steps, const RunLinks& links, Watch
   return false;
 }
 
-Result<RunReport> run_body(const RunOptions& options, const RunInput& input,
-                           const RunLinks& links) {
-  const Model::Pointer& model = input.model;
-  Result<Body> body = make_body(options, model, input.table);
-  if (!body) return body.error();
-  RecordedColumns columns;
-  columns.velocities = options.velocities;
-  if (Status s = take(columns.coordinates, coordinates_of(options.coordinates, model->modes())); !s)
-    return s.error();
-  if (Status s = take(columns.probes, probes_of(options.probes, *model)); !s) return s.error();
-  const std::string csv =
-      options.out.empty() ? std::string() : (fs::path(options.out) / kTableName).string();
-  if (!options.out.empty()) {
+// The recorder of the run's table in its folder, which is made; it records nothing without one.
+Result<Recorder> make_recorder(const std::string& out, const RecordedColumns& columns,
+                               const Model& model) {
+  std::string csv;
+  if (!out.empty()) {
     std::error_code error;
-    fs::create_directories(options.out, error);
-    if (error) return system_error(options.out + ": cannot create: " + error.message());
+    fs::create_directories(out, error);
+    if (error) return system_error(out + ": cannot create: " + error.message());
+    csv = (fs::path(out) / kTableName).string();
   }
-  Result<Recorder> recorder = Recorder::create(*model, columns, csv);
+  Result<Recorder> recorder = Recorder::create(model, columns, csv);
   if (!recorder) return value_error(recorder.error());
+  return recorder;
+}
 
-  RunReport report = start_report(options, *body);
+Result<RunReport> run_body(const BodyScene& scene, const Model::Pointer& model,
+                           const RunLinks& links) {
+  Result<Body> body = make_body(scene, model);
+  if (!body) return body.error();
+  const Result<RecordedColumns> columns = recorded_columns(scene.body().columns, *model);
+  if (!columns) return columns.error();
+  Result<Recorder> recorder = make_recorder(scene.file.outputs.out, *columns, *model);
+  if (!recorder) return recorder.error();
+
+  RunReport report = start_report(scene, *body);
   if (links.interruption != nullptr) {  // not a trial
     Eigen::VectorXd load;
-    if (Status s = take(load, largest_load(options, *model, input.table)); !s) return s.error();
+    if (Status s = take(load, largest_load(scene, *model)); !s) return s.error();
     report.notes = notes_before(*body, load);
-    for (const std::string& note : report.notes) tell("{}: note: {}\n", options.name, note);
+    for (const std::string& note : report.notes) tell("{}: note: {}\n", report.name, note);
   }
-  const std::int64_t steps = std::llround(options.duration / options.step);
+  const std::int64_t steps = std::llround(scene.file.scene.duration / scene.step());
   Result<Watch> watch =
-      Watch::create(options, *body, columns.probes.empty() ? nullptr : columns.probes.data(), steps,
+      Watch::create(scene, *body, columns->probes.empty() ? nullptr : columns->probes.data(), steps,
                     std::move(*recorder), report);
   if (!watch) return value_error(watch.error());
   const Result<bool> whole = follow(*body, steps, links, *watch, report);
@@ -126,89 +129,80 @@ Result<RunReport> run_body(const RunOptions& options, const RunInput& input,
 }
 
 // Makes the run once without writing anything and measures its largest displacement.
-Result<LoadAttempt> attempt(const RunOptions& options, const RunInput& input, double scale) {
-  RunOptions trial = options;
-  trial.scale = scale;
-  trial.out.clear();
-  trial.surfaces = 0;
-  trial.plot = false;
-  trial.wav.clear();
-  trial.probes.clear();
-  trial.coordinates.clear();
-  ToldProgress progress(fmt::format("{}, load times {:.4g}", options.name, scale),
-                        options.duration);
-  const Result<RunReport> report = run_body(trial, input, {nullptr, &progress});
+Result<LoadAttempt> attempt(const RunInput& input, double scale) {
+  BodyScene trial = input.scene;
+  trial.load().scale = scale;
+  trial.file.outputs = {};
+  trial.body().columns = {};
+  ToldProgress progress(fmt::format("{}, load times {:.4g}", trial.body().name, scale),
+                        trial.file.scene.duration);
+  const Result<RunReport> report = run_body(trial, input.model, {nullptr, &progress});
   if (!report) return report.error();
-  if (!(report->size > 0)) return content_error(options.model + ": the surface has no size");
+  if (!(report->size > 0)) return content_error(trial.body().model + ": the surface has no size");
   return LoadAttempt{scale,
                      report->exit_code != 0 ? std::numeric_limits<double>::infinity()
                                             : report->farthest.distance / report->size,
                      report->reason};
 }
 
-Result<double> scale_for_deflection(const RunOptions& options, const RunInput& input) {
-  const Result<double> share = parse_share(options.deflect);
+Result<double> scale_for_deflection(const RunInput& input) {
+  const std::string& deflect = input.scene.deflect;
+  const Result<double> share = parse_share(deflect);
   if (!share) return share.error();
   const Result<LoadScale> found =
-      search_load_scale(*share, [&](double scale) { return attempt(options, input, scale); });
+      search_load_scale(*share, [&](double scale) { return attempt(input, scale); });
   if (!found) return found.error();
   if (!(found->scale > 0))
-    return content_error("--deflect " + options.deflect +
+    return content_error("--deflect " + deflect +
                          ": no factor of the load gives that: " + found->trouble);
-  tell("{}: the load times {:.4g} moves it by {} of its size\n", options.name, found->scale,
-       options.deflect);
+  tell("{}: the load times {:.4g} moves it by {} of its size\n", input.scene.body().name,
+       found->scale, deflect);
   return found->scale;
 }
 
 // Chooses the steps per sample for a run with --wav and without --step.
-Status choose_sound_steps(const Model& model, RunOptions& options) {
-  if (options.wav.empty() || options.sound_steps > 0) return Success{};
-  const Result<IntegratorOptions> settings = integrator_options(options);
-  if (!settings) return settings.error();
-  options.sound_steps = steps_a_sample(model, options.integrator, *settings, 1.0 / options.step);
-  options.step /= options.sound_steps;
-  return Success{};
+void choose_sound_steps(const Model& model, BodyScene& scene) {
+  SceneOutputs& outputs = scene.file.outputs;
+  if (outputs.wav.empty() || outputs.sound_steps > 0) return;
+  outputs.sound_steps =
+      steps_a_sample(model, scene.body().integrator, scene.settings(), 1.0 / scene.step());
+  scene.file.scene.step /= outputs.sound_steps;
 }
 
-void tell_nearest(const RunOptions& options, const Model& model) {
-  for (const std::string& note : nearest_of(options.at, model)) tell("  --at {}\n", note);
-  for (const std::string& probe : options.probes)
+void tell_nearest(const BodyScene& scene, const Model& model) {
+  for (const std::string& note : nearest_of(scene.load().at, model)) tell("  --at {}\n", note);
+  for (const std::string& probe : scene.body().columns.probes)
     for (const std::string& note : nearest_of(probe, model)) tell("  --probe {}\n", note);
 }
 
 }  // namespace
 
-Result<RunInput> prepare_run(const RunOptions& options) {
-  if (Status status = check_run(options); !status) return status.error();
-  const Result<Model::Pointer> model = load_model(options);
+Result<RunInput> prepare_run(const BodyScene& scene) {
+  const Result<Model::Pointer> model = load_model(scene);
   if (!model) return model.error();
-  tell_nearest(options, **model);
-  RunInput input{*model, {}, options};
-  if (Status s = choose_sound_steps(**model, input.options); !s) return s.error();
-  if (!options.signal.empty())
-    if (Status s = take(input.table, read_signal(options.signal)); !s) return s.error();
-  if (!options.deflect.empty())
-    if (Status s = take(input.options.scale, scale_for_deflection(options, input)); !s)
+  tell_nearest(scene, **model);
+  RunInput input{*model, scene};
+  choose_sound_steps(**model, input.scene);
+  if (!scene.deflect.empty())
+    if (Status s = take(input.scene.load().scale, scale_for_deflection(input)); !s)
       return s.error();
   return input;
 }
 
-Result<RunReport> simulate(const RunOptions& options) {
-  const Result<RunInput> input = prepare_run(options);
+Result<RunReport> simulate(const BodyScene& scene) {
+  const Result<RunInput> input = prepare_run(scene);
   if (!input) return input.error();
-  const Result<std::optional<RigidLoss>> rigid = rigid_loss(options, *input->model);
+  const Result<std::optional<RigidLoss>> rigid = rigid_loss(scene, *input->model);
   if (!rigid) return rigid.error();
   const Interruption interruption;
-  ToldProgress progress(options.name, options.duration);
-  Result<RunReport> report = run_body(input->options, *input, {&interruption, &progress});
+  ToldProgress progress(scene.body().name, scene.file.scene.duration);
+  const BodyScene& used = input->scene;
+  Result<RunReport> report = run_body(used, input->model, {&interruption, &progress});
   if (!report) return report;
   report->rigid = *rigid;
-  if (options.wav.empty()) return report;
-  const RunOptions& used = input->options;
-  const Result<IntegratorOptions> settings = integrator_options(used);
-  if (settings)
-    report->sound_warning = sound_warning(*input->model, used.integrator, *settings,
-                                          1.0 / (used.step * used.sound_steps));
+  if (!used.file.outputs.wav.empty())
+    report->sound_warning = sound_warning(*input->model, used.body().integrator, used.settings(),
+                                          1.0 / (used.step() * used.file.outputs.sound_steps));
   return report;
 }
 

@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
-#include "runtime/apps/tremolo/run/run_options.h"
+#include "runtime/apps/tremolo/run/body_scene.h"
 #include "runtime/apps/tremolo/run/stretch.h"
 #include "runtime/body.h"
 #include "runtime/model.h"
@@ -26,7 +26,7 @@ struct RigidLoss {
 };
 
 // Empty if the body is not free or there is no load. Errors: those of reading the file.
-Result<std::optional<RigidLoss>> rigid_loss(const RunOptions& options, const Model& model);
+Result<std::optional<RigidLoss>> rigid_loss(const BodyScene& scene, const Model& model);
 
 // The same for a given load, mass (kg) and number of rigid motions.
 RigidLoss rigid_loss(const Model& model, const DefaultLoad& load, double mass,
@@ -35,13 +35,12 @@ RigidLoss rigid_loss(const Model& model, const DefaultLoad& load, double mass,
 // Input of a run. It must outlive the body that make_body() makes of it.
 struct RunInput {
   Model::Pointer model;
-  SignalTable table;   // of --signal
-  RunOptions options;  // as given, with the step that --wav needs and the factor found by --deflect
+  BodyScene scene;  // as given, with the step that --wav needs and the factor found by --deflect
 };
 
-// Checks the options, loads the model and determines the load. Errors: kUsage, kContent and kSystem
-// as in simulate().
-Result<RunInput> prepare_run(const RunOptions& options);
+// Loads the model and determines the load's factor. Errors: kUsage, kContent and kSystem as in
+// simulate().
+Result<RunInput> prepare_run(const BodyScene& scene);
 
 // A change of a splitting method's split, before the step that began at `time`.
 struct SplitMove {
@@ -80,21 +79,21 @@ struct RunReport {
   Excursion farthest;              // of the surface in all samples
   double farthest_at = 0;          // s
   std::optional<RigidLoss> rigid;  // of a free body with a load
-  std::vector<std::string> files;  // written, under options.out
+  std::vector<std::string> files;  // written, in the run's folder
   int exit_code = 0;               // 0, 4 or 5; 128 + n when signal n ended it early
   int signal = 0;                  // that n; 0: none
   std::string reason;              // why exit_code is not 0
   std::vector<std::string> notes;  // start/run_notes.h
 };
 
-// Runs one body. With options.deflect the load's factor is found first, by runs that write nothing.
+// Runs one body. With --deflect the load's factor is found first, by runs that write nothing.
 // Errors: those of loading, creating and writing; kContent if no factor gives the deflection. A run
 // that ends early gives a report, not an error. SIGINT, SIGTERM and SIGHUP end it early, with all
 // results up to then.
-Result<RunReport> simulate(const RunOptions& options);
+Result<RunReport> simulate(const BodyScene& scene);
 
 // `tremolo run`. Runs every body of the list. json: one object on stdout, also when a run failed.
 // The exit code; errors are printed on stderr.
-int run_command(const std::vector<RunOptions>& bodies, bool json);
+int run_command(const std::vector<BodyScene>& bodies, bool json);
 
 }  // namespace tremolo

@@ -36,43 +36,46 @@ std::string why_out_of_bound(double time, double energy) {
 }
 
 // Any method without a momentum of its own kind will do: the copy is never stepped.
-Result<Body> make_seen(const Body& body, const RunOptions& options) {
+Result<Body> make_seen(const Body& body, const SplitOptions& split) {
   IntegratorOptions settings;
   settings.step = body.step_size();
-  Result<SplitOptions> split = parse_split(options.split);
-  if (!split) return split.error();
-  settings.split = *split;
-  settings.split.safety = options.safety;
+  settings.split = split;
   return Body::create(body.model_pointer(), "verlet", settings);
+}
+
+// Between samples of the sound, s.
+double sound_interval(const BodyScene& scene) {
+  return scene.step() * scene.file.outputs.sound_steps;
 }
 
 }  // namespace
 
-Result<Watch> Watch::create(const RunOptions& options, const Body& body, const int* first_probe,
+Result<Watch> Watch::create(const BodyScene& scene, const Body& body, const int* first_probe,
                             std::int64_t steps, Recorder recorder, RunReport& report) {
-  Result<Body> seen = make_seen(body, options);
+  Result<Body> seen = make_seen(body, scene.body().options.split);
   if (!seen) return seen.error();
-  Watch watch(options, std::move(*seen), steps, std::move(recorder), report);
+  Watch watch(scene, std::move(*seen), steps, std::move(recorder), report);
   if (first_probe != nullptr) {
     Result<VertexRows> rows = body.model().vertex(*first_probe);
     if (!rows) return rows.error();
     watch.probe_ = std::move(rows->rows);
   }
-  if (!options.wav.empty())
-    if (Status s = take(watch.ear_, Ear::create(options.listen, body.model(),
-                                                1.0 / (options.step * options.sound_steps)));
+  const SceneOutputs& outputs = scene.file.outputs;
+  if (!outputs.wav.empty())
+    if (Status s = take(watch.ear_,
+                        Ear::create(outputs.listen, body.model(), 1.0 / sound_interval(scene)));
         !s)
       return s.error();
   return watch;
 }
 
-Watch::Watch(const RunOptions& options, Body seen, std::int64_t steps, Recorder recorder,
+Watch::Watch(const BodyScene& scene, Body seen, std::int64_t steps, Recorder recorder,
              RunReport& report)
-    : options_(&options),
+    : scene_(&scene),
       report_(&report),
       seen_(std::move(seen)),
       recorder_(std::move(recorder)),
-      frames_(options, steps),
+      frames_(scene.file.outputs, steps),
       stretch_(std::make_unique<SurfaceStretch>(seen_.model())),
       shape_looks_(seen_.model(), steps_between_shapes(seen_), steps) {
   report_->size = stretch_->size();
@@ -86,7 +89,7 @@ Result<bool> Watch::observe(const Moment& moment) {
   else
     energy.potential = std::numeric_limits<double>::quiet_NaN();
   note_energy(moment, energy);
-  if (moment.steps % options_->every == 0)
+  if (moment.steps % scene_->file.outputs.every == 0)
     if (Status status = recorder_.record(moment, energy); !status) return status.error();
   if (frames_.due(moment.steps))
     if (Status status = frames_.write(seen_, moment.time); !status) return status.error();
@@ -97,10 +100,11 @@ Result<bool> Watch::observe(const Moment& moment) {
   }
   // At rest the shape does not change.
   const bool due = shape_looks_.due(moment.steps, moment.state.q);
-  if (due && (moment.steps > 0 || !options_->start.empty())) note_shape(moment);
+  if (due && (moment.steps > 0 || !scene_->start.empty())) note_shape(moment);
   if (probe_.cols() > 0)
     report_->largest_probe = std::max(report_->largest_probe, (probe_ * moment.state.q).norm());
-  if (ear_ && moment.steps % options_->sound_steps == 0) sound_.add(ear_->place(moment.state.q));
+  if (ear_ && moment.steps % scene_->file.outputs.sound_steps == 0)
+    sound_.add(ear_->place(moment.state.q));
   last_ = moment;
   return inside;
 }
@@ -145,18 +149,17 @@ Status Watch::finish() {
   report_->iterations_per_step = static_cast<double>(last_.iterations) /
                                  static_cast<double>(std::max<std::int64_t>(last_.steps, 1));
   report_->energy_drift_max = drift_.worst();
+  const SceneOutputs& outputs = scene_->file.outputs;
   if (ear_)
-    if (Status status = sound_.write(options_->wav, options_->step * options_->sound_steps);
-        !status)
-      return status;
-  if (options_->out.empty()) return Success{};
+    if (Status status = sound_.write(outputs.wav, sound_interval(*scene_)); !status) return status;
+  if (outputs.out.empty()) return Success{};
   if (Status status = frames_.finish(seen_.model()); !status) return status;
   report_->files = frames_.files();
-  const std::string csv = (fs::path(options_->out) / kTableName).string();
+  const std::string csv = (fs::path(outputs.out) / kTableName).string();
   if (Status status = recorder_.finish(); !status) return status;
   report_->files.push_back(csv);
-  if (options_->plot && report_->signal == 0)
-    if (Status s = plot_run({options_->integrator, csv}, options_->out, report_->files); !s)
+  if (outputs.plot && report_->signal == 0)
+    if (Status s = plot_run({scene_->body().integrator, csv}, outputs.out, report_->files); !s)
       return s;
   return Success{};
 }

@@ -17,10 +17,10 @@ namespace tremolo {
 class Watch {
  public:
   // body: the run's; measurements are made on a copy, which is set to each recorded state. steps:
-  // the number of the whole run. recorder: empty if nothing is written. Options and report must
+  // the number of the whole run. recorder: empty if nothing is written. Scene and report must
   // outlive this.
   // Errors of Body::create and Model::vertex.
-  static Result<Watch> create(const RunOptions& options, const Body& body, const int* first_probe,
+  static Result<Watch> create(const BodyScene& scene, const Body& body, const int* first_probe,
                               std::int64_t steps, Recorder recorder, RunReport& report);
 
   // Takes the start and then every step, in order. False: the orbit has left its energy bound, and
@@ -33,13 +33,13 @@ class Watch {
   Status finish();
 
  private:
-  Watch(const RunOptions& options, Body seen, std::int64_t steps, Recorder recorder,
+  Watch(const BodyScene& scene, Body seen, std::int64_t steps, Recorder recorder,
         RunReport& report);
   void note_energy(const Moment& moment, const Energy& energy);
   void note_split(const Moment& moment);
   void note_shape(const Moment& moment);
 
-  const RunOptions* options_;
+  const BodyScene* scene_;
   RunReport* report_;
   Body seen_;
   Recorder recorder_;

@@ -255,6 +255,7 @@ TetsJson TetsRun::json() const {
     }
   }
   TetsJson json;
+  json["schema"] = kReportSchema;
   json["scene"] = scene_.path;
   json["step"] = scene_.step;
   json["duration"] = scene_.duration;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -36,6 +35,6 @@ int inspect_tets_command(const TetScene& scene, bool json);
 // its recording, then, if requested, colliders as scenery. A body's pose is the rigid motion of its
 // mesh's frame that fits its surface best, and its displacements are the difference. Errors of
 // record: those of make_tets_bodies and frame_steps; kSolver for a step that fails.
-std::unique_ptr<MotionSource> tets_motion(TetScene scene);
+MotionSource tets_motion(TetScene scene);
 
 }  // namespace tremolo

@@ -129,50 +129,22 @@ Result<RecordedMotion> animate_tets(const TetScene& scene, const FrameRange& ran
   return motion;
 }
 
-class TetsMotion : public MotionSource {
- public:
-  explicit TetsMotion(TetScene scene) : scene_(std::move(scene)) {}
-
-  std::vector<std::string> names() const override {
-    std::vector<std::string> names;
-    for (const TetSceneBody& body : scene_.bodies) names.push_back(body.name);
-    return names;
-  }
-
-  std::vector<std::string> scenery() const override {
-    std::vector<std::string> names;
-    for (const SceneCollider& collider : scene_.colliders) names.push_back(collider.name);
-    return names;
-  }
-
-  std::vector<NamedFile> inputs() const override { return inputs_of(scene_); }
-
-  std::string told() const override {
-    return fmt::format("{:.4g} s of {} bodies of tetrahedra in steps of {:.4g} ms", scene_.duration,
-                       scene_.bodies.size(), 1e3 * scene_.step);
-  }
-
-  Status check(const MotionOutputs& outputs) const override {
-    if (outputs.modes > 0)
-      return usage_error("--modes applies only to bodies with a basis: tetrahedra have none");
-    if (!outputs.extras.live.empty())
-      return usage_error(
-          "--live applies only to bodies with a basis: a page's engine moves no tetrahedra");
-    return Success{};
-  }
-
-  Result<RecordedMotion> record(const FrameRange& range, bool colliders) const override {
-    return animate_tets(scene_, range, colliders);
-  }
-
- private:
-  TetScene scene_;
-};
-
 }  // namespace
 
-std::unique_ptr<MotionSource> tets_motion(TetScene scene) {
-  return std::make_unique<TetsMotion>(std::move(scene));
+MotionSource tets_motion(TetScene scene) {
+  MotionSource source;
+  for (const TetSceneBody& body : scene.bodies) source.names.push_back(body.name);
+  for (const SceneCollider& collider : scene.colliders) source.scenery.push_back(collider.name);
+  source.inputs = inputs_of(scene);
+  source.told = fmt::format("{:.4g} s of {} bodies of tetrahedra in steps of {:.4g} ms",
+                            scene.duration, scene.bodies.size(), 1e3 * scene.step);
+  source.no_modes = "--modes applies only to bodies with a basis: tetrahedra have none";
+  source.no_live =
+      "--live applies only to bodies with a basis: a page's engine moves no tetrahedra";
+  source.record = [scene = std::move(scene)](const FrameRange& range, bool colliders) {
+    return animate_tets(scene, range, colliders);
+  };
+  return source;
 }
 
 }  // namespace tremolo

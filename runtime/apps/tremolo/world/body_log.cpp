@@ -79,35 +79,18 @@ double turnover(const EnergyAccount& account) {
   return sum;
 }
 
-std::unique_ptr<RunOptions> options_of(const SceneFile& file, const SceneBody& body) {
-  auto options = std::make_unique<RunOptions>();
-  options->name = body.name;
-  options->model = body.model;
-  options->scene = file.path;
-  options->integrator = body.integrator;
-  options->step = file.scene.step;
-  options->duration = file.scene.duration;
-  options->probes = body.columns.probes;
-  options->coordinates = body.columns.coordinates;
-  options->velocities = body.columns.velocities;
-  const SceneOutputs& outputs = file.outputs;
-  if (!outputs.out.empty()) options->out = (fs::path(outputs.out) / body.name).string();
-  options->every = outputs.every;
-  options->surfaces = outputs.surfaces;
-  options->surface_format = outputs.surface_format;
-  options->plot = outputs.plot;
-  return options;
+// In the folder of the body.
+SceneOutputs outputs_of(const SceneFile& file, const SceneBody& body) {
+  SceneOutputs outputs = file.outputs;
+  if (!outputs.out.empty()) outputs.out = (fs::path(outputs.out) / body.name).string();
+  return outputs;
 }
 
-Result<RecordedColumns> columns_of(const RunOptions& options, const Model& model) {
-  RecordedColumns columns;
-  columns.velocities = options.velocities;
-  columns.further = kFurther;
-  if (Status s = take(columns.coordinates, coordinates_of(options.coordinates, model.modes())); !s)
-    return value_error(s.error());
-  if (Status s = take(columns.probes, probes_of(options.probes, model)); !s)
-    return value_error(s.error());
-  for (const int probe : columns.probes)
+Result<RecordedColumns> columns_of(const SceneBody& body, const Model& model) {
+  Result<RecordedColumns> columns = recorded_columns(body.columns, model);
+  if (!columns) return value_error(columns.error());
+  columns->further = kFurther;
+  for (const int probe : columns->probes)
     if (const Result<VertexRows> rows = model.vertex(probe); !rows)
       return value_error(rows.error());
   return columns;
@@ -115,24 +98,25 @@ Result<RecordedColumns> columns_of(const RunOptions& options, const Model& model
 
 }  // namespace
 
-Status check_columns(const SceneFile& file, const SceneWorld& world, std::size_t body) {
-  const std::unique_ptr<RunOptions> options = options_of(file, world.scene().bodies[body]);
-  const Result<RecordedColumns> columns = columns_of(*options, world.body(body).model());
+Status check_columns(const SceneWorld& world, std::size_t body) {
+  const Result<RecordedColumns> columns =
+      columns_of(world.scene().bodies[body], world.body(body).model());
   return columns ? Status(Success{}) : Status(columns.error());
 }
 
 Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, std::size_t body,
                                 SharedLooks& shared) {
-  std::unique_ptr<RunOptions> options = options_of(file, world.scene().bodies[body]);
+  const SceneBody& known = world.scene().bodies[body];
+  SceneOutputs outputs = outputs_of(file, known);
   const Model& model = world.body(body).model();
-  const Result<RecordedColumns> columns = columns_of(*options, model);
+  const Result<RecordedColumns> columns = columns_of(known, model);
   if (!columns) return columns.error();
   std::string csv;
-  if (!options->out.empty()) {
+  if (!outputs.out.empty()) {
     std::error_code error;
-    fs::create_directories(options->out, error);
-    if (error) return system_error(options->out + ": cannot create: " + error.message());
-    csv = (fs::path(options->out) / kTableName).string();
+    fs::create_directories(outputs.out, error);
+    if (error) return system_error(outputs.out + ": cannot create: " + error.message());
+    csv = (fs::path(outputs.out) / kTableName).string();
   }
   Result<Recorder> recorder = Recorder::create(model, *columns, csv, world.size() > kMostOpen);
   if (!recorder) return value_error(recorder.error());
@@ -142,7 +126,7 @@ Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, 
       looks != shared.looks.end()
           ? looks->second
           : shared.looks.try_emplace(&model, model, kStepsBetweenShapes, steps).first->second;
-  BodyLog log(body, std::move(options), std::move(*recorder), first, steps, shared);
+  BodyLog log(body, known.name, std::move(outputs), std::move(*recorder), first, steps, shared);
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& x : model.surface().rest) box.extend(x);
   log.report_.size = box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
@@ -150,12 +134,13 @@ Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, 
   return log;
 }
 
-BodyLog::BodyLog(std::size_t body, std::unique_ptr<RunOptions> options, Recorder recorder,
+BodyLog::BodyLog(std::size_t body, std::string name, SceneOutputs outputs, Recorder recorder,
                  const ShapeLooks& looks, std::int64_t steps, SharedLooks& shared)
     : body_(body),
-      options_(std::move(options)),
+      name_(std::move(name)),
+      outputs_(std::move(outputs)),
       recorder_(std::move(recorder)),
-      frames_(*options_, steps),
+      frames_(outputs_, steps),
       shape_looks_(looks),
       shared_(&shared) {}
 
@@ -171,7 +156,7 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
   // The drawn surface can be at its deepest only if the contact points are.
   if (world.penetration_max(body_) > deepest_) note_depth(world);
   rebound_.observe(world, body_);
-  if (!options_->out.empty() && moment_.steps % options_->every == 0) {
+  if (!outputs_.out.empty() && moment_.steps % outputs_.every == 0) {
     const auto [pose, momenta] = place_of(world, body_);
     const TouchForces touching = touch_forces(world, body_);
     const Eigen::Quaterniond& turn = pose.rotation;
@@ -280,14 +265,14 @@ Status BodyLog::finish(const SceneWorld& world) {
       report_.collider_impulses.emplace_back(colliders[c].name, world.collider_impulse(body_, c));
   }
   judge_balance(world.scene().bodies[body_].integrator);
-  if (options_->out.empty()) return Success{};
+  if (outputs_.out.empty()) return Success{};
   if (Status s = frames_.finish(body.model()); !s) return s;
   report_.files = frames_.files();
-  const std::string csv = (fs::path(options_->out) / kTableName).string();
+  const std::string csv = (fs::path(outputs_.out) / kTableName).string();
   if (Status s = recorder_.finish(); !s) return s;
   report_.files.push_back(csv);
-  if (options_->plot)
-    if (Status s = plot_run({options_->name, csv}, options_->out, report_.files); !s) return s;
+  if (outputs_.plot)
+    if (Status s = plot_run({name_, csv}, outputs_.out, report_.files); !s) return s;
   return Success{};
 }
 

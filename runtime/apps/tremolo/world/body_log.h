@@ -2,13 +2,11 @@
 #pragma once
 
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "runtime/apps/tremolo/run/recorder.h"
-#include "runtime/apps/tremolo/run/run_options.h"
 #include "runtime/apps/tremolo/run/stretch.h"
 #include "runtime/apps/tremolo/world/surface_depth.h"
 #include "runtime/io/scenes/scene_reader.h"
@@ -63,7 +61,7 @@ struct BodyReport {
 
 // Checks that the model has the columns requested for the body. Call it for all bodies before
 // anything is written. Errors: kUsage, kContent.
-Status check_columns(const SceneFile& file, const SceneWorld& world, std::size_t body);
+Status check_columns(const SceneWorld& world, std::size_t body);
 
 // Data shared by the logs of many bodies. looks: of a model; each body of it starts with a copy.
 struct SharedLooks {
@@ -89,17 +87,19 @@ class BodyLog {
   void add_notes(const std::vector<std::string>& notes) { report_.notes = notes; }
 
   const BodyReport& report() const { return report_; }
-  const RunOptions& options() const { return *options_; }
+  const std::string& name() const { return name_; }
+  const std::string& folder() const { return outputs_.out; }  // of the body; empty: none
 
  private:
-  BodyLog(std::size_t body, std::unique_ptr<RunOptions> options, Recorder recorder,
+  BodyLog(std::size_t body, std::string name, SceneOutputs outputs, Recorder recorder,
           const ShapeLooks& looks, std::int64_t steps, SharedLooks& shared);
   void note_shape(const SceneWorld& world);
   void note_depth(const SceneWorld& world);
   void judge_balance(const std::string& method);
 
   std::size_t body_;
-  std::unique_ptr<RunOptions> options_;  // the folder and its surfaces; frames_ refers to it
+  std::string name_;
+  SceneOutputs outputs_;  // in the body's own folder
   Recorder recorder_;
   Frames frames_;
   ShapeLooks shape_looks_;

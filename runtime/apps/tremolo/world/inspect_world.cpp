@@ -2,9 +2,7 @@
 #include "runtime/apps/tremolo/output/scene_places.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/run/run_body.h"
-#include "runtime/apps/tremolo/start/start_state.h"
 #include "runtime/apps/tremolo/world/world_commands.h"
-#include "runtime/io/scenes/csv_rows.h"
 #include "runtime/world/scene_world.h"
 
 namespace tremolo {
@@ -55,22 +53,20 @@ Result<ScenePlaces> places_of(const SceneFile& file) {
   return places;
 }
 
-Result<ScenePlaces> places_of(const std::vector<RunOptions>& bodies, const std::string& path) {
+Result<ScenePlaces> places_of(const std::vector<BodyScene>& bodies) {
+  const SceneFile& first = bodies.front().file;
   ScenePlaces places{
-      path, "bodies, each by itself", bodies.front().step, bodies.front().duration, false, {}, {},
+      first.path, "bodies, each by itself", first.scene.step, first.scene.duration, false, {}, {},
       {}};
-  for (const RunOptions& options : bodies) {
-    if (Status s = check_run(options); !s) return s.error();
-    Result<Model::Pointer> model = load_model(options);
+  for (const BodyScene& scene : bodies) {
+    const SceneBody& wanted = scene.body();
+    Result<Model::Pointer> model = load_model(scene);
     if (!model) return model.error();
-    SignalTable table;
-    if (!options.signal.empty())
-      if (Status s = take(table, read_signal(options.signal)); !s) return s.error();
-    Result<Body> made = make_body(options, std::move(*model), table);
+    Result<Body> made = make_body(scene, std::move(*model));
     if (!made) return made.error();
-    Result<PlacedBody> body = placed(options.name, "fixed", options.model, *made);
+    Result<PlacedBody> body = placed(wanted.name, "fixed", wanted.model, *made);
     if (!body) return body.error();
-    warn_of_step(*body, options.step, places);
+    warn_of_step(*body, scene.step(), places);
     places.bodies.push_back(std::move(*body));
   }
   return places;
@@ -88,9 +84,8 @@ int inspect_world_command(const SceneFile& file, bool json) {
   return print_or_fail(places_of(file), json);
 }
 
-int inspect_bodies_command(const std::vector<RunOptions>& bodies, const std::string& path,
-                           bool json) {
-  return print_or_fail(places_of(bodies, path), json);
+int inspect_bodies_command(const std::vector<BodyScene>& bodies, bool json) {
+  return print_or_fail(places_of(bodies), json);
 }
 
 }  // namespace tremolo

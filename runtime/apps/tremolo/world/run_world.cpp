@@ -201,6 +201,7 @@ void add_shape_warnings(const Scene& scene, const SceneWorld& world, Warnings& w
 Json world_json(const SceneFile& file, const SceneWorld& world, const std::vector<BodyLog>& logs,
                 const WorldEnding& ending, const Warnings& warnings) {
   Json json;
+  json["schema"] = kReportSchema;
   json["scene"] = file.path;
   json["step"] = world.step_size();
   json["duration"] = file.scene.duration;
@@ -258,7 +259,7 @@ void tell_end(const std::vector<BodyLog>& logs, WorldEnding& ending) {
   for (const BodyLog& log : logs) {
     if (log.report().exit_code == 0 || ending.exit_code != 0) continue;
     ending.exit_code = log.report().exit_code;
-    ending.reason = "body '" + log.options().name + "': " + log.report().reason;
+    ending.reason = "body '" + log.name() + "': " + log.report().reason;
   }
 }
 
@@ -335,7 +336,7 @@ void print_bodies(const SceneFile& file, const SceneWorld& world,
       tell("    deformed by {:.4g} m at most, {:.3g} % of its size\n", report.largest_displacement,
            100 * report.largest_displacement / report.size);
     if (!report.files.empty())
-      tell("    wrote into {}: {}\n", logs[i].options().out, list_files(report.files));
+      tell("    wrote into {}: {}\n", logs[i].folder(), list_files(report.files));
   }
   std::int64_t passed = 0;
   for (const BodyLog& log : logs) passed += log.report().passed_through;
@@ -394,7 +395,7 @@ Result<WorldRun> run_world(SceneFile file, unsigned threads) {
     return Error{error.kind, file.path + ": body '" + world->name(i) + "': " + error.message};
   };
   for (std::size_t i = 0; i < world->size(); ++i)
-    if (Status s = check_columns(file, *world, i); !s) return of_body(i, s.error());
+    if (Status s = check_columns(*world, i); !s) return of_body(i, s.error());
   std::vector<BodyLog> logs;
   SharedLooks shared;
   for (std::size_t i = 0; i < world->size(); ++i) {

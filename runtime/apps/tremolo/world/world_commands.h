@@ -7,7 +7,7 @@
 
 #include "common/result.h"
 #include "formats/file/output_guard.h"
-#include "runtime/apps/tremolo/run/run_options.h"
+#include "runtime/apps/tremolo/run/body_scene.h"
 #include "runtime/io/scenes/scene_reader.h"
 
 namespace tremolo {
@@ -35,7 +35,6 @@ int run_world_command(const SceneFile& file, unsigned threads, bool json);
 int inspect_world_command(const SceneFile& file, bool json);
 
 // For a scene with one table per body; each body is in a world of its own.
-int inspect_bodies_command(const std::vector<RunOptions>& bodies, const std::string& path,
-                           bool json);
+int inspect_bodies_command(const std::vector<BodyScene>& bodies, bool json);
 
 }  // namespace tremolo

@@ -30,7 +30,6 @@ struct ViewedScene {
 struct ViewFlags {
   RunOptions flags;                       // as parsed
   std::function<bool(const char*)> told;  // whether a flag, by its long name, was given
-  std::function<void(RunOptions&)> onto;  // parses the flags over the scene's keys of a body
 };
 
 // A single body, of a basis file or of a scene without [[bodies]], keeps its load; without --load,

@@ -1,0 +1,36 @@
+// One body by itself, as a scene of one body.
+#pragma once
+
+#include <string>
+
+#include "common/result.h"
+#include "runtime/apps/tremolo/run/run_options.h"
+#include "runtime/integrator.h"
+#include "runtime/io/scenes/scene_reader.h"
+
+namespace tremolo {
+
+// A scene of one body with one load, and the options that scenes with [[bodies]] do not have.
+struct BodyScene {
+  SceneFile file;         // path: empty without a scene file; files: the CSV of --signal
+  std::string load_name;  // or the path of its CSV, for reports
+  std::string deflect;    // "5%": the load is scaled to this motion; empty: it is not
+  std::string start;      // start_state.h; empty: at rest
+  std::string rescale;    // another material (rescale_model()); empty: that of the file
+
+  SceneBody& body() { return file.scene.bodies.front(); }
+  const SceneBody& body() const { return file.scene.bodies.front(); }
+  // Of the kind kNone for --load none.
+  SceneLoad& load() { return body().loads.front(); }
+  const SceneLoad& load() const { return body().loads.front(); }
+  double step() const { return file.scene.step; }  // s
+  // The integrator's options with this step.
+  IntegratorOptions settings() const;
+};
+
+// Flags and keys become a scene; reads the CSV of --signal. Errors: kUsage for a name or a text of
+// the wrong form and for options that exclude each other; kContent for a value out of range; those
+// of read_signal().
+Result<BodyScene> body_scene(const RunOptions& options);
+
+}  // namespace tremolo
