@@ -186,7 +186,7 @@ TEST(ClothView, EdgesOfABoxAreNotSeenThroughTheSheetThatLiesOnThem) {
       << "]\n[[colliders]]\nname = \"box\"\nshape = \"box\"\nhalf-extents = [0.3, 0.3, 0.2]\n";
   const testing::Shots shots =
       testing::shoot(folder, "box.toml",
-                     "--size 300x300 --camera 0,45 --background black --paint '#400000' "
+                     "--size 300x300 --camera 0,45 --background '#000000' --paint '#400000' "
                      "--lights 8");
   ASSERT_EQ(shots.result.code, 0) << shots.result.err;
   const Result<Picture> picture = read_png(shots.json["frames"][0]["file"]);
@@ -204,7 +204,7 @@ TEST(ClothView, EdgesOfABoxAreNotSeenThroughTheSheetThatLiesOnThem) {
 TEST(ClothView, ShadowsAreNotSeenOnWallsThatAreGlass) {
   if (const std::string why = testing::no_pictures(); !why.empty()) GTEST_SKIP() << why;
   const std::string folder = fresh_folder();
-  const std::string flags = "--size 200x200 --camera 0,20,0.5 --background black --lights 4";
+  const std::string flags = "--size 200x200 --camera 0,20,0.5 --background '#000000' --lights 4";
   const auto picture = [&](const std::string& name, const std::string& scene) {
     std::ofstream(folder + "/" + name + ".toml") << scene;
     const testing::Shots shots = testing::shoot(folder, name + ".toml", flags);
