@@ -1,5 +1,5 @@
-// What is summed of a reduced body: its energy, integrals of its mass, the drift of an orbit from
-// its balance.
+// The energy of a reduced body, the integrals of its mass, and the drift of an orbit from its
+// balance.
 #pragma once
 
 #include <cmath>

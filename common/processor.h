@@ -1,4 +1,4 @@
-// What this machine's processor can do, and its time.
+// The processor's instruction sets and this program's processor time.
 #pragma once
 
 #include <ctime>

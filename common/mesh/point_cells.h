@@ -1,4 +1,4 @@
-// What lies near each other, and sets of what belongs together.
+// Points in the cells of a grid, found by their positions.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What tremolo-precompute and tremolo-mesh, which it starts, hand to each other.
+// The messages between tremolo-precompute and tremolo-mesh, which it starts.
 #pragma once
 
 #include <cstddef>
