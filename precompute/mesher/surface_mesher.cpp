@@ -1,6 +1,7 @@
 #include "precompute/mesher/surface_mesher.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/text.h"
 #include "common/units.h"
@@ -158,6 +159,20 @@ Result<MeshedSurface> mesh_surface(const RenderSurface& given, const SurfaceMesh
   return MeshedSurface{std::move(mesh), std::move(report)};
 }
 
+void restore_printed_floats(std::vector<Eigen::Vector3d>& vertices, double metres_per_unit) {
+  double largest = 0, moved = 0;
+  for (const Eigen::Vector3d& x : vertices) {
+    const Eigen::Vector3d number = x / metres_per_unit;
+    largest = std::max(largest, number.cwiseAbs().maxCoeff());
+    moved = std::max(moved, (number - number.cast<float>().cast<double>()).cwiseAbs().maxCoeff());
+  }
+  // A double is half a float's spacing away at most, and a quarter in the mean: 2^-25 of the
+  // largest and more. This is below a quarter of that.
+  if (!(moved <= std::ldexp(largest, -27))) return;
+  for (Eigen::Vector3d& x : vertices)
+    x = metres_per_unit * (x / metres_per_unit).cast<float>().cast<double>();
+}
+
 std::vector<std::string> describe(const SurfaceMeshReport& report) {
   std::vector<std::string> lines = describe(report.findings);
   lines.push_back(std::string(report.findings.clean() ? "closed and without crossings: " : "") +
@@ -185,7 +200,8 @@ Result<MesherAnswer> load_surface(const std::string& path, const std::string& un
   }
   Result<SurfaceFile> file = read_surface(path, reading);
   if (!file) return file.error();
-  const RenderSurface& surface = file->surface;
+  RenderSurface& surface = file->surface;
+  restore_printed_floats(surface.vertices, file->metres_per_unit);
   Result<MeshedSurface> meshed = mesh_surface(surface, options);
   if (!meshed) return Error{meshed.error().kind, path + ": " + meshed.error().message};
   MesherAnswer answer{std::move(meshed->mesh), file->format, {}};

@@ -38,6 +38,11 @@ struct MeshedSurface {
 // tetrahedra; kSolver if no method of meshing succeeds.
 Result<MeshedSurface> mesh_surface(const RenderSurface& surface, const SurfaceMeshOptions& options);
 
+// Rounds all coordinates to single precision in the file's unit if none moves by more than 2^-27 of
+// the largest: the numbers are then floats that a program printed in decimals, and its planes and
+// straight edges come back exactly. Otherwise nothing changes. metres_per_unit: above 0.
+void restore_printed_floats(std::vector<Eigen::Vector3d>& vertices, double metres_per_unit);
+
 // The report as lines for people.
 std::vector<std::string> describe(const SurfaceMeshReport& report);
 

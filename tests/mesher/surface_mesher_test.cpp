@@ -1,5 +1,7 @@
 #include "precompute/mesher/surface_mesher.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "common/mesh/mesh_check.h"
@@ -43,6 +45,30 @@ TEST(SurfaceMesher, MeshesGoodSurfacesWell) {
                 0.03 * enclosed_volume(surface));
     EXPECT_EQ(meshed.report.quality.parts, 1u);
   }
+}
+
+double printed(double x) { return std::round(x * 1e10) / 1e10; }
+
+// CGAL's cheese.off: floats of 0.05 m printed with ten decimals, so that its planes are 1e-9 of its
+// size off. With those numbers it took ten times as long as with the floats.
+TEST(SurfaceMesher, FloatsThatWerePrintedInDecimalsComeBack) {
+  std::vector<Eigen::Vector3d> floats, decimals, doubles;
+  for (int i = 1; i <= 30; ++i) {
+    const Eigen::Vector3d x = 0.05 * Eigen::Vector3d(std::sin(i), std::sin(3 * i), std::cos(i));
+    floats.push_back(x.cast<float>().cast<double>());
+    decimals.push_back(floats.back().unaryExpr(&printed));
+    doubles.push_back(x);
+  }
+  const std::vector<Eigen::Vector3d> given = doubles;
+  restore_printed_floats(decimals, 1.0);
+  EXPECT_EQ(decimals, floats);
+  restore_printed_floats(doubles, 1.0);
+  EXPECT_EQ(doubles, given);
+
+  std::vector<Eigen::Vector3d> inches = floats;
+  for (Eigen::Vector3d& x : inches) x = 0.0254 * x.unaryExpr(&printed);
+  restore_printed_floats(inches, 0.0254);
+  for (std::size_t i = 0; i < inches.size(); ++i) EXPECT_EQ(inches[i], 0.0254 * floats[i]);
 }
 
 TEST(SurfaceMesher, KeepsSharpEdges) {
