@@ -166,8 +166,8 @@ void restore_printed_floats(std::vector<Eigen::Vector3d>& vertices, double metre
     largest = std::max(largest, number.cwiseAbs().maxCoeff());
     moved = std::max(moved, (number - number.cast<float>().cast<double>()).cwiseAbs().maxCoeff());
   }
-  // A double is half a float's spacing away at most, and a quarter in the mean: 2^-25 of the
-  // largest and more. This is below a quarter of that.
+  // Floats near the largest are 2^-24 of it or more apart, so numbers that never were floats are
+  // 2^-26 of it from them in the mean. That all are within half of that is no chance.
   if (!(moved <= std::ldexp(largest, -27))) return;
   for (Eigen::Vector3d& x : vertices)
     x = metres_per_unit * (x / metres_per_unit).cast<float>().cast<double>();
