@@ -28,4 +28,16 @@ inline Result<double> metres_per_unit(const std::string& text) {
   return value;
 }
 
+// A unit as the user wrote it.
+struct LengthUnit {
+  std::string text;
+  double metres = 1;
+};
+
+inline Result<LengthUnit> parse_length_unit(const std::string& text) {
+  const Result<double> metres = metres_per_unit(text);
+  if (!metres) return metres.error();
+  return LengthUnit{text, *metres};
+}
+
 }  // namespace tremolo

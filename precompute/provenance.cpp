@@ -62,20 +62,22 @@ void add_materials(const Problem& problem, Json& json) {
 
 }  // namespace
 
-std::string provenance_json(const PrecomputeOptions& options, const PrecomputeResult& result) {
+std::string provenance_json(const PrecomputeRequest& request, const Problem& problem,
+                            const PrecomputeResult& result) {
   const PrecomputeFindings& findings = result.findings;
   const std::size_t r = result.data.lambda.size();
   Json json;
   json["generator"] = std::string("tremolo-precompute ") + TREMOLO_VERSION;
   json["units"] = "SI";
-  json["command_line"] = options.command_line;
-  json["mesh"] = {{"file", std::filesystem::path(options.mesh_path).filename().string()},
-                  {"format", result.problem.mesh_format},
-                  {"xxh3_64", result.problem.mesh_hash}};
-  add_materials(result.problem, json);
-  if (const auto& render = result.problem.render) {
-    const Embedding& embedding = result.problem.embedding;
-    const std::string& path = options.render_path.empty() ? options.mesh_path : options.render_path;
+  json["command_line"] = request.output.command_line;
+  json["mesh"] = {{"file", std::filesystem::path(request.solid.files.mesh).filename().string()},
+                  {"format", problem.mesh_format},
+                  {"xxh3_64", problem.mesh_hash}};
+  add_materials(problem, json);
+  if (const auto& render = problem.render) {
+    const Embedding& embedding = problem.embedding;
+    const SolidFiles& files = request.solid.files;
+    const std::string& path = files.render.empty() ? files.mesh : files.render;
     json["render"] = {{"file", std::filesystem::path(path).filename().string()},
                       {"vertices", render->vertices.size()},
                       {"triangles", render->triangles.size()},
@@ -83,14 +85,14 @@ std::string provenance_json(const PrecomputeOptions& options, const PrecomputeRe
                       {"largest_distance_m", embedding.largest_distance},
                       {"clamped", embedding.clamped}};
   }
-  json["order"] = result.problem.order;
-  json["mass"] = options.mass == MassKind::kConsistent ? "consistent" : "lumped";
-  json["fix"] = options.fix;
+  json["order"] = problem.order;
+  json["mass"] = request.solid.elements.mass == MassKind::kConsistent ? "consistent" : "lumped";
+  json["fix"] = texts_of(request.solid.support.fixed);
   json["modes"] = {{"solver", findings.mode_solver},
                    {"factorisation", findings.factorisation},
                    {"residuals", findings.mode_residuals},
                    {"certified_by_inertia", findings.certified}};
-  if (!options.linear) json["derivatives"] = options.derivatives;
+  if (!request.basis.linear) json["derivatives"] = request.basis.derivatives;
   json["derivative_residual"] = findings.derivative_residual;
   json["mass_orthonormality_error"] = findings.orthonormality_error;
   json["stiffness_diagonality_error"] = findings.diagonality_error;

@@ -3,13 +3,13 @@
 
 #include <string>
 
-#include "precompute/options/precompute_options.h"
 #include "precompute/pipeline.h"
 
 namespace tremolo {
 
 // Returns the JSON object stored in the file. It has no times, so the same input gives the same
 // file.
-std::string provenance_json(const PrecomputeOptions& options, const PrecomputeResult& result);
+std::string provenance_json(const PrecomputeRequest& request, const Problem& problem,
+                            const PrecomputeResult& result);
 
 }  // namespace tremolo

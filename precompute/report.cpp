@@ -8,6 +8,8 @@
 
 #include "common/hertz.h"
 #include "formats/file/standard_streams.h"
+#include "formats/vtk/vtu_writer.h"
+#include "precompute/system/failure.h"
 #include "precompute/target_error.h"
 
 namespace tremolo {
@@ -51,9 +53,34 @@ double explicit_step_limit(const BasisData& data) {
   return 2.0 / std::sqrt(data.lambda[data.lambda.size() - 1]);
 }
 
+// Returns the rows of U in the order of the mesh's vertices.
+BasisRows rows_of_mesh(const BasisData& data) {
+  BasisRows rows(3 * static_cast<Eigen::Index>(data.vertex_count), data.lambda.size());
+  for (const VertexBlock* block : {&data.surface, &data.interior})
+    for (std::size_t i = 0; i < block->vertex_ids.size(); ++i)
+      rows.middleRows(3 * Eigen::Index{block->vertex_ids[i]}, 3) =
+          block->rows.middleRows(3 * static_cast<Eigen::Index>(i), 3);
+  return rows;
+}
+
 }  // namespace
 
-void print_result(const PrecomputeResult& result, const StageLog& log, const RankTable& ranks) {
+void write_vtu(const std::string& path, const TetMesh& mesh, const BasisData& data, StageLog& log) {
+  if (path.empty()) return;
+  log.begin("vtu");
+  const BasisRows rows = rows_of_mesh(data);
+  if (mesh.edges.empty())
+    unwrap(write_modes_vtu(path, mesh.vertices, std::span<const Tetrahedron>(mesh.tetrahedra), rows,
+                           data.lambda));
+  else
+    unwrap(write_modes_vtu(path, mesh.vertices,
+                           std::span<const QuadraticCell>(quadratic_cells(mesh)), rows,
+                           data.lambda));
+  log.end(path);
+}
+
+void print_result(const LoadedProblem& loaded, const PrecomputeResult& result, const StageLog& log,
+                  const RankTable& ranks) {
   const BasisData& data = result.data;
   const std::size_t r = data.lambda.size();
   Json frequencies = Json::array();
@@ -61,10 +88,12 @@ void print_result(const PrecomputeResult& result, const StageLog& log, const Ran
   std::vector<double> cut(data.singular_values.begin() +
                               static_cast<std::ptrdiff_t>(std::min(r, data.singular_values.size())),
                           data.singular_values.end());
+  std::vector<std::string> notes = loaded.problem.notes;
+  notes.insert(notes.end(), result.findings.notes.begin(), result.findings.notes.end());
   const Json provenance = Json::parse(data.provenance);
-  const Json json = {{"order", result.problem.order},
+  const Json json = {{"order", loaded.problem.order},
                      {"elements", data.tetrahedron_count},
-                     {"dofs", 3 * result.map.nodes()},
+                     {"dofs", 3 * loaded.map.nodes()},
                      {"n", data.vertex_count},
                      {"m", data.tetrahedron_count},
                      {"r", r},
@@ -83,11 +112,11 @@ void print_result(const PrecomputeResult& result, const StageLog& log, const Ran
                      {"mass_orthonormality_error", result.findings.orthonormality_error},
                      {"polynomial_error", result.findings.polynomial_error},
                      {"cut_singular_values", cut},
-                     {"locking", to_json(result.findings.locking)},
+                     {"locking", to_json(loaded.locking)},
                      {"target_error", target_json(result.findings.target)},
                      {"error_budget", budget_json(result.findings.budget)},
                      {"encoding", provenance.value("encoding", Json{{"name", "full"}})},
-                     {"notes", result.problem.notes},
+                     {"notes", notes},
                      {"ranks", mpi_ranks()},
                      {"stages", stages_json(log)},
                      {"stages_of_ranks", ranks_json(ranks)}};

@@ -7,8 +7,12 @@
 
 namespace tremolo {
 
+// Writes the modes on the tetrahedra, unless the path is empty. data: with all rows.
+void write_vtu(const std::string& path, const TetMesh& mesh, const BasisData& data, StageLog& log);
+
 // Prints one object on stdout (docs/reference.md).
-void print_result(const PrecomputeResult& result, const StageLog& log, const RankTable& ranks);
+void print_result(const LoadedProblem& loaded, const PrecomputeResult& result, const StageLog& log,
+                  const RankTable& ranks);
 
 // Prints frequencies and the stability limit of explicit methods on stderr.
 void print_spectrum(const BasisData& data);

@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "common/length_unit.h"
 #include "formats/file/os_error.h"
 #include "formats/surface/surface_reader.h"
 #include "precompute/system/child_program.h"
@@ -58,9 +57,9 @@ std::string number(double value) {
 }
 
 // Builds the child's command line; options that were not given are left out.
-std::vector<std::string> mesher_arguments(const ProblemRequest& request) {
-  const SurfaceMeshOptions& meshing = request.meshing;
-  std::vector<std::string> arguments = {"tremolo-mesh", request.mesh_path, "--answer",
+std::vector<std::string> mesher_arguments(const SolidFiles& files) {
+  const SurfaceMeshOptions& meshing = files.meshing;
+  std::vector<std::string> arguments = {"tremolo-mesh", files.mesh, "--answer",
                                         std::to_string(kAnswerDescriptor)};
   const auto add = [&arguments](const char* flag, const std::string& value) {
     arguments.emplace_back(flag);
@@ -70,45 +69,39 @@ std::vector<std::string> mesher_arguments(const ProblemRequest& request) {
   if (meshing.tets > 0) add("--tets", std::to_string(meshing.tets));
   if (meshing.error > 0) add("--error", number(meshing.error));
   if (meshing.thicken > 0) add("--thicken", number(meshing.thicken));
-  if (!request.unit.empty()) add("--unit", request.unit);
+  if (files.unit) add("--unit", files.unit->text);
   if (meshing.fill_holes) arguments.emplace_back("--fill-holes");
   if (meshing.keep_crumbs) arguments.emplace_back("--keep-crumbs");
   return arguments;
 }
 
 // Returns the child's wait status.
-int run_mesher(const ProblemRequest& request, const MemoryFile& answer) {
+int run_mesher(const SolidFiles& files, const MemoryFile& answer) {
   std::string looked_at;
   const std::string program = program_beside("tremolo-mesh", looked_at);
   if (program.empty())
     throw Failure(system_error(
-        request.mesh_path +
-        ": a surface is cut by tremolo-mesh, which is not beside this program (" + looked_at +
-        "): build it with `cmake --build --preset release --target tremolo-mesh`"));
-  return run_child(program, mesher_arguments(request),
+        files.mesh + ": a surface is cut by tremolo-mesh, which is not beside this program (" +
+        looked_at + "): build it with `cmake --build --preset release --target tremolo-mesh`"));
+  return run_child(program, mesher_arguments(files),
                    PassedDescriptor{answer.descriptor(), kAnswerDescriptor}, false);
-}
-
-RenderSurface read_render_surface(const ProblemRequest& request) {
-  SurfaceReadOptions reading;
-  if (!request.unit.empty()) reading.metres_per_unit = unwrap(metres_per_unit(request.unit));
-  return std::move(unwrap(read_surface(request.mesh_path, reading)).surface);
 }
 
 }  // namespace
 
-CutSurface cut_surface(const ProblemRequest& request) {
+CutSurface cut_surface(const SolidFiles& files) {
   CutSurface result;
-  result.render = read_render_surface(request);
+  result.render =
+      std::move(unwrap(read_surface(files.mesh, {files.unit ? files.unit->metres : 0.0})).surface);
   const MemoryFile answer;
-  const int status = run_mesher(request, answer);
+  const int status = run_mesher(files, answer);
   const std::vector<std::byte> bytes = answer.contents();
   if (WIFSIGNALED(status))
-    throw Failure(system_error(request.mesh_path + ": tremolo-mesh was ended by signal " +
+    throw Failure(system_error(files.mesh + ": tremolo-mesh was ended by signal " +
                                std::to_string(WTERMSIG(status)) + " (" +
                                ::strsignal(WTERMSIG(status)) + ")"));
   if (bytes.empty())
-    throw Failure(system_error(request.mesh_path + ": tremolo-mesh ended without an answer, exit " +
+    throw Failure(system_error(files.mesh + ": tremolo-mesh ended without an answer, exit " +
                                "code " + std::to_string(WEXITSTATUS(status))));
   result.cut = unwrap(decode_answer(bytes));
   return result;

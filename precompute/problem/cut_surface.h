@@ -13,10 +13,10 @@ struct CutSurface {
   MesherAnswer cut;
 };
 
-// Meshes request.mesh_path. The program tremolo-mesh, which must lie beside this one, runs as a
+// Meshes files.mesh. The program tremolo-mesh, which must lie beside this one, runs as a
 // child that ends with this process; its progress messages go to stderr. Throws Failure: the errors
-// of read_surface(), metres_per_unit() and mesh_surface(), with the path; kSystem if the child
+// of read_surface() and mesh_surface(), with the path; kSystem if the child
 // cannot be started or ends without an answer.
-CutSurface cut_surface(const ProblemRequest& request);
+CutSurface cut_surface(const SolidFiles& files);
 
 }  // namespace tremolo

@@ -1,8 +1,8 @@
 #include "precompute/problem/tet_input.h"
 
+#include <optional>
 #include <utility>
 
-#include "common/length_unit.h"
 #include "common/mesh/coincident_vertices.h"
 #include "common/number_text.h"
 #include "precompute/system/failure.h"
@@ -15,8 +15,8 @@ constexpr double kVeryLarge = 100;
 constexpr double kVerySmall = 1e-3;
 
 // Rejects options for surfaces, which would otherwise be ignored silently.
-void refuse_surface_options(const ProblemRequest& request) {
-  const SurfaceMeshOptions& meshing = request.meshing;
+void refuse_surface_options(const SolidFiles& files) {
+  const SurfaceMeshOptions& meshing = files.meshing;
   const std::pair<bool, const char*> given[] = {
       {meshing.tets > 0, "--tets"},         {meshing.size > 0, "--size"},
       {meshing.error > 0, "--error"},       {meshing.thicken > 0, "--thicken"},
@@ -24,16 +24,15 @@ void refuse_surface_options(const ProblemRequest& request) {
   for (const auto& [is_given, name] : given)
     if (is_given)
       throw Failure({ErrorKind::kUsage, std::string(name) +
-                                            " applies to meshing a surface: " + request.mesh_path +
+                                            " applies to meshing a surface: " + files.mesh +
                                             " is tetrahedra already, which are taken as they are"});
 }
 
-void to_metres(const ProblemRequest& request, const std::string& unit, TetMesh& mesh) {
-  const double metres = unwrap(metres_per_unit(unit));
+void to_metres(const SolidFiles& files, double metres, TetMesh& mesh) {
   for (Eigen::Vector3d& x : mesh.vertices) {
     x *= metres;
     if (!x.allFinite())
-      throw Failure(content_error(request.mesh_path + ": in units of " + number_text(metres) +
+      throw Failure(content_error(files.mesh + ": in units of " + number_text(metres) +
                                   " m its coordinates are too large for a number"));
   }
 }
@@ -51,13 +50,13 @@ double extent(const TetMesh& mesh) {
 
 // Vertices that lie at one place are joined by --merge. Without it they are counted, as bodies that
 // were written separately, or that may slide on each other, have them on purpose.
-void join_or_count(const ProblemRequest& request, MeshFile& file) {
-  if (request.merge && request.imported)
+void join_or_count(bool merge, bool imported, MeshFile& file) {
+  if (merge && imported)
     throw Failure({ErrorKind::kUsage,
                    "an imported basis has rows for the vertices of its mesh: --merge would change "
                    "the mesh alone"});
   const Coincidences found = find_coincidences(file.mesh);
-  if (request.merge) {
+  if (merge) {
     merge_vertices(found, file.mesh);
     file.notes.push_back(
         std::to_string(found.pairs) +
@@ -70,32 +69,32 @@ void join_or_count(const ProblemRequest& request, MeshFile& file) {
 
 }  // namespace
 
-MeshFile load_tetrahedra(const ProblemRequest& request) {
-  refuse_surface_options(request);
-  const bool surface_has_it = !request.render_path.empty();
-  const std::string& unit =
-      !request.mesh_unit.empty() || surface_has_it ? request.mesh_unit : request.unit;
-  if (!unit.empty() && request.imported)
+MeshFile load_tetrahedra(const SolidFiles& files, bool imported) {
+  refuse_surface_options(files);
+  const bool surface_has_it = !files.render.empty();
+  const std::optional<LengthUnit>& unit =
+      files.mesh_unit || surface_has_it ? files.mesh_unit : files.unit;
+  if (unit && imported)
     throw Failure({ErrorKind::kUsage,
                    "an imported basis and its forces are in the units of their mesh: --unit and "
                    "--mesh-unit would change the mesh alone"});
-  MeshFile file = unwrap(read_tet_mesh(request.mesh_path));
-  if (!unit.empty()) {
-    to_metres(request, unit, file.mesh);
-    file.notes.push_back("the mesh's unit: " + unit + ", given");
+  MeshFile file = unwrap(read_tet_mesh(files.mesh));
+  if (unit) {
+    to_metres(files, unit->metres, file.mesh);
+    file.notes.push_back("the mesh's unit: " + unit->text + ", given");
   }
   const std::string flag = surface_has_it ? "--mesh-unit" : "--unit";
-  if (unit.empty() && !request.unit.empty())
+  if (!unit && files.unit)
     file.notes.push_back(
-        "--unit " + request.unit +
+        "--unit " + files.unit->text +
         " applies to the render surface; the mesh's coordinates are taken as metres "
         "(else: --mesh-unit)");
   const double size = extent(file.mesh);
-  if (unit.empty() && size > 0 && (size > kVeryLarge || size < kVerySmall))
+  if (!unit && size > 0 && (size > kVeryLarge || size < kVerySmall))
     file.notes.push_back("the mesh is " + number_text(size) +
                          " m across: if its unit is not 1 m, say so, as in " + flag + " mm or " +
                          flag + " cm");
-  join_or_count(request, file);
+  join_or_count(files.merge, imported, file);
   return file;
 }
 
