@@ -8,7 +8,6 @@
 #include "formats/basis/selector_reader.h"
 #include "formats/file/output_guard.h"
 #include "formats/file/standard_streams.h"
-#include "precompute/compute.h"
 #include "precompute/options/named_files.h"
 #include "precompute/problem/preview.h"
 #include "precompute/ranks/rank_agreement.h"

@@ -1,13 +1,11 @@
-#include "precompute/compute.h"
-
 #include <cstdio>
 
 #include "formats/basis/basis_writer.h"
 #include "formats/file/standard_streams.h"
 #include "precompute/checkpoint/checkpoint.h"
+#include "precompute/command.h"
 #include "precompute/problem/model_geometry.h"
 #include "precompute/problem/preview.h"
-#include "precompute/provenance.h"
 #include "precompute/ranks/rank_agreement.h"
 #include "precompute/ranks/rank_table.h"
 #include "precompute/ranks/row_gather.h"

@@ -1,5 +1,7 @@
-// Output at the end of a run.
+// What is said of a result: on stderr, on stdout, and in the file.
 #pragma once
+
+#include <string>
 
 #include "common/stage_log.h"
 #include "precompute/pipeline.h"
@@ -19,5 +21,10 @@ void print_spectrum(const BasisData& data);
 
 // Prints time and peak memory of all stages, and of each rank if there are several, on stderr.
 void print_total(const StageLog& log, const RankTable& ranks);
+
+// Provenance of a basis file. Returns the JSON object stored in the file. It has no times, so the
+// same input gives the same file.
+std::string provenance_json(const PrecomputeRequest& request, const Problem& problem,
+                            const PrecomputeResult& result);
 
 }  // namespace tremolo

@@ -22,4 +22,11 @@ void add_solid_options(CLI::App& app, SolidTexts& texts);
 // Parses the texts; returns the exit code if one is wrong (the error has been printed).
 std::optional<int> finish_solid_options(const SolidTexts& texts, ProblemRequest& request);
 
+// Adds the option. Since CLI11 opens the file itself, parsing throws Failure (kSystem) if it exists
+// but is not a regular file, which might never end.
+void add_config_option(CLI::App& app, const std::string& description);
+
+// Returns the option's value after parsing; empty if it was not given.
+std::string config_path(const CLI::App& app);
+
 }  // namespace tremolo

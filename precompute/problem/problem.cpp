@@ -12,7 +12,6 @@
 #include "formats/basis/selector_reader.h"
 #include "formats/surface/surface_reader.h"
 #include "precompute/embedding/surface_sets.h"
-#include "precompute/problem/cut_surface.h"
 #include "precompute/problem/element_order.h"
 #include "precompute/problem/material_rules.h"
 #include "precompute/problem/mechanisms.h"

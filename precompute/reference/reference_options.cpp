@@ -3,7 +3,6 @@
 #include <iostream>
 
 #include "formats/file/command_words.h"
-#include "precompute/options/config_option.h"
 #include "precompute/options/solid_options.h"
 #include "precompute/system/failure.h"
 #include "precompute/system/option_checks.h"

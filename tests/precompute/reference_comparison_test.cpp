@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "precompute/provenance.h"
 #include "precompute/reference/comparison.h"
 #include "precompute/reference/full/statics.h"
 #include "precompute/reference/time_integration.h"
+#include "precompute/report.h"
 #include "tests/support/computed_basis.h"
 #include "tests/support/reference_body.h"
 
@@ -180,7 +180,8 @@ TEST(ReferenceComparison, AnotherMeshMaterialOrFixIsRefused) {
   // The other way round its rows are zeros, which would fit any body.
   Problem looser = block.problem();
   looser.fixed.pop_back();
-  expect_refused(ReferenceBody(looser).body, block.made.result.data, looser.mesh_hash, "moves here");
+  expect_refused(ReferenceBody(looser).body, block.made.result.data, looser.mesh_hash,
+                 "moves here");
   Problem loose = block.problem();
   loose.fixed.clear();
   loose.free_body = true;
