@@ -35,4 +35,16 @@ inline double hertz(double squared_frequency) {
   return std::sqrt(squared_frequency) / (2.0 * std::numbers::pi);
 }
 
+// A unit as the user wrote it.
+struct LengthUnit {
+  std::string text;
+  double metres = 1;
+};
+
+inline Result<LengthUnit> parse_length_unit(const std::string& text) {
+  const Result<double> metres = metres_per_unit(text);
+  if (!metres) return metres.error();
+  return LengthUnit{text, *metres};
+}
+
 }  // namespace tremolo

@@ -44,8 +44,7 @@ int run_program(int count, char** words) {
   const auto parsed = parse_command_line(count, words);
   if (const int* code = std::get_if<int>(&parsed)) return *code;
   const auto& line = std::get<CommandLine>(parsed);
-  return run_session(words[0], line.petsc_options, line.options.threads,
-                     [&] { run_command(line); });
+  return run_session(words[0], line.petsc_options, line.solid.threads, [&] { run_command(line); });
 }
 
 void prepare_for_libraries(int, char**, char** environment) {

@@ -1,12 +1,9 @@
 #include "precompute/pipeline.h"
 
-#include <limits>
-
 #include "common/text.h"
 #include "precompute/body_measures.h"
 #include "precompute/pipeline_stages.h"
 #include "precompute/problem/model_geometry.h"
-#include "precompute/problem/preview.h"
 #include "precompute/ranks/halo.h"
 #include "precompute/ranks/rank_agreement.h"
 #include "precompute/soundness.h"
@@ -27,37 +24,29 @@ void require_factor(const SolverChoice& choice, const std::optional<LinearSolver
                   : "it does not fit (" + choice.reason + "). Give --modes, or a coarser mesh")});
 }
 
-PrecomputeResult load_mesh(const ModelRequest& request) {
-  PrecomputeResult result;
-  result.problem = load_problem_together(request);
-  const Problem& problem = result.problem;
-  result.map = make_dof_map(problem.mesh, problem.fixed, mpi_ranks());
-  result.local = local_dofs(problem.mesh, result.map, mpi_rank());
-  result.response_places = response_places(problem, request.response_at);
-  if (mpi_rank() != 0) return result;
-  result.findings.locking = find_locking(problem);
-  write_preview(request, problem);
-  return result;
+LoadedProblem make_loaded(const PrecomputeRequest& request) {
+  LoadedProblem loaded;
+  loaded.problem = load_problem_together(request.solid);
+  loaded.map = make_dof_map(loaded.problem.mesh, loaded.problem.fixed, mpi_ranks());
+  loaded.local = local_dofs(loaded.problem.mesh, loaded.map, mpi_rank());
+  loaded.response_places = response_places(loaded.problem, request.response);
+  if (mpi_rank() == 0) loaded.locking = find_locking(loaded.problem);
+  return loaded;
 }
 
-Stage<PrecomputeResult> mesh_stage(const ModelRequest& request) {
-  const auto outcome = [](const PrecomputeResult& result) {
-    const TetMesh& mesh = result.problem.mesh;
-    return text("%zu vertices, %zu tetrahedra, %zu fixed vertices", mesh.vertices.size(),
-                mesh.tetrahedra.size(), result.problem.fixed.size()) +
-           (mesh.edges.empty()
-                ? ""
-                : text("; quadratic, %zu of the vertices are edge points", mesh.edges.size()));
-  };
-  const auto notes = [](const PrecomputeResult& result) {
-    std::vector<std::string> lines = result.problem.notes;
-    for (const std::string& note : describe(result.findings.locking)) lines.push_back(note);
-    return lines;
-  };
-  return {.name = "mesh",
-          .make = [&request] { return load_mesh(request); },
-          .outcome = outcome,
-          .notes = notes};
+std::string outcome_of_mesh(const LoadedProblem& loaded) {
+  const TetMesh& mesh = loaded.problem.mesh;
+  return text("%zu vertices, %zu tetrahedra, %zu fixed vertices", mesh.vertices.size(),
+              mesh.tetrahedra.size(), loaded.problem.fixed.size()) +
+         (mesh.edges.empty()
+              ? ""
+              : text("; quadratic, %zu of the vertices are edge points", mesh.edges.size()));
+}
+
+std::vector<std::string> notes_of_mesh(const LoadedProblem& loaded) {
+  std::vector<std::string> lines = loaded.problem.notes;
+  for (const std::string& note : describe(loaded.locking)) lines.push_back(note);
+  return lines;
 }
 
 Stage<MachineLimits> machine_stage(unsigned threads) {
@@ -70,19 +59,29 @@ Stage<MachineLimits> machine_stage(unsigned threads) {
               }};
 }
 
-SolverChoice choose(const ModelRequest& request, const PrecomputeResult& result,
-                    const ModeCounts& counts, int rigid_count) {
+// Decisions that are made before anything large is allocated.
+struct Plan {
+  BasisRequest basis;
+  ModeCounts counts;
+  LinearSolver solver = LinearSolver::kCholmod;
+  bool certify = true;
+  MassKind mass = MassKind::kConsistent;
+  unsigned threads = 1;
+};
+
+SolverChoice choose(const PrecomputeRequest& request, const LoadedProblem& loaded,
+                    const ModeCounts& counts) {
   SolverRequest asked;
   // The free memory may have changed since the stages were saved, so their solver is kept.
-  asked.solver = request.solver ? request.solver : kept_solver(request.checkpoint);
-  asked.memory = request.memory;
-  asked.order = result.problem.order;
+  asked.solver = request.solve.solver ? request.solve.solver : kept_solver(request.checkpoint);
+  asked.memory = request.solve.memory;
+  asked.order = loaded.problem.order;
   asked.linear_modes = counts.linear;
   asked.modes = counts.modes;
-  asked.derivatives = !request.linear;
-  asked.rigid_modes = rigid_count;
-  asked.threads = request.threads;
-  return choose_solver(result.map, result.local, asked);
+  asked.derivatives = !request.basis.linear;
+  asked.rigid_modes = loaded.rigid_motions();
+  asked.threads = request.solid.threads;
+  return choose_solver(loaded.map, loaded.local, asked);
 }
 
 // If stiff and soft parts meet, rounding of large balanced forces in the stiff parts would dominate
@@ -91,139 +90,201 @@ double residual_to_judge(const Solid& solid, const Modes& modes) {
   return solid.uniform() ? modes.residuals.maxCoeff() : modes.scaled_residual;
 }
 
-// Stores the findings and adapts the counts to the actual number of linear modes.
-void store_modes(const Modes& modes, Run& run, PrecomputeResult& result) {
-  PrecomputeFindings& findings = result.findings;
+// The counts for the actual number of linear modes, which may be larger so that a cluster is not
+// divided.
+ModeCounts counts_of(const Plan& plan, const Modes& modes, int free_dofs) {
+  const auto found = static_cast<int>(modes.vectors.cols());
+  if (found == plan.counts.linear) return plan.counts;
+  BasisRequest extended = plan.basis;
+  extended.linear_modes = found;
+  return choose_mode_counts(extended, free_dofs);
+}
+
+// Returns a source without derivatives if the basis is in the checkpoint or the model is linear.
+BasisSource find_source(const Modes& modes, const BasisRows& psi, const ModeCounts& counts,
+                        bool linear, Checkpoint& checkpoint) {
+  BasisSource source;
+  source.finished = find_basis(checkpoint, psi.rows(), Eigen::Index{counts.modes});
+  if (!source.finished && linear) source.derivatives = {modes.vectors, modes.vectors.cols(), 0.0};
+  return source;
+}
+
+// The stages with what is around each: its lower bound of time, its line in the log, its
+// checkpoint.
+struct StageRunner {
+  const MachineLimits& machine;
+  StageLog& log;
+  Checkpoint& checkpoint;
+  template <class Value>
+  Value operator()(const Stage<Value>& stage) const {
+    return run_stage(stage, machine, log);
+  }
+};
+
+// Results of the stages that need the solver.
+struct Solution {
+  Modes modes;
+  ModeCounts counts;
+  BasisRows psi;  // the modes at the vertices of this rank's part
+  BasisSource source;
+  RestResponse response;
+  InertiaCertificate certificate;
+  bool certified = false;
+};
+
+Solution solve(const Plan& plan, const LoadedProblem& loaded, const System& system,
+               const StageRunner& stage) {
+  Checkpoint& checkpoint = stage.checkpoint;
+  const Pencil pencil = make_pencil(loaded, system, plan.solver, plan.threads);
+  const std::unique_ptr<ShiftedSolver> solver = make_shifted_solver(pencil);
+  const Solved on{loaded, system, pencil, *solver};
+  const bool extend = !plan.basis.linear_modes;
+  Solution solution;
+  solution.modes = stage(modes_stage(on, plan.counts.linear, extend, checkpoint)).modes;
+  const Modes& modes = solution.modes;
+  solution.counts = counts_of(plan, modes, loaded.free_dofs());
+  solution.psi = expand_to_vertices(loaded.map, loaded.local, modes.vectors);
+  solution.source =
+      find_source(modes, solution.psi, solution.counts, plan.basis.linear, checkpoint);
+  if (!solution.source.finished && !plan.basis.linear)
+    solution.source.derivatives =
+        stage(derivatives_stage(on, modes, solution.psi, plan.basis.derivatives, checkpoint));
+  if (!loaded.response_places.empty()) solution.response = stage(response_stage(on, modes));
+  if (plan.certify && !solver->solves_unshifted()) {
+    solution.certificate = stage(certificate_stage(on, modes, checkpoint));
+    solution.certified = solution.certificate.complete();
+  } else if (plan.certify) {
+    stage.log.note(
+        "not certified: counting modes by inertia needs a factor; --solver cholmod or mumps");
+  }
+  return solution;
+}
+
+PrecomputeFindings findings_of(const Solution& solution) {
+  const Modes& modes = solution.modes;
+  PrecomputeFindings findings;
   findings.factorisation = modes.factorisation;
   findings.mode_solver = modes.solver;
   findings.mode_residuals.assign(modes.residuals.begin(), modes.residuals.end());
-  if (const auto count = static_cast<int>(modes.vectors.cols()); count != run.counts.linear) {
-    ModelRequest extended = run.request;
-    extended.linear_modes = count;
-    run.counts = choose_mode_counts(extended, 3 * result.map.nodes() - run.rigid_count);
-  }
-  result.data.linear_mode_count = run.counts.linear;
-  result.data.rigid_mode_count = run.rigid_count;
+  findings.certified = solution.certified;
+  findings.inertia_count = solution.certificate.counted;
+  return findings;
 }
 
-// Stores the basis and notes added or dropped coordinates.
-void store_basis(FinishedBasis finished, Run& run, PrecomputeResult& result) {
-  const Basis& basis = finished.basis;
-  const std::string note = note_on_cut(basis.cut, run.counts.modes, basis.lambda.size());
-  if (!note.empty()) run.log.note(note);
-  run.counts.modes = static_cast<int>(basis.lambda.size());
-  result.rows = std::move(finished.rows);
-  result.findings.derivative_residual = finished.derivative_residual;
-  result.findings.orthonormality_error = basis.orthonormality_error;
-  result.findings.diagonality_error = basis.diagonality_error;
-  result.data.lambda = basis.lambda;
-  result.data.singular_values = basis.singular_values;
-  if (!run.request.linear || run.counts.modes >= run.counts.linear) return;
-  result.problem.notes.push_back(
+// Notes coordinates that were added or left out.
+std::vector<std::string> notes_on(const Basis& basis, const ModeCounts& counts, bool linear,
+                                  const StageLog& log) {
+  const auto r = static_cast<int>(basis.lambda.size());
+  const std::string cut = note_on_cut(basis.cut, counts.modes, r);
+  if (!cut.empty()) log.note(cut);
+  if (!linear || r >= counts.linear) return {};
+  const std::string kept =
       text("of the %d linear modes the basis keeps %d; --modes %d, the default, keeps all",
-           run.counts.linear, run.counts.modes, run.counts.linear));
-  run.log.note(result.problem.notes.back());
+           counts.linear, r, counts.linear);
+  log.note(kept);
+  return {kept};
 }
 
-void store_response(RestResponse response, PrecomputeResult& result) {
-  if (result.response_places.empty()) return;
-  result.findings.response_residual = response.residual;
-  result.response = expand_to_vertices(result.map, result.local, response.columns);
-  remove_basis_share(result.response_places, result.local, result.rows, result.data.lambda,
-                     result.response);
+void add_basis(FinishedBasis finished, PrecomputeResult& result) {
+  result.rows = std::move(finished.rows);
+  result.data.lambda = finished.basis.lambda;
+  result.data.singular_values = finished.basis.singular_values;
+  result.findings.derivative_residual = finished.derivative_residual;
+  result.findings.orthonormality_error = finished.basis.orthonormality_error;
+  result.findings.diagonality_error = finished.basis.diagonality_error;
 }
 
-void store_coefficients(FinishedCoefficients coefficients, PrecomputeResult& result) {
+void add_coefficients(FinishedCoefficients coefficients, PrecomputeResult& result) {
   result.data.cubic = std::move(coefficients.cubic);
   result.data.quartic = std::move(coefficients.quartic);
   result.data.strain_gram = std::move(coefficients.strain_gram);
   result.findings.polynomial_error = coefficients.polynomial_error;
 }
 
-void store_certificate(const InertiaCertificate& certificate, PrecomputeFindings& findings) {
-  findings.certified = certificate.complete();
-  findings.inertia_count = certificate.counted;
+void add_response(const RestResponse& response, const LoadedProblem& loaded,
+                  PrecomputeResult& result) {
+  if (loaded.response_places.empty()) return;
+  result.findings.response_residual = response.residual;
+  result.response = expand_to_vertices(loaded.map, loaded.local, response.columns);
+  remove_basis_share(loaded.response_places, loaded.local, result.rows, result.data.lambda,
+                     result.response);
 }
 
-// Returns a source without derivatives if the basis is in the checkpoint or the model is linear.
-BasisSource find_source(const Run& run, const Modes& modes, Eigen::Index rows) {
-  BasisSource source;
-  source.finished = find_basis(run.checkpoint, rows, Eigen::Index{run.counts.modes});
-  if (!source.finished && run.request.linear)
-    source.derivatives = {modes.vectors, modes.vectors.cols(), 0.0};
-  return source;
+// Adds to the file the geometry, the mass, and the counts.
+void add_body(const LoadedProblem& loaded, const ModeCounts& counts, BasisData& data) {
+  data.linear_mode_count = counts.linear;
+  data.rigid_mode_count = loaded.rigid_motions();
+  data.total_mass = total_mass(loaded.problem);
+  add_geometry(loaded.problem, data);
 }
 
-// Runs the stages from the matrices on, in order. Returns false if the target is not reached.
-bool run_stages(Run& run, const MachineLimits& machine, StageLog& log, TargetSearch* target,
-                PrecomputeResult& result) {
-  const auto stage = [&](const auto& each) { return run_stage(each, machine, log); };
-  const ModelRequest& request = run.request;
-  const System system = stage(matrices_stage(run));
-  const Pencil pencil = make_pencil(run, system);
-  const std::unique_ptr<ShiftedSolver> solver = make_shifted_solver(pencil);
-  const Solved on{system, pencil, *solver};
-
-  const Modes modes = stage(modes_stage(run, on)).modes;
-  store_modes(modes, run, result);
-  const BasisRows psi = expand_to_vertices(result.map, result.local, modes.vectors);
-  BasisSource source = find_source(run, modes, psi.rows());
-  if (!source.finished && !request.linear)
-    source.derivatives = stage(derivatives_stage(run, on, modes, psi));
-  RestResponse response;
-  if (!result.response_places.empty()) response = stage(response_stage(run, on, modes));
-  if (request.certify && !solver->solves_unshifted())
-    store_certificate(stage(certificate_stage(run, on, modes)), result.findings);
-  else if (request.certify)
-    log.note("not certified: counting modes by inertia needs a factor; --solver cholmod or mumps");
-  solver->release();
+PrecomputeResult reduce(const Plan& plan, const LoadedProblem& loaded, const System& system,
+                        Solution solution, TargetSearch* target, const StageRunner& stage) {
+  const bool linear = plan.basis.linear;
+  const BasisBody body{loaded, system, solution.modes, solution.psi, plan.threads};
+  ModeCounts counts = solution.counts;
+  PrecomputeResult result;
+  result.findings = findings_of(solution);
   if (target != nullptr) {
-    TargetChoice choice = stage(target_stage(run, system, modes, psi, source, *target));
+    TargetChoice choice = stage(target_stage(body, plan.mass, solution.source, *target, stage.log));
     result.findings.target = choice.findings;
-    if (!choice.findings.kept()) return false;
-    run.counts.modes = choice.findings.chosen.modes;
-    source.directions = std::move(choice.directions);
+    if (!choice.findings.kept()) return result;
+    counts.modes = choice.findings.chosen.modes;
+    solution.source.directions = std::move(choice.directions);
   }
-  store_basis(stage(basis_stage(run, system, modes, psi, source)), run, result);
-  store_response(std::move(response), result);
-  result.data.inertia = stage(inertia_stage(run, system));
-  if (!request.linear) store_coefficients(stage(coefficients_stage(run, system)), result);
-
-  result.findings.resumed = run.checkpoint.found();
-  require_accurate(result.findings, system.solid, residual_to_judge(system.solid, modes),
-                   modes.cancellation);
-  return true;
+  const bool extend = !plan.basis.modes && !plan.basis.target_error;
+  FinishedBasis finished =
+      stage(basis_stage(body, counts.modes, extend, solution.source, stage.checkpoint, stage.log));
+  result.findings.notes = notes_on(finished.basis, counts, linear, stage.log);
+  add_basis(std::move(finished), result);
+  add_response(solution.response, loaded, result);
+  result.data.inertia = stage(inertia_stage(loaded, system, result.rows, plan.mass));
+  if (!linear)
+    add_coefficients(stage(coefficients_stage(loaded, system, result.rows, result.data.lambda,
+                                              plan.threads, stage.checkpoint)),
+                     result);
+  result.findings.resumed = stage.checkpoint.found();
+  require_accurate(result.findings, system.solid, residual_to_judge(system.solid, solution.modes),
+                   solution.modes.cancellation);
+  add_body(loaded, solution.counts, result.data);
+  return result;
 }
 
 }  // namespace
 
-PrecomputeResult run_precompute(const ModelRequest& request, StageLog& log, TargetSearch* target) {
-  choose_mode_counts(
-      request, std::numeric_limits<int>::max());  // reject counts that are wrong for every mesh
-  PrecomputeResult result = run_stage(mesh_stage(request), {}, log);
-  const Problem& problem = result.problem;
-  const int dofs = 3 * result.map.nodes();
-  const int rigid_count = problem.free_body ? 6 * static_cast<int>(problem.report.parts) : 0;
-  const ModeCounts counts = choose_mode_counts(request, dofs - rigid_count);
+LoadedProblem load_mesh(const PrecomputeRequest& request, StageLog& log) {
+  return run_stage(Stage<LoadedProblem>{.name = "mesh",
+                                        .make = [&request] { return make_loaded(request); },
+                                        .outcome = outcome_of_mesh,
+                                        .notes = notes_of_mesh},
+                   {}, log);
+}
 
+PrecomputeResult run_precompute(const PrecomputeRequest& request, const LoadedProblem& loaded,
+                                StageLog& log, TargetSearch* target) {
+  const ModeCounts counts = choose_mode_counts(request.basis, loaded.free_dofs());
   // Frontal matrices of a small factor are too small to share; more threads would only wait.
   constexpr int kSmall = 50'000;  // dofs
-  const int blas_threads = dofs < kSmall ? 1 : static_cast<int>(request.threads);
+  const unsigned threads = request.solid.threads;
+  const int blas_threads = 3 * loaded.map.nodes() < kSmall ? 1 : static_cast<int>(threads);
   const BlasThreads blas(blas_threads);
   MachineLimits machine;
-  if (request.limits && mpi_ranks() == 1)
-    machine = run_stage(machine_stage(request.threads), {}, log);
+  if (request.solve.limits && mpi_ranks() == 1)
+    machine = run_stage(machine_stage(threads), {}, log);
 
-  const SolverChoice choice = choose(request, result, counts, rigid_count);
+  const SolverChoice choice = choose(request, loaded, counts);
   log.note(choice.reason);
-  if (target != nullptr) require_factor(choice, request.solver);
-  Checkpoint checkpoint(request.checkpoint,
-                        checkpoint_identity(request, problem, counts, choice.solver, blas_threads),
-                        log);
-  result.data.total_mass = total_mass(problem);
-  Run run{request, result, choice, checkpoint, log, counts, rigid_count};
-  if (run_stages(run, machine, log, target, result)) add_geometry(problem, result.data);
-  return result;
+  if (target != nullptr) require_factor(choice, request.solve.solver);
+  Checkpoint checkpoint(
+      request.checkpoint,
+      checkpoint_identity(request, loaded.problem, counts, choice.solver, blas_threads), log);
+  const Plan plan{
+      request.basis, counts, choice.solver, request.solve.certify, request.solid.elements.mass,
+      threads};
+  const StageRunner stage{machine, log, checkpoint};
+  const System system = stage(matrices_stage(loaded, plan.mass));
+  Solution solution = solve(plan, loaded, system, stage);
+  return reduce(plan, loaded, system, std::move(solution), target, stage);
 }
 
 }  // namespace tremolo

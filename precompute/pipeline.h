@@ -6,7 +6,7 @@
 #include "common/stage_log.h"
 #include "formats/basis/basis_data.h"
 #include "precompute/budget/error_budget.h"
-#include "precompute/problem/model_request.h"
+#include "precompute/problem/precompute_request.h"
 #include "precompute/problem/problem.h"
 #include "precompute/problem/wall_layers.h"
 #include "precompute/ranks/row_gather.h"
@@ -15,6 +15,21 @@
 #include "precompute/target_findings.h"
 
 namespace tremolo {
+
+// Result of the stage "mesh": the problem, its nodes divided among the ranks, and what is known
+// before anything is solved.
+struct LoadedProblem {
+  Problem problem;
+  DofMap map;
+  LocalDofs local;
+  std::vector<ResponsePlace> response_places;
+  Locking locking;  // on rank 0 only
+  // Number of a free body's rigid motions.
+  int rigid_motions() const {
+    return problem.free_body ? 6 * static_cast<int>(problem.report.parts) : 0;
+  }
+  int free_dofs() const { return 3 * map.nodes() - rigid_motions(); }
+};
 
 // Findings of a run, for the report and the file's provenance.
 struct PrecomputeFindings {
@@ -31,30 +46,28 @@ struct PrecomputeFindings {
   int inertia_count = 0;                        // modes below the bound, by inertia
   std::optional<EncodingError> encoding_error;  // of a compact file
   std::optional<TargetFindings> target;         // of --target-error
-  Locking locking;                              // on rank 0 only
   std::optional<ErrorBudget> budget;            // of --error-budget
+  std::vector<std::string> notes;               // for the user
 };
 
 struct PrecomputeResult {
   BasisData data;  // without rows; provenance is empty
-  Problem problem;
   PrecomputeFindings findings;
-  DofMap map;
-  LocalDofs local;
-  BasisRows rows;  // of U at the vertices of this rank's part of the mesh
-  std::vector<ResponsePlace> response_places;
+  BasisRows rows;      // of U at the vertices of this rank's part of the mesh
   BasisRows response;  // of W, at the same vertices, 3 columns per point
-
-  SpreadBasis basis() const { return {problem.mesh, problem.embedding, map, local, rows}; }
-  SpreadBasis spread_response() const {
-    return {problem.mesh, problem.embedding, map, local, response};
-  }
 };
 
-// Runs all stages; needs a PetscSession. Throws Failure. target: if given, chooses r
-// (target_error.h); if it finds none the result is incomplete.
+inline SpreadBasis spread(const LoadedProblem& loaded, const BasisRows& rows) {
+  return {loaded.problem.mesh, loaded.problem.embedding, loaded.map, loaded.local, rows};
+}
+
+// Runs the stage "mesh". Throws Failure. Collective.
+LoadedProblem load_mesh(const PrecomputeRequest& request, StageLog& log);
+
+// Runs all further stages; needs a PetscSession. Throws Failure. target: if given, chooses r
+// (target_error.h); if it finds none the result has its findings only. Collective.
 struct TargetSearch;
-PrecomputeResult run_precompute(const ModelRequest& request, StageLog& log,
-                                TargetSearch* target = nullptr);
+PrecomputeResult run_precompute(const PrecomputeRequest& request, const LoadedProblem& loaded,
+                                StageLog& log, TargetSearch* target = nullptr);
 
 }  // namespace tremolo

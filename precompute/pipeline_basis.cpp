@@ -33,36 +33,33 @@ void report_cost(const Columns& columns, unsigned threads, const Progress& progr
 
 // Returns modes and derivatives as directions in the order of their singular values; reuses the
 // columns.
-PrincipalColumns order_directions(const Run& run, const System& system, const Modes& modes,
-                                  const BasisRows& psi, Columns& columns) {
+PrincipalColumns order_directions(const BasisBody& body, Columns& columns, const StageLog& log) {
   // The largest motion Tremolo is meant for is a tenth of the body's size.
   constexpr double kReach = 0.1;
-  const double amplitude = amplitude_of_first_mode(psi, kReach * body_size(run.result.problem));
-  const unsigned threads = run.request.threads;
-  const Progress progress = [&run](const std::string& what) { run.log.note("basis: " + what); };
-  if (columns.cols() >= kLarge) report_cost(columns, threads, progress);
-  return principal_columns(system.matrices, std::move(columns), modes.squared_frequencies,
-                           amplitude, threads, progress);
+  const double amplitude =
+      amplitude_of_first_mode(body.psi, kReach * body_size(body.loaded.problem));
+  const Progress progress = [&log](const std::string& what) { log.note("basis: " + what); };
+  if (columns.cols() >= kLarge) report_cost(columns, body.threads, progress);
+  return principal_columns(body.system.matrices, std::move(columns), body.modes.squared_frequencies,
+                           amplitude, body.threads, progress);
 }
 
 // Counts two Gram matrices, half of whose entries are computed, and one transformation of the
 // columns.
-StageWork work_on_columns(const Run& run, Eigen::Index columns) {
-  const auto rows = static_cast<double>(run.result.local.dofs());
+StageWork work_on_columns(const LocalDofs& local, Eigen::Index columns) {
+  const auto rows = static_cast<double>(local.dofs());
   return {.flops = 4.0 * rows * static_cast<double>(columns) * static_cast<double>(columns)};
 }
 
-FinishedBasis cut_basis(const Run& run, const System& system, PrincipalColumns directions,
+FinishedBasis cut_basis(const BasisBody& body, int count, bool extend, PrincipalColumns directions,
                         double derivative_residual) {
-  const ModelRequest& request = run.request;
-  const PrecomputeResult& result = run.result;
-  const bool extend = !request.modes && !request.target_error;
+  const LoadedProblem& loaded = body.loaded;
   FinishedBasis finished;
   finished.derivative_residual = derivative_residual;
-  finished.basis = make_basis(system.matrices, std::move(directions),
-                              {run.counts.modes, request.threads, &system.marker, extend});
-  finished.rows = expand_to_vertices(result.map, result.local, finished.basis.vectors);
-  fix_signs(result.local, finished.basis.vectors, finished.rows);
+  finished.basis = make_basis(body.system.matrices, std::move(directions),
+                              {count, body.threads, &body.system.marker, extend});
+  finished.rows = expand_to_vertices(loaded.map, loaded.local, finished.basis.vectors);
+  fix_signs(loaded.local, finished.basis.vectors, finished.rows);
   finished.basis.vectors.resize(0, 0);
   return finished;
 }
@@ -75,98 +72,100 @@ std::string outcome_of_basis(const FinishedBasis& finished) {
               r, basis.orthonormality_error, r < sigma.size() ? sigma[r] / sigma[0] : 0.0);
 }
 
-// Ranks share the elements; all of them get the sum.
-Eigen::MatrixXd sum_strain_gram(const Run& run, const System& system) {
-  Eigen::MatrixXd gram =
-      strain_gram(system.solid, run.result.rows, 0, run.result.local.counted, run.request.threads);
+FinishedCoefficients compute_coefficients(const LoadedProblem& loaded, const System& system,
+                                          const BasisRows& rows, const Eigen::VectorXd& lambda,
+                                          unsigned threads) {
+  const std::size_t counted = loaded.local.counted;
+  // Ranks share the elements; all of them get the sum.
+  Eigen::MatrixXd gram = strain_gram(system.solid, rows, 0, counted, threads);
   sum_over_ranks(gram);
-  return gram;
-}
-
-FinishedCoefficients compute_coefficients(const Run& run, const System& system) {
-  const PrecomputeResult& result = run.result;
-  const Eigen::MatrixXd gram = sum_strain_gram(run, system);
-  const auto r = static_cast<int>(result.rows.cols());
+  const auto r = static_cast<int>(rows.cols());
   Coefficients made = coefficients_from_gram(gram, r);
   FinishedCoefficients coefficients;
   coefficients.strain_gram = packed_strain_gram(gram, r);
-  coefficients.polynomial_error =
-      polynomial_error(system.solid, result.local.counted, result.rows, result.data.lambda,
-                       made.cubic, made.quartic, 0.5 * body_size(result.problem));
+  coefficients.polynomial_error = polynomial_error(system.solid, counted, rows, lambda, made.cubic,
+                                                   made.quartic, 0.5 * body_size(loaded.problem));
   coefficients.cubic = std::move(made.cubic);
   coefficients.quartic = std::move(made.quartic);
   return coefficients;
 }
 
-InertiaIntegrals integrate_inertia(const Run& run, const System& system) {
-  const PrecomputeResult& result = run.result;
-  const MassKind kind = run.request.mass;
-  InertiaIntegrals inertia =
-      basis_inertia(system.solid, result.local.counted, result.local, result.rows, kind);
+InertiaIntegrals integrate_inertia(const LoadedProblem& loaded, const System& system,
+                                   const BasisRows& rows, MassKind mass) {
+  const LocalDofs& local = loaded.local;
+  InertiaIntegrals inertia = basis_inertia(system.solid, local.counted, local, rows, mass);
   if (!system.part) {
-    add_rest_moments(system.solid, kind, inertia);
+    add_rest_moments(system.solid, mass, inertia);
     return inertia;
   }
-  const Problem& problem = result.problem;
+  const Problem& problem = loaded.problem;
   Solid whole = make_solid(problem.mesh, problem.materials);
   whole.point_mass = mass_of_vertices(problem.point_masses, problem.mesh.vertices.size());
-  add_rest_moments(whole, kind, inertia);
+  add_rest_moments(whole, mass, inertia);
   return inertia;
 }
 
 }  // namespace
 
-Stage<TargetChoice> target_stage(const Run& run, const System& system, const Modes& modes,
-                                 const BasisRows& psi, BasisSource& source, TargetSearch& target) {
+Stage<TargetChoice> target_stage(const BasisBody& body, MassKind mass, BasisSource& source,
+                                 TargetSearch& target, const StageLog& log) {
+  const LocalDofs& local = body.loaded.local;
   const Eigen::Index columns = source.derivatives.columns.cols();
-  const auto make = [&run, &system, &modes, &psi, &source, &target] {
+  const auto make = [body, mass, &source, &target, &log] {
     TargetChoice choice;
-    choice.directions = order_directions(run, system, modes, psi, source.derivatives.columns);
-    choice.findings = find_coordinates(run.request, run.result, system.solid, system.matrices,
-                                       choice.directions, target);
+    choice.directions = order_directions(body, source.derivatives.columns, log);
+    choice.findings =
+        find_coordinates(body.loaded, {body.system.solid, body.system.matrices, mass, body.threads},
+                         choice.directions, target);
     return choice;
   };
-  return {.name = "target",
-          .make = make,
-          .outcome = [](const TargetChoice& choice) { return describe(choice.findings); },
-          .work = [&run, columns](const TargetChoice&) { return work_on_columns(run, columns); }};
+  return {
+      .name = "target",
+      .make = make,
+      .outcome = [](const TargetChoice& choice) { return describe(choice.findings); },
+      .work = [&local, columns](const TargetChoice&) { return work_on_columns(local, columns); }};
 }
 
-Stage<FinishedBasis> basis_stage(const Run& run, const System& system, const Modes& modes,
-                                 const BasisRows& psi, BasisSource& source) {
+Stage<FinishedBasis> basis_stage(const BasisBody& body, int count, bool extend, BasisSource& source,
+                                 Checkpoint& checkpoint, const StageLog& log) {
+  const LocalDofs& local = body.loaded.local;
   const Eigen::Index columns = source.directions ? 0 : source.derivatives.columns.cols();
-  const auto make = [&run, &system, &modes, &psi, &source] {
-    PrincipalColumns directions =
-        source.directions ? std::move(*source.directions)
-                          : order_directions(run, system, modes, psi, source.derivatives.columns);
-    return cut_basis(run, system, std::move(directions), source.derivatives.residual);
+  const auto make = [body, count, extend, &source, &log] {
+    PrincipalColumns directions = source.directions
+                                      ? std::move(*source.directions)
+                                      : order_directions(body, source.derivatives.columns, log);
+    return cut_basis(body, count, extend, std::move(directions), source.derivatives.residual);
   };
-  return {.name = "basis",
-          .make = make,
-          .outcome = outcome_of_basis,
-          .work = [&run, columns](const FinishedBasis&) { return work_on_columns(run, columns); },
-          .find = [&source] { return std::exchange(source.finished, std::nullopt); },
-          .keep = [&run](const FinishedBasis& made) { keep_basis(run.checkpoint, made); }};
+  return {
+      .name = "basis",
+      .make = make,
+      .outcome = outcome_of_basis,
+      .work = [&local, columns](const FinishedBasis&) { return work_on_columns(local, columns); },
+      .find = [&source] { return std::exchange(source.finished, std::nullopt); },
+      .keep = [&checkpoint](const FinishedBasis& made) { keep_basis(checkpoint, made); }};
 }
 
-Stage<InertiaIntegrals> inertia_stage(const Run& run, const System& system) {
+Stage<InertiaIntegrals> inertia_stage(const LoadedProblem& loaded, const System& system,
+                                      const BasisRows& rows, MassKind mass) {
   const auto outcome = [](const InertiaIntegrals& made) {
     const Eigen::Vector3d centre = made.first_moment / made.mass;
     return text("%.4g kg, centre of mass %.4g %.4g %.4g m", made.mass, centre.x(), centre.y(),
                 centre.z());
   };
   return {.name = "inertia",
-          .make = [&run, &system] { return integrate_inertia(run, system); },
+          .make = [&, mass] { return integrate_inertia(loaded, system, rows, mass); },
           .outcome = outcome};
 }
 
-Stage<FinishedCoefficients> coefficients_stage(const Run& run, const System& system) {
-  const auto work = [&run](const FinishedCoefficients&) {
-    const std::size_t r = run.counts.modes;
+Stage<FinishedCoefficients> coefficients_stage(const LoadedProblem& loaded, const System& system,
+                                               const BasisRows& rows, const Eigen::VectorXd& lambda,
+                                               unsigned threads, Checkpoint& checkpoint) {
+  const auto work = [&](const FinishedCoefficients&) {
+    const std::size_t r = lambda.size();
     const double columns = static_cast<double>(r + pair_count(r));
-    const auto tetrahedra = static_cast<double>(run.result.problem.mesh.tetrahedra.size());
+    const auto tetrahedra = static_cast<double>(loaded.problem.mesh.tetrahedra.size());
     const double samples =
-        static_cast<double>(sample_points(run.result.problem.order, 4).size()) * tetrahedra;
+        static_cast<double>(sample_points(loaded.problem.order, 4).size()) * tetrahedra;
     return StageWork{.flops = 6.0 * samples * columns * (columns + 1.0)};
   };
   const auto outcome = [](const FinishedCoefficients& made) {
@@ -175,12 +174,11 @@ Stage<FinishedCoefficients> coefficients_stage(const Run& run, const System& sys
   };
   return {
       .name = "coefficients",
-      .make = [&run, &system] { return compute_coefficients(run, system); },
+      .make = [&, threads] { return compute_coefficients(loaded, system, rows, lambda, threads); },
       .outcome = outcome,
       .work = work,
-      .find = [&run] { return find_coefficients(run.checkpoint, Eigen::Index{run.counts.modes}); },
-      .keep =
-          [&run](const FinishedCoefficients& made) { keep_coefficients(run.checkpoint, made); }};
+      .find = [&] { return find_coefficients(checkpoint, lambda.size()); },
+      .keep = [&](const FinishedCoefficients& made) { keep_coefficients(checkpoint, made); }};
 }
 
 }  // namespace tremolo

@@ -32,77 +32,73 @@ Columns motions_of_free_body(const Problem& problem, const LocalDofs& local, Mat
                      static_cast<int>(problem.report.parts), local, mass);
 }
 
-System assemble_system(const Run& run) {
-  const Problem& problem = run.result.problem;
-  const LocalDofs& local = run.result.local;
+System assemble_system(const LoadedProblem& loaded, MassKind mass) {
+  const Problem& problem = loaded.problem;
+  const LocalDofs& local = loaded.local;
   std::unique_ptr<const TetMesh> part;
   if (mpi_ranks() > 1) part = std::make_unique<const TetMesh>(part_mesh(problem.mesh, local));
   Solid solid = make_solid(part ? *part : problem.mesh, local.tetrahedra, problem.materials);
   solid.point_mass = point_mass_of_part(problem, local);
-  Matrices matrices = assemble(solid, run.result.map, local, run.request.mass);
+  Matrices matrices = assemble(solid, loaded.map, local, mass);
   Columns rigid = motions_of_free_body(problem, local, matrices.mass.get());
   Marker marker = make_marker(problem.mesh, problem.report.part_of_vertex, local);
   return {std::move(part), std::move(solid), std::move(matrices), std::move(rigid),
           std::move(marker)};
 }
 
-std::vector<Eigen::Vector3d> node_positions(const PrecomputeResult& result) {
+std::vector<Eigen::Vector3d> node_positions(const LoadedProblem& loaded) {
   std::vector<Eigen::Vector3d> positions;
-  const LocalDofs& local = result.local;
+  const LocalDofs& local = loaded.local;
   for (int node = local.first_node; node < local.first_node + local.nodes; ++node) {
-    const std::size_t vertex = result.map.vertex_of_node[node];
-    positions.push_back(result.problem.mesh.vertices[vertex]);
+    const std::size_t vertex = loaded.map.vertex_of_node[node];
+    positions.push_back(loaded.problem.mesh.vertices[vertex]);
   }
   return positions;
 }
 
-void require_elastic(const Run& run, const Solved& on, const Modes& modes) {
-  const PrecomputeResult& result = run.result;
-  require_no_mechanism(result.problem, on.system.solid, result.local, modes,
-                       expand_to_vertices(result.map, result.local, modes.vectors));
+void require_elastic(const Solved& on, const Modes& modes) {
+  const LoadedProblem& loaded = on.loaded;
+  require_no_mechanism(loaded.problem, on.system.solid, loaded.local, modes,
+                       expand_to_vertices(loaded.map, loaded.local, modes.vectors));
 }
 
-Modes lowest_modes(const Run& run, const Solved& on, double shift) {
-  return compute_modes_and_equals(on.pencil, on.solver, shift, run.counts.linear);
-}
-
-Modes held_modes(const Run& run, const Solved& on) {
+Modes held_modes(const Solved& on, int count) {
   try {
-    return lowest_modes(run, on, 0.0);
+    return compute_modes_and_equals(on.pencil, on.solver, 0.0, count);
   } catch (const Failure& failure) {
     // A stiffness that cannot be factorised usually has a mechanism: with a shift its motion can be
     // computed, and the error can name its position.
     if (failure.error().kind != ErrorKind::kSolver || mpi_ranks() > 1) throw;
-    const double shift = small_shift(run.result.problem, on.system.solid);
-    require_elastic(run, on, lowest_modes(run, on, shift));
+    const double shift = small_shift(on.loaded.problem, on.system.solid);
+    require_elastic(on, compute_modes_and_equals(on.pencil, on.solver, shift, count));
     throw;
   }
 }
 
-Modes free_modes(const Run& run, const Solved& on) {
-  Modes modes = lowest_modes(run, on, small_shift(run.result.problem, on.system.solid));
+Modes free_modes(const Solved& on, int count) {
+  const double first = small_shift(on.loaded.problem, on.system.solid);
+  Modes modes = compute_modes_and_equals(on.pencil, on.solver, first, count);
   // The shift must suit the lowest frequency: a thin body is far softer than a compact one, and its
   // derivatives need a smaller shift; a body with a small soft part is far stiffer than that part,
   // and a shift so near zero would cost K its digits.
   const double lowest = modes.squared_frequencies[0], shift = modes.shift;
   const bool good = -shift <= 0.1 * lowest && -shift >= 1e-7 * lowest;
   if (good || !(lowest > 0) || on.solver.solves_unshifted()) return modes;
-  require_elastic(run, on, modes);  // for a mechanism the frequency is rounding and no measure
+  require_elastic(on, modes);  // for a mechanism the frequency is rounding and no measure
   modes = Modes();
-  return lowest_modes(run, on, -0.02 * lowest);
+  return compute_modes_and_equals(on.pencil, on.solver, -0.02 * lowest, count);
 }
 
 // Clusters are made canonical and signs fixed, so that vectors do not depend on the solver.
-WholeModes elastic_modes(const Run& run, const Solved& on) {
-  const PrecomputeResult& result = run.result;
-  Modes modes = result.problem.free_body ? free_modes(run, on) : held_modes(run, on);
-  WholeModes whole =
-      make_whole(on.pencil.mass(), on.system.marker, run.counts.linear, available_modes(on.pencil),
-                 !run.request.linear_modes, std::move(modes));
+WholeModes elastic_modes(const Solved& on, int count, bool extend) {
+  const LoadedProblem& loaded = on.loaded;
+  Modes modes = loaded.problem.free_body ? free_modes(on, count) : held_modes(on, count);
+  WholeModes whole = make_whole(on.pencil.mass(), on.system.marker, count,
+                                available_modes(on.pencil), extend, std::move(modes));
   Columns& vectors = whole.modes.vectors;
-  BasisRows psi = expand_to_vertices(result.map, result.local, vectors);
-  require_no_mechanism(result.problem, on.system.solid, result.local, whole.modes, psi);
-  fix_signs(result.local, vectors, psi);
+  BasisRows psi = expand_to_vertices(loaded.map, loaded.local, vectors);
+  require_no_mechanism(loaded.problem, on.system.solid, loaded.local, whole.modes, psi);
+  fix_signs(loaded.local, vectors, psi);
   return whole;
 }
 
@@ -119,26 +115,24 @@ StageWork solves_on(const ShiftedSolver& solver, int columns, int width) {
 
 }  // namespace
 
-Stage<System> matrices_stage(const Run& run) {
-  return {.name = "matrices",
-          .make = [&run] { return assemble_system(run); },
-          .outcome =
-              [&run](const System&) {
-                return text("%d dofs, %.6g kg", 3 * run.result.map.nodes(),
-                            total_mass(run.result.problem));
-              },
-          .notes =
-              [&run](const System& system) {
-                return material_notes(run.result.problem, system.solid);
-              }};
+Stage<System> matrices_stage(const LoadedProblem& loaded, MassKind mass) {
+  return {
+      .name = "matrices",
+      .make = [&loaded, mass] { return assemble_system(loaded, mass); },
+      .outcome =
+          [&loaded](const System&) {
+            return text("%d dofs, %.6g kg", 3 * loaded.map.nodes(), total_mass(loaded.problem));
+          },
+      .notes =
+          [&loaded](const System& system) { return material_notes(loaded.problem, system.solid); }};
 }
 
-Pencil make_pencil(const Run& run, const System& system) {
-  return {system.matrices, system.rigid, run.choice.solver, run.request.threads,
-          node_positions(run.result)};
+Pencil make_pencil(const LoadedProblem& loaded, const System& system, LinearSolver package,
+                   unsigned threads) {
+  return {system.matrices, system.rigid, package, threads, node_positions(loaded)};
 }
 
-Stage<WholeModes> modes_stage(const Run& run, const Solved& on) {
+Stage<WholeModes> modes_stage(const Solved& on, int count, bool extend, Checkpoint& checkpoint) {
   const auto outcome = [](const WholeModes& whole) {
     const Modes& modes = whole.modes;
     const Eigen::Index k = modes.squared_frequencies.size();
@@ -146,12 +140,11 @@ Stage<WholeModes> modes_stage(const Run& run, const Solved& on) {
                 hertz(modes.squared_frequencies[0]), hertz(modes.squared_frequencies[k - 1]),
                 modes.residuals.maxCoeff(), modes.factorisation.c_str(), modes.solver.c_str());
   };
-  const auto notes = [&run](const WholeModes& whole) {
+  const auto notes = [on](const WholeModes& whole) {
     std::vector<std::string> lines;
     if (!whole.note.empty()) lines.push_back(whole.note);
-    if (run.rigid_count > 0)
-      lines.push_back(
-          text("a free body: its %d rigid motions are left out of the basis", run.rigid_count));
+    if (const int rigid = on.loaded.rigid_motions(); rigid > 0)
+      lines.push_back(text("a free body: its %d rigid motions are left out of the basis", rigid));
     return lines;
   };
   const auto work = [on](const WholeModes& whole) {
@@ -160,61 +153,61 @@ Stage<WholeModes> modes_stage(const Run& run, const Solved& on) {
     done.added_flops = on.solver.flops();
     return done;
   };
-  return {
-      .name = "modes",
-      .make = [&run, on] { return elastic_modes(run, on); },
-      .outcome = outcome,
-      .notes = notes,
-      .work = work,
-      .find =
-          [&run] { return find_modes(run.checkpoint, run.result.local.dofs(), run.counts.linear); },
-      .keep = [&run](const WholeModes& whole) { keep_modes(run.checkpoint, whole); }};
+  return {.name = "modes",
+          .make = [=] { return elastic_modes(on, count, extend); },
+          .outcome = outcome,
+          .notes = notes,
+          .work = work,
+          .find = [&checkpoint, on,
+                   count] { return find_modes(checkpoint, on.loaded.local.dofs(), count); },
+          .keep = [&checkpoint](const WholeModes& whole) { keep_modes(checkpoint, whole); }};
 }
 
-Stage<ModalDerivatives> derivatives_stage(const Run& run, const Solved& on, const Modes& modes,
-                                          const BasisRows& psi) {
+Stage<ModalDerivatives> derivatives_stage(const Solved& on, const Modes& modes,
+                                          const BasisRows& psi, int order, Checkpoint& checkpoint) {
   const auto count = [](const ModalDerivatives& derivatives) {
     return static_cast<int>(derivatives.vectors().cols());
   };
-  return {.name = "derivatives",
-          .make =
-              [&run, &modes, &psi, on] {
-                on.solver.prepare(modes.shift);
-                const PrecomputeResult& result = run.result;
-                const Solid& solid = on.system.solid;
-                ModalDerivatives derivatives = modal_derivatives(solid, result.local, on.pencil,
-                                                                 on.solver, modes.vectors, psi);
-                if (run.request.derivatives > 2)
-                  add_third_derivatives({solid, result.map, result.local, on.pencil, on.solver},
-                                        psi, leading_modes(modes.squared_frequencies), derivatives);
-                return derivatives;
-              },
-          .outcome =
-              [count, on](const ModalDerivatives& derivatives) {
-                return text("%d solves %s, residual %.1e", count(derivatives),
-                            on.solver.solves_unshifted() ? "by conjugate gradients"
-                                                         : "on the factor of the modes",
-                            derivatives.residual);
-              },
-          .work =
-              [count, on](const ModalDerivatives& derivatives) {
-                return solves_on(on.solver, count(derivatives), 2 * static_cast<int>(kLanes));
-              },
-          .find = [&run, &modes] { return find_derivatives(run.checkpoint, modes.vectors); },
-          .keep = [&run](const ModalDerivatives& made) { keep_derivatives(run.checkpoint, made); }};
+  return {
+      .name = "derivatives",
+      .make =
+          [&modes, &psi, on, order] {
+            on.solver.prepare(modes.shift);
+            const LoadedProblem& loaded = on.loaded;
+            const Solid& solid = on.system.solid;
+            ModalDerivatives derivatives =
+                modal_derivatives(solid, loaded.local, on.pencil, on.solver, modes.vectors, psi);
+            if (order > 2)
+              add_third_derivatives({solid, loaded.map, loaded.local, on.pencil, on.solver}, psi,
+                                    leading_modes(modes.squared_frequencies), derivatives);
+            return derivatives;
+          },
+      .outcome =
+          [count, on](const ModalDerivatives& derivatives) {
+            return text("%d solves %s, residual %.1e", count(derivatives),
+                        on.solver.solves_unshifted() ? "by conjugate gradients"
+                                                     : "on the factor of the modes",
+                        derivatives.residual);
+          },
+      .work =
+          [count, on](const ModalDerivatives& derivatives) {
+            return solves_on(on.solver, count(derivatives), 2 * static_cast<int>(kLanes));
+          },
+      .find = [&checkpoint, &modes] { return find_derivatives(checkpoint, modes.vectors); },
+      .keep = [&checkpoint](const ModalDerivatives& made) { keep_derivatives(checkpoint, made); }};
 }
 
-Stage<RestResponse> response_stage(const Run& run, const Solved& on, const Modes& modes) {
-  const PrecomputeResult& result = run.result;
+Stage<RestResponse> response_stage(const Solved& on, const Modes& modes) {
   return {.name = "response",
           .make =
-              [&result, &modes, on] {
+              [&modes, on] {
                 on.solver.prepare(modes.shift);
-                return rest_response(result.response_places, result.local, on.pencil, on.solver);
+                return rest_response(on.loaded.response_places, on.loaded.local, on.pencil,
+                                     on.solver);
               },
           .outcome =
-              [&result](const RestResponse& response) {
-                return text("forces at %zu places, residual %.1e", result.response_places.size(),
+              [on](const RestResponse& response) {
+                return text("forces at %zu places, residual %.1e", on.loaded.response_places.size(),
                             response.residual);
               },
           .work =
@@ -224,26 +217,28 @@ Stage<RestResponse> response_stage(const Run& run, const Solved& on, const Modes
               }};
 }
 
-Stage<InertiaCertificate> certificate_stage(const Run& run, const Solved& on, const Modes& modes) {
-  const auto make = [&run, &modes, on] {
-    InertiaCertificate certificate = certify(on.solver, modes, run.rigid_count);
+Stage<InertiaCertificate> certificate_stage(const Solved& on, const Modes& modes,
+                                            Checkpoint& checkpoint) {
+  const auto make = [&modes, on] {
+    InertiaCertificate certificate = certify(on.solver, modes, on.loaded.rigid_motions());
     if (!certificate.complete())
       throw Failure({ErrorKind::kSolver,
                      text("modes were missed: inertia counts %d below %.6g Hz, %d were found",
                           certificate.counted, hertz(certificate.bound), certificate.expected)});
     return certificate;
   };
-  return {
-      .name = "certificate",
-      .make = make,
-      .outcome =
-          [](const InertiaCertificate& certificate) {
-            return text("inertia counts the same %d modes below %.4g Hz, %s", certificate.counted,
-                        hertz(certificate.bound), certificate.solver.c_str());
-          },
-      .work = [on](const InertiaCertificate&) { return StageWork{.flops = on.solver.flops()}; },
-      .find = [&run] { return find_certificate(run.checkpoint); },
-      .keep = [&run](const InertiaCertificate& made) { keep_certificate(run.checkpoint, made); }};
+  return {.name = "certificate",
+          .make = make,
+          .outcome =
+              [](const InertiaCertificate& certificate) {
+                return text("inertia counts the same %d modes below %.4g Hz, %s",
+                            certificate.counted, hertz(certificate.bound),
+                            certificate.solver.c_str());
+              },
+          .work = [on](const InertiaCertificate&) { return StageWork{.flops = on.solver.flops()}; },
+          .find = [&checkpoint] { return find_certificate(checkpoint); },
+          .keep = [&checkpoint](
+                      const InertiaCertificate& made) { keep_certificate(checkpoint, made); }};
 }
 
 }  // namespace tremolo

@@ -11,17 +11,6 @@
 
 namespace tremolo {
 
-// Data shared by the stages. It holds references to all but the counts.
-struct Run {
-  const ModelRequest& request;
-  const PrecomputeResult& result;  // mesh and dofs; later the rows of the basis
-  const SolverChoice& choice;
-  Checkpoint& checkpoint;
-  const StageLog& log;  // for messages during a stage
-  ModeCounts counts;    // a default may be extended, so that a cluster is not divided
-  int rigid_count = 0;  // number of a free body's rigid motions
-};
-
 // This rank's part of K x = lambda M x and its origin.
 struct System {
   std::unique_ptr<const TetMesh> part;  // with several ranks; else null
@@ -30,28 +19,40 @@ struct System {
   Columns rigid;  // rigid motions of a free body, local rows; else no columns
   Marker marker;
 };
-Stage<System> matrices_stage(const Run& run);
-Pencil make_pencil(const Run& run, const System& system);
+Stage<System> matrices_stage(const LoadedProblem& loaded, MassKind mass);
+Pencil make_pencil(const LoadedProblem& loaded, const System& system, LinearSolver package,
+                   unsigned threads);
 
 // The system, its pencil and the solver used by the modes and later stages.
 struct Solved {
+  const LoadedProblem& loaded;
   const System& system;
   const Pencil& pencil;
   ShiftedSolver& solver;
 };
 
-// Throws Failure (kContent) for a mechanism.
-Stage<WholeModes> modes_stage(const Run& run, const Solved& on);
+// extend: `count` may grow, so that a cluster is not divided. Throws Failure (kContent) for a
+// mechanism.
+Stage<WholeModes> modes_stage(const Solved& on, int count, bool extend, Checkpoint& checkpoint);
 
-// psi: the modes at the vertices of this rank's part.
-Stage<ModalDerivatives> derivatives_stage(const Run& run, const Solved& on, const Modes& modes,
-                                          const BasisRows& psi);
+// psi: the modes at the vertices of this rank's part. order: 2 or 3.
+Stage<ModalDerivatives> derivatives_stage(const Solved& on, const Modes& modes,
+                                          const BasisRows& psi, int order, Checkpoint& checkpoint);
 
-// The places of the result.
-Stage<RestResponse> response_stage(const Run& run, const Solved& on, const Modes& modes);
+Stage<RestResponse> response_stage(const Solved& on, const Modes& modes);
 
 // Releases the solver's factor. Throws Failure (kSolver) if modes were missed.
-Stage<InertiaCertificate> certificate_stage(const Run& run, const Solved& on, const Modes& modes);
+Stage<InertiaCertificate> certificate_stage(const Solved& on, const Modes& modes,
+                                            Checkpoint& checkpoint);
+
+// The body whose basis is made, and its modes.
+struct BasisBody {
+  const LoadedProblem& loaded;
+  const System& system;
+  const Modes& modes;
+  const BasisRows& psi;
+  unsigned threads;
+};
 
 // Input of the basis: a finished basis from the checkpoint, directions in the order of their
 // singular values, or the columns to compute these from. The stages consume it.
@@ -66,14 +67,18 @@ struct TargetChoice {
   PrincipalColumns directions;
   TargetFindings findings;
 };
-Stage<TargetChoice> target_stage(const Run& run, const System& system, const Modes& modes,
-                                 const BasisRows& psi, BasisSource& source, TargetSearch& target);
+Stage<TargetChoice> target_stage(const BasisBody& body, MassKind mass, BasisSource& source,
+                                 TargetSearch& target, const StageLog& log);
 
-Stage<FinishedBasis> basis_stage(const Run& run, const System& system, const Modes& modes,
-                                 const BasisRows& psi, BasisSource& source);
+// extend: `count` may grow, so that a cluster is not divided.
+Stage<FinishedBasis> basis_stage(const BasisBody& body, int count, bool extend, BasisSource& source,
+                                 Checkpoint& checkpoint, const StageLog& log);
 
-// Uses the rows of the result.
-Stage<InertiaIntegrals> inertia_stage(const Run& run, const System& system);
-Stage<FinishedCoefficients> coefficients_stage(const Run& run, const System& system);
+// rows: of the basis.
+Stage<InertiaIntegrals> inertia_stage(const LoadedProblem& loaded, const System& system,
+                                      const BasisRows& rows, MassKind mass);
+Stage<FinishedCoefficients> coefficients_stage(const LoadedProblem& loaded, const System& system,
+                                               const BasisRows& rows, const Eigen::VectorXd& lambda,
+                                               unsigned threads, Checkpoint& checkpoint);
 
 }  // namespace tremolo

@@ -7,7 +7,6 @@
 
 #include "common/text.h"
 #include "precompute/system/failure.h"
-#include "precompute/system/petsc.h"
 
 namespace tremolo {
 namespace {
@@ -16,24 +15,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kMostLinearModes = 24;
 constexpr int kMostGrowths = 2;
-
-void check(const ModelRequest& request) {
-  const double target = *request.target_error;
-  if (!(target > 0 && target < 1))
-    throw Failure(content_error(text("--target-error %g: must be between 0 and 1", target)));
-  if (request.load_at.empty() || request.load_force.isZero(0.0))
-    throw Failure(content_error(
-        "--target-error is measured under the default load: give --load-at and --load-force"));
-  if (request.linear_modes.value_or(0) > kMostTargetModes - kLoadVectors)
-    throw Failure(
-        content_error(text("--target-error keeps at most %d coordinates: --linear-modes "
-                           "must be at most %d",
-                           kMostTargetModes, kMostTargetModes - kLoadVectors)));
-  if (mpi_ranks() > 1)
-    throw Failure(
-        {ErrorKind::kUsage,
-         "--target-error works in one process: start it without mpiexec, with --threads"});
-}
 
 const TargetRow* best(const std::vector<TargetRow>& rows) {
   const auto found =
@@ -103,22 +84,24 @@ nlohmann::ordered_json target_json(const std::optional<TargetFindings>& findings
           {"measured", measured}};
 }
 
-PrecomputeResult precompute_to_target(const ModelRequest& request, StageLog& log) {
-  check(request);
+PrecomputeResult precompute_to_target(const PrecomputeRequest& request, const LoadedProblem& loaded,
+                                      StageLog& log) {
+  const LoadRequest& load = *request.solid.load;
   TargetSearch search;
-  search.asked = *request.target_error;
-  ModelRequest attempt = request;
+  search.asked = *request.basis.target_error;
+  search.load_text =
+      load.at.text + text(", %g,%g,%g N", load.force.x(), load.force.y(), load.force.z());
+  PrecomputeRequest attempt = request;
   for (int growths = 0;; ++growths) {
-    PrecomputeResult result = run_precompute(attempt, log, &search);
+    PrecomputeResult result = run_precompute(attempt, loaded, log, &search);
     const TargetFindings& findings = *result.findings.target;
     std::fputs(table_text(findings).c_str(), stderr);
     if (findings.kept()) return result;
     const int now = findings.linear_modes;
-    const int dofs = 3 * result.map.nodes() - static_cast<int>(result.data.rigid_mode_count);
-    const int next = std::min({kMostLinearModes, dofs, now + std::max(2, now / 2)});
+    const int next = std::min({kMostLinearModes, loaded.free_dofs(), now + std::max(2, now / 2)});
     if (growths == kMostGrowths || next <= now) throw_missed_target(findings);
     log.note(text("%d linear modes are not enough: %d", now, next));
-    attempt.linear_modes = next;
+    attempt.basis.linear_modes = next;
   }
 }
 

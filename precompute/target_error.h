@@ -17,33 +17,36 @@
 
 namespace tremolo {
 
-inline constexpr int kMostTargetModes = 60;  // most coordinates of a candidate
-inline constexpr int kLoadVectors = 2;       // columns of the load's own response
-
 // Data that does not depend on the basis, on the free dofs in the order of the dof map. Empty until
 // the first search.
 struct TargetSearch {
   double asked = 0;
-  Vector load;         // F, N, without its rigid component
-  Vector exact;        // u, m
-  Vector response;     // K^-1 F, m
-  Vector second;       // -K^-1 H[response, response], m; empty until needed
-  double largest = 0;  // largest displacement of the loaded vertices, m
+  std::string load_text;  // selector and force
+  Vector load;            // F, N, without its rigid component
+  Vector exact;           // u, m
+  Vector response;        // K^-1 F, m
+  Vector second;          // -K^-1 H[response, response], m; empty until needed
+  double largest = 0;     // largest displacement of the loaded vertices, m
 };
 
 // Chooses r among bases of `principal`. Two columns for the load's own response (K^-1 F and the
 // second-order term of the static solution) are added if the basis leaves out more than the target
 // of the load's linear compliance without them, or if no r suffices without them. One process only.
 // Throws Failure (kSolver) if the whole mesh has no equilibrium.
-TargetFindings find_coordinates(const ModelRequest& request, const PrecomputeResult& result,
-                                const Solid& solid, const Matrices& matrices,
+struct TargetBody {
+  const Solid& solid;
+  const Matrices& matrices;
+  MassKind mass;
+  unsigned threads;
+};
+TargetFindings find_coordinates(const LoadedProblem& loaded, const TargetBody& body,
                                 PrincipalColumns& principal, TargetSearch& search);
 
 // Calls run_precompute() with the number of linear modes and coordinates needed for
-// request.target_error; k grows up to twice if no r suffices. Throws Failure: kUsage on several
-// ranks; kContent without a default load, for a target outside (0, 1) or too many linear modes;
-// kCriterion if the target is not reached.
-PrecomputeResult precompute_to_target(const ModelRequest& request, StageLog& log);
+// basis.target_error; k grows up to twice if no r suffices. request: checked. Throws Failure:
+// kContent for too many linear modes, kCriterion if the target is not reached.
+PrecomputeResult precompute_to_target(const PrecomputeRequest& request, const LoadedProblem& loaded,
+                                      StageLog& log);
 
 std::string describe(const TargetFindings& findings);  // one line
 std::string table_text(const TargetFindings& findings);

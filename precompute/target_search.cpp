@@ -33,13 +33,12 @@ void solve_exactly(const Problem& problem, FullOrderSolver& solver, TargetSearch
 }
 
 // The static solution under s F is s u1 + s^2/2 u2 + ... with K u1 = F, K u2 = -H[u1, u1].
-Columns load_vectors(const PrecomputeResult& result, const Solid& solid, FullOrderSolver& solver,
+Columns load_vectors(const LocalDofs& local, const Solid& solid, FullOrderSolver& solver,
                      TargetSearch& search) {
   if (search.second.size() == 0) {
     const Field field = expand(solver.body->unknowns, search.response);
     Vector force = Vector::Zero(search.response.size());
-    add_second_derivative(solid, result.local.elements, field, field, result.local.row_of_vertex,
-                          force.data());
+    add_second_derivative(solid, local.elements, field, field, local.row_of_vertex, force.data());
     remove_rigid_force(*solver.body, force);
     search.second = linear_response(solver, -force);
   }
@@ -84,12 +83,12 @@ Candidates make_candidates(const FullOrder& body, const PrincipalColumns& princi
   return candidates;
 }
 
-ReducedModel model_of(const PrecomputeResult& result, const Solid& solid, const Columns& vectors,
+ReducedModel model_of(const LoadedProblem& loaded, const Solid& solid, const Columns& vectors,
                       unsigned threads) {
-  const BasisRows rows = expand_to_vertices(result.map, result.local, vectors);
+  const BasisRows rows = expand_to_vertices(loaded.map, loaded.local, vectors);
   const auto r = static_cast<int>(vectors.cols());
   const Coefficients coefficients =
-      coefficients_from_gram(strain_gram(solid, rows, 0, result.local.counted, threads), r);
+      coefficients_from_gram(strain_gram(solid, rows, 0, loaded.local.counted, threads), r);
   return make_reduced_model(Vector::Ones(r), coefficients.cubic, coefficients.quartic);
 }
 
@@ -127,7 +126,7 @@ TargetRow choose(const std::vector<TargetRow>& rows, double target, bool all_mea
 // Data on which candidates are measured.
 struct Setting {
   const FullOrder& body;
-  const PrecomputeResult& result;
+  const LoadedProblem& loaded;
   const Solid& solid;
   unsigned threads;
 };
@@ -144,13 +143,13 @@ void search_prefixes(const Setting& setting, const PrincipalColumns& principal,
   for (int first = least; first <= most; first += kBatch) {
     const int last = std::min(most, first + kBatch - 1);
     const ReducedModel model =
-        model_of(setting.result, setting.solid, candidates.vectors.leftCols(last), setting.threads);
+        model_of(setting.loaded, setting.solid, candidates.vectors.leftCols(last), setting.threads);
     for (int r = first; r <= last; ++r) {
       // A cut within a cluster would keep an arbitrary part of it.
       if (cluster_at_cut(principal.singular_values.head(principal.rank), r - kept, {}).count > 0)
         continue;
       findings.rows.push_back(
-          measure(setting.body, setting.result.problem, candidates, model, r, search));
+          measure(setting.body, setting.loaded.problem, candidates, model, r, search));
       findings.chosen = choose(findings.rows, findings.asked, false);
       if (findings.kept()) return;
     }
@@ -161,20 +160,18 @@ void search_prefixes(const Setting& setting, const PrincipalColumns& principal,
 
 }  // namespace
 
-TargetFindings find_coordinates(const ModelRequest& request, const PrecomputeResult& result,
-                                const Solid& solid, const Matrices& matrices,
+TargetFindings find_coordinates(const LoadedProblem& loaded, const TargetBody& on,
                                 PrincipalColumns& principal, TargetSearch& search) {
-  const FullOrder body = make_full_order(result.problem, request.mass, request.threads);
+  const FullOrder body = make_full_order(loaded.problem, on.mass, on.threads);
   FullOrderSolver solver;
   solver.body = &body;
-  if (search.exact.size() == 0) solve_exactly(result.problem, solver, search);
+  if (search.exact.size() == 0) solve_exactly(loaded.problem, solver, search);
   TargetFindings findings;
   findings.asked = search.asked;
   findings.linear_modes = static_cast<int>(principal.linear_modes);
-  findings.load = request.load_at + text(", %g,%g,%g N", request.load_force.x(),
-                                         request.load_force.y(), request.load_force.z());
+  findings.load = search.load_text;
   const auto search_all = [&] {
-    search_prefixes({body, result, solid, request.threads}, principal,
+    search_prefixes({body, loaded, on.solid, on.threads}, principal,
                     make_candidates(body, principal, search), search, findings);
   };
   const bool sees_load = make_candidates(body, principal, search).unseen.back() <= search.asked;
@@ -182,7 +179,8 @@ TargetFindings find_coordinates(const ModelRequest& request, const PrecomputeRes
   if (findings.kept() && findings.chosen.unseen <= search.asked) return findings;
   TargetFindings without = findings;
   const PrincipalColumns original = findings.kept() ? principal : PrincipalColumns();
-  keep_always(matrices, load_vectors(result, solid, solver, search), request.threads, principal);
+  keep_always(on.matrices, load_vectors(loaded.local, on.solid, solver, search), on.threads,
+              principal);
   findings.load_vectors = static_cast<int>(principal.kept.cols());
   search_all();
   if (findings.kept() || !without.kept()) return findings;

@@ -79,7 +79,8 @@ struct Selector {
 // Errors are kUsage and show the grammar.
 Result<Selector> parse_selector(const std::string& text);
 
-// The paths of the `file:` parts; none for a text that is no selector.
+// The paths of the `file:` parts; none for a text that is not a selector.
+std::vector<std::string> files_of_selector(const Selector& selector);
 std::vector<std::string> files_of_selector(const std::string& text);
 
 // True if a selector means a piece of the surface (a colour, a set of the mesh) rather than all

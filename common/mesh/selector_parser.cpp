@@ -246,16 +246,19 @@ Result<Selector> parse_selector(const std::string& text) {
   return std::move(*first);
 }
 
-std::vector<std::string> files_of_selector(const std::string& text) {
-  const Result<Selector> selector = parse_selector(text);
-  if (!selector) return {};
+std::vector<std::string> files_of_selector(const Selector& selector) {
   std::vector<std::string> files;
   const auto add = [&files](const Selector& part) {
     if (const auto* file = std::get_if<SelectFile>(&part.choice)) files.push_back(file->path);
   };
-  add(*selector);
-  for (const Selector& part : selector->further) add(part);
+  add(selector);
+  for (const Selector& part : selector.further) add(part);
   return files;
+}
+
+std::vector<std::string> files_of_selector(const std::string& text) {
+  const Result<Selector> selector = parse_selector(text);
+  return selector ? files_of_selector(*selector) : std::vector<std::string>();
 }
 
 }  // namespace tremolo

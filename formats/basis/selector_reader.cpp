@@ -48,21 +48,23 @@ Result<std::vector<VertexId>> parse_id_list(std::string_view text, const std::st
   return ids;
 }
 
+Result<std::vector<VertexId>> resolve_selector(Selector selector, const TetMesh& mesh) {
+  if (Status s = fill(selector, mesh.vertices.size()); !s) return s.error();
+  for (Selector& other : selector.further)
+    if (Status s = fill(other, mesh.vertices.size()); !s) return s.error();
+  return select_vertices(selector, mesh);
+}
+
 Result<std::vector<VertexId>> resolve_selector(const std::string& text, const TetMesh& mesh) {
   Result<Selector> selector = parse_selector(text);
   if (!selector) return selector.error();
-  if (Status s = fill(*selector, mesh.vertices.size()); !s) return s.error();
-  for (Selector& other : selector->further)
-    if (Status s = fill(other, mesh.vertices.size()); !s) return s.error();
-  return select_vertices(*selector, mesh);
+  return resolve_selector(std::move(*selector), mesh);
 }
 
-std::vector<std::string> near_notes(const std::string& text, const TetMesh& mesh) {
+std::vector<std::string> near_notes(const Selector& selector, const TetMesh& mesh) {
   std::vector<std::string> notes;
-  if (text.find("near:") == std::string::npos) return notes;
-  const Result<Selector> selector = parse_selector(text);
-  if (!selector) return notes;
-  for (const NearChoice& choice : near_choices(*selector, selection_space(mesh)))
+  if (selector.text.find("near:") == std::string::npos) return notes;
+  for (const NearChoice& choice : near_choices(selector, selection_space(mesh)))
     notes.push_back(describe_near(choice, choice.nearest));
   return notes;
 }

@@ -1,4 +1,4 @@
-// A selector as the user wrote it -> vertices, including those that a file lists.
+// A selector -> vertices, including those that a file lists.
 #pragma once
 
 #include <cstddef>
@@ -20,11 +20,12 @@ Result<std::vector<VertexId>> read_id_list(const std::string& path, std::size_t 
 Result<std::vector<VertexId>> parse_id_list(std::string_view text, const std::string& path,
                                             std::size_t vertex_count);
 
-// parse_selector() and select_vertices(), and read_id_list() for `file:PATH`; the same errors.
+// select_vertices(), and read_id_list() for `file:PATH`; the same errors. Of a text: those of
+// parse_selector() too.
+Result<std::vector<VertexId>> resolve_selector(Selector selector, const TetMesh& mesh);
 Result<std::vector<VertexId>> resolve_selector(const std::string& text, const TetMesh& mesh);
 
-// Describes for the user which vertex each `near:` of a valid selector found, and how far away it
-// is.
-std::vector<std::string> near_notes(const std::string& text, const TetMesh& mesh);
+// Describes for the user which vertex each `near:` of a selector found, and how far away it is.
+std::vector<std::string> near_notes(const Selector& selector, const TetMesh& mesh);
 
 }  // namespace tremolo

@@ -16,7 +16,7 @@
 
 #include "common/stage_log.h"
 #include "formats/file/checkpoint_file.h"
-#include "precompute/problem/model_request.h"
+#include "precompute/problem/precompute_request.h"
 #include "precompute/problem/problem.h"
 
 namespace tremolo {
@@ -27,7 +27,7 @@ using CheckpointIdentity = std::vector<std::pair<std::string, std::string>>;
 // Returns the identity of a run. counts: the numbers chosen, not requested. Left out is what
 // affects only the file at the end (render surface, load, encoding) or is kept beside the model
 // (certificate).
-CheckpointIdentity checkpoint_identity(const ModelRequest& request, const Problem& problem,
+CheckpointIdentity checkpoint_identity(const PrecomputeRequest& request, const Problem& problem,
                                        const ModeCounts& counts, LinearSolver solver,
                                        int blas_threads);
 inline constexpr const char* kSolverFact = "solver";

@@ -23,7 +23,7 @@ std::string vector_instructions() {
 
 }  // namespace
 
-CheckpointIdentity checkpoint_identity(const ModelRequest& request, const Problem& problem,
+CheckpointIdentity checkpoint_identity(const PrecomputeRequest& request, const Problem& problem,
                                        const ModeCounts& counts, LinearSolver solver,
                                        int blas_threads) {
   const std::string given = petsc_options();
@@ -36,10 +36,10 @@ CheckpointIdentity checkpoint_identity(const ModelRequest& request, const Proble
   CheckpointIdentity identity;
   for (const Fact& fact : facts_of(problem)) identity.emplace_back(fact.name, fact.value);
   const CheckpointIdentity rest = {
-      {"mass", request.mass == MassKind::kConsistent ? "consistent" : "lumped"},
-      {"linear modes", count(counts.linear, request.linear_modes.has_value())},
-      {"coordinates", count(counts.modes, request.modes.has_value())},
-      {"derivatives", request.linear ? "no" : std::to_string(request.derivatives)},
+      {"mass", request.solid.elements.mass == MassKind::kConsistent ? "consistent" : "lumped"},
+      {"linear modes", count(counts.linear, request.basis.linear_modes.has_value())},
+      {"coordinates", count(counts.modes, request.basis.modes.has_value())},
+      {"derivatives", request.basis.linear ? "no" : std::to_string(request.basis.derivatives)},
       {kSolverFact, name_of(solver)},
       {"PETSc options", given.empty() ? "none" : given},
       {"ranks", std::to_string(mpi_ranks())},

@@ -1,31 +1,36 @@
 #include "precompute/options/named_files.h"
 
 #include "common/mesh/selector.h"
-#include "precompute/problem/material_rules.h"
 
 namespace tremolo {
+namespace {
+
+void add_files(const std::vector<std::string>& paths, const std::string& option,
+               std::vector<NamedFile>& files) {
+  for (const std::string& path : paths) files.push_back({path, "the ids of " + option});
+}
+
+}  // namespace
 
 void add_files_of_selector(const std::string& text, const std::string& option,
                            std::vector<NamedFile>& files) {
-  for (const std::string& file : files_of_selector(text))
-    files.push_back({file, "the ids of " + option});
+  add_files(files_of_selector(text), option, files);
 }
 
 std::vector<NamedFile> input_files(const ProblemRequest& request, const std::string& config_path) {
-  std::vector<NamedFile> files{{request.mesh_path, "the mesh", true},
+  std::vector<NamedFile> files{{request.files.mesh, "the mesh", true},
                                {config_path, "--config"},
-                               {request.render_path, "--render", true}};
-  for (const std::string& selector : request.fix) add_files_of_selector(selector, "--fix", files);
-  for (const auto& selectors : request.fix_axis)
-    for (const std::string& selector : selectors)
-      add_files_of_selector(selector, "--fix-x, --fix-y or --fix-z", files);
-  add_files_of_selector(request.load_at, "--load-at", files);
-  add_files_of_selector(request.select, "--select", files);
-  for (const std::string& mass : request.point_masses)
-    add_files_of_selector(mass.substr(0, mass.rfind('=')), "--point-mass", files);
-  for (const std::string& text : request.materials)
-    if (const Result<MaterialRule> rule = parse_material_rule(text, request.material); rule)
-      add_files_of_selector(rule->where, "--material", files);
+                               {request.files.render, "--render", true}};
+  const auto add = [&files](const Selector& selector, const char* option) {
+    add_files(files_of_selector(selector), option, files);
+  };
+  for (const Selector& selector : request.support.fixed) add(selector, "--fix");
+  for (const auto& selectors : request.support.along)
+    for (const Selector& selector : selectors) add(selector, "--fix-x, --fix-y or --fix-z");
+  if (request.load) add(request.load->at, "--load-at");
+  for (const PointMassRequest& mass : request.point_masses) add(mass.at, "--point-mass");
+  for (const MaterialRule& rule : request.materials.rules)
+    if (rule.selector) add(*rule.selector, "--material");
   return files;
 }
 

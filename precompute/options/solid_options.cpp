@@ -1,12 +1,22 @@
 #include "precompute/options/solid_options.h"
 
 #include <charconv>
+#include <filesystem>
 #include <iostream>
+#include <iterator>
+#include <memory>
+#include <sstream>
+#include <string>
 #include <thread>
+#include <vector>
 
+#include "common/text.h"
 #include "common/units.h"
+#include "formats/file/input_file.h"
+#include "formats/file/scanner.h"
 #include "precompute/mesher/surface_options.h"
 #include "precompute/problem/material_rules.h"
+#include "precompute/system/failure.h"
 #include "precompute/system/option_checks.h"
 
 namespace tremolo {
@@ -25,37 +35,23 @@ CLI::Validator refinements() {
       "");
 }
 
-void add_support_options(CLI::App& app, ProblemRequest& request, SolidTexts& texts) {
-  app.add_option("--fix", request.fix,
+void add_support_options(CLI::App& app, SolidTexts& texts) {
+  app.add_option("--fix", texts.fix,
                  "vertices that do not move: x<0.01, y>=90%, box:x0,y0,z0,x1,y1,z1, "
                  "sphere:x,y,z,r, plane:x,y,z,nx,ny,nz, near:x,y,z,k, vertex:ID, file:ids.txt, "
                  "colour:red, a set of the mesh, or none for a free body; may be repeated");
   constexpr const char* kAxes[] = {"x", "y", "z"};
   for (std::size_t axis = 0; axis < 3; ++axis)
-    app.add_option(std::string("--fix-") + kAxes[axis], request.fix_axis[axis],
+    app.add_option(std::string("--fix-") + kAxes[axis], texts.fix_axis[axis],
                    std::string("vertices that do not move along ") + kAxes[axis] +
                        " (selector); may be repeated");
-  app.add_option("--load-at", request.load_at, "vertices that the default load acts on (selector)");
-  app.add_option("--load-force", texts.force, "the default load, X,Y,Z in N, shared among them")
+  app.add_option("--load-at", texts.load_at, "vertices that the default load acts on (selector)");
+  app.add_option("--load-force", texts.load_force,
+                 "the default load, X,Y,Z in N, shared among them")
       ->needs("--load-at");
 }
 
 }  // namespace
-
-bool parse_vector(const std::string& text, Eigen::Vector3d& vector) {
-  const char* at = text.data();
-  const char* end = at + text.size();
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto [next, error] = std::from_chars(at, end, vector[axis]);
-    if (error != std::errc{}) return false;
-    at = next;
-    if (axis < 2) {
-      if (at == end || *at != ',') return false;
-      ++at;
-    }
-  }
-  return at == end;
-}
 
 bool vectors_are_words(const std::vector<std::string>& words, const std::string& flag) {
   // A trailing comma is what remains of "0, " after the shell has split the words.
@@ -76,22 +72,22 @@ bool vectors_are_words(const std::vector<std::string>& words, const std::string&
   return true;
 }
 
-void add_solid_options(CLI::App& app, ProblemRequest& request, SolidTexts& texts) {
-  app.add_option("mesh", request.mesh_path,
+void add_solid_options(CLI::App& app, SolidTexts& texts) {
+  app.add_option("mesh", texts.mesh,
                  "tetrahedral mesh (.msh .vtk .vtu .pvtu .inp .bdf .veg .vegb .node .ele), or a\n"
                  "surface (.obj .ply "
                  ".stl .gltf .glb .fbx .dae ...), which is meshed first")
       ->required();
-  app.add_option("--young", request.material.young, "Young's modulus, Pa")->capture_default_str();
-  app.add_option("--poisson", request.material.poisson, "Poisson's ratio")->capture_default_str();
-  app.add_option("--density", request.material.density, "density, kg/m^3")->capture_default_str();
+  app.add_option("--young", texts.material.young, "Young's modulus, Pa")->capture_default_str();
+  app.add_option("--poisson", texts.material.poisson, "Poisson's ratio")->capture_default_str();
+  app.add_option("--density", texts.material.density, "density, kg/m^3")->capture_default_str();
   app.add_option(
-      "--material", request.materials,
+      "--material", texts.materials,
       std::string("a material of a region of the mesh, later ones decide; may be repeated: ") +
           kMaterialGrammar);
-  app.add_option("--point-mass", request.point_masses,
+  app.add_option("--point-mass", texts.point_masses,
                  "SELECTOR=KG: a mass shared by the selected vertices; may be repeated");
-  add_support_options(app, request, texts);
+  add_support_options(app, texts);
   app.add_option("--mass", texts.mass,
                  "consistent or lumped; with --import-basis: the basis is made orthonormal in it")
       ->check(CLI::IsMember({"consistent", "lumped"}))
@@ -102,7 +98,7 @@ void add_solid_options(CLI::App& app, ProblemRequest& request, SolidTexts& texts
          "times the unknowns) or auto: 2 for a quadratic mesh or a small one")
       ->check(CLI::IsMember({"1", "2", "auto"}))
       ->capture_default_str();
-  app.add_option("--refine", request.refine,
+  app.add_option("--refine", texts.refine,
                  "so often cut each tetrahedron into eight, after selectors have chosen: eight "
                  "times as many a time, half as long")
       ->check(refinements())
@@ -118,32 +114,63 @@ void add_solid_options(CLI::App& app, ProblemRequest& request, SolidTexts& texts
                  "in turned coordinates")
       ->check(CLI::IsMember({"y", "z"}))
       ->capture_default_str();
-  add_surface_options(app, request.meshing, request.unit);
+  add_surface_options(app, texts.meshing, texts.unit);
   app.get_option("--unit")->description(
       std::string("of the surface's coordinates, or of a tetrahedral mesh's where no surface is "
                   "read: ") +
       kLengthUnits);
   app.add_option(
-      "--mesh-unit", request.mesh_unit,
+      "--mesh-unit", texts.mesh_unit,
       "of a tetrahedral mesh's coordinates, when --unit applies to the --render surface");
   app.add_flag(
-      "--merge", request.merge,
+      "--merge", texts.merge,
       "join vertices of a tetrahedral mesh that lie at one place, as where two regions were "
       "meshed or written separately");
-  request.threads = std::max(1u, std::thread::hardware_concurrency());
-  app.add_option("--threads", request.threads, "threads of a rank")->check(thread_count());
+  texts.threads = std::max(1u, std::thread::hardware_concurrency());
+  app.add_option("--threads", texts.threads, "threads of a rank")->check(thread_count());
 }
 
-bool finish_solid_options(const SolidTexts& texts, ProblemRequest& request) {
-  request.mass = texts.mass == "lumped" ? MassKind::kLumped : MassKind::kConsistent;
-  request.y_up = texts.up == "y";
-  request.order.reset();
-  if (texts.order != "auto") request.order = texts.order == "1" ? 1 : 2;
-  if (texts.subdivide != "auto") request.subdivide = texts.subdivide == "on";
-  if (texts.force.empty() || parse_vector(texts.force, request.load_force)) return true;
-  std::cerr << "tremolo-precompute: --load-force " << texts.force
-            << ": expected three numbers, X,Y,Z in N\n";
-  return false;
+std::optional<int> finish_solid_options(const SolidTexts& texts, ProblemRequest& request) {
+  try {
+    request = read_problem_request(texts);
+    return std::nullopt;
+  } catch (const Failure& failure) {
+    std::cerr << "tremolo-precompute: " << printable(failure.what()) << "\n";
+    return exit_code(failure.error());
+  }
+}
+
+namespace {
+
+std::string require_regular(const std::string& path) {
+  std::error_code ignored;
+  // CLI11 reports a missing file, as it opens the file next.
+  if (!std::filesystem::exists(path, ignored)) return {};
+  const Result<struct stat> status = examine_input(path);
+  if (!status) throw Failure(status.error());
+  return {};
+}
+
+// CLI11's reader, which takes a byte-order mark for a part of the first key.
+class MarkedConfig : public CLI::ConfigTOML {
+ public:
+  std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
+    std::string text(std::istreambuf_iterator<char>(input), {});
+    std::istringstream unmarked(std::string(without_mark(text)));
+    return CLI::ConfigTOML::from_config(unmarked);
+  }
+};
+
+}  // namespace
+
+void add_config_option(CLI::App& app, const std::string& description) {
+  app.config_formatter(std::make_shared<MarkedConfig>());
+  app.set_config("--config", "", description)->check(require_regular, "FILE");
+}
+
+std::string config_path(const CLI::App& app) {
+  const CLI::Option* option = app.get_config_ptr();
+  return option->count() > 0 ? option->as<std::string>() : std::string();
 }
 
 }  // namespace tremolo

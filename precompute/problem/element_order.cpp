@@ -17,7 +17,7 @@ constexpr double kStraight = 1e-6;
 constexpr double kMostCurved = 0.5;
 
 // The number of tetrahedra after refinement.
-std::size_t refined_count(const ProblemRequest& request, const TetMesh& mesh) {
+std::size_t refined_count(const ElementRequest& request, const TetMesh& mesh) {
   return mesh.tetrahedra.size() << (3 * request.refine);
 }
 
@@ -52,27 +52,28 @@ void refuse_misplaced(const Curvature& most) {
 
 }  // namespace
 
-int choose_order(const ProblemRequest& request, const TetMesh& mesh) {
+int choose_order(const ElementRequest& request, bool imported, const TetMesh& mesh) {
   const bool lumped = request.mass == MassKind::kLumped;
   const auto refuse = [](const char* what) { throw Failure({ErrorKind::kUsage, what}); };
   if (request.order == 2 && lumped)
     refuse(
         "--order 2 with --mass lumped: quadratic elements have no lumped mass; leave out one of "
         "them");
-  if (request.order == 2 && request.imported)
+  if (request.order == 2 && imported)
     refuse("--order 2 with --import-basis: VegaFEM's bases are of linear elements");
   if (request.order) return *request.order;
-  if (lumped || request.imported) return 1;
+  if (lumped || imported) return 1;
   const bool small = refined_count(request, mesh) <= kMostAutomaticQuadratic;
   return !mesh.edges.empty() || small ? 2 : 1;
 }
 
 void prepare_edges(const ProblemRequest& request, Problem& problem) {
   TetMesh& mesh = problem.mesh;
-  problem.order = choose_order(request, mesh);
-  problem.subdivide = request.subdivide;
-  if (!request.order && problem.order == 1 &&
-      refined_count(request, mesh) > kMostAutomaticQuadratic)
+  const ElementRequest& elements = request.elements;
+  problem.order = choose_order(elements, request.imported, mesh);
+  problem.subdivide = elements.subdivide;
+  if (!elements.order && problem.order == 1 &&
+      refined_count(elements, mesh) > kMostAutomaticQuadratic)
     problem.notes.push_back("linear elements, as the mesh has more than " +
                             std::to_string(kMostAutomaticQuadratic) +
                             " tetrahedra; --order 2 makes them quadratic");

@@ -102,8 +102,9 @@ Result<MaterialRule> parse_material_rule(const std::string& text, const Material
   // Selectors may contain colons, constants never do: the last colon separates them.
   const std::size_t colon = text.rfind(':');
   if (colon == std::string::npos) return malformed(text, "a colon behind the region");
-  MaterialRule rule{std::string(trimmed(std::string_view(text).substr(0, colon))), usual};
-  if (rule.where.empty()) return malformed(text, "a region before the colon");
+  const std::string where(trimmed(std::string_view(text).substr(0, colon)));
+  if (where.empty()) return malformed(text, "a region before the colon");
+  MaterialRule rule{where, usual, parse_selector(where)};
   const Result<Constants> constants =
       read_constants(text, std::string_view(text).substr(colon + 1));
   if (!constants) return constants.error();

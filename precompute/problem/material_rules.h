@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/elements/elasticity.h"
+#include "common/mesh/selector.h"
 #include "common/mesh/tet_mesh.h"
 #include "common/result.h"
 #include "formats/mesh/mesh_reader.h"
@@ -17,11 +18,11 @@ inline constexpr const char* kMaterialGrammar =
     "nu23=, nu31=, g12=, g23=, g31=, axis1=X Y Z, axis2=X Y Z, density=; a selector may stand for "
     "the region; file: the materials of the mesh's file";
 
-// One --material option. where: a region's name or a selector; empty for `file`, which stands for
-// the materials in the mesh file.
+// One --material option.
 struct MaterialRule {
-  std::string where;
+  std::string where;  // a region's name or a selector; empty: the materials in the mesh file
   Material material;
+  Result<Selector> selector = Selector();  // of `where`; an error is reported if it is no region
 };
 
 // Parses one --material option. Constants that the text omits are taken from `usual` (--young,

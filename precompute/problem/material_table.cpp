@@ -10,12 +10,13 @@ namespace tremolo {
 namespace {
 
 // Returns the tetrahedra all of whose vertices the selector selects; an error if there are none.
-Result<std::vector<std::size_t>> covered(const std::string& where, const TetMesh& mesh) {
-  const Result<std::vector<VertexId>> vertices = resolve_selector(where, mesh);
+Result<std::vector<std::size_t>> covered(const MaterialRule& rule, const TetMesh& mesh) {
+  const Result<std::vector<VertexId>> vertices =
+      rule.selector ? resolve_selector(*rule.selector, mesh) : rule.selector.error();
   if (!vertices) {
     Error error = vertices.error();
-    error.message =
-        "--material `" + where + "` is no region: " + list_regions(mesh) + "; " + error.message;
+    error.message = "--material `" + rule.where + "` is no region: " + list_regions(mesh) + "; " +
+                    error.message;
     return error;
   }
   std::vector<bool> selected(mesh.vertices.size(), false);
@@ -27,7 +28,7 @@ Result<std::vector<std::size_t>> covered(const std::string& where, const TetMesh
       chosen.push_back(t);
   }
   if (chosen.empty())
-    return content_error("--material `" + where +
+    return content_error("--material `" + rule.where +
                          "` covers no tetrahedron: a selector takes those all of whose vertices it "
                          "selects");
   return chosen;
@@ -120,7 +121,7 @@ Result<MaterialTable> assign_materials(const std::vector<MaterialRule>& rules,
       continue;
     }
     flush();
-    const Result<std::vector<std::size_t>> chosen = covered(rule.where, mesh);
+    const Result<std::vector<std::size_t>> chosen = covered(rule, mesh);
     if (!chosen) return chosen.error();
     for (std::size_t t : *chosen) table.of_tet[t] = material;
   }

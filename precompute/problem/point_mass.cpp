@@ -4,17 +4,16 @@
 #include <charconv>
 #include <cmath>
 
-#include "common/mesh/selector.h"
 #include "common/text.h"
 #include "formats/basis/selector_reader.h"
 
 namespace tremolo {
 
-Result<PointMass> parse_point_mass(const std::string& text) {
+Result<PointMassRequest> parse_point_mass(const std::string& text) {
   // The selector may contain `=` as well, as in x>=1.2=0.5.
   const std::size_t equals = text.rfind('=');
   const std::string digits = equals == std::string::npos ? "" : text.substr(equals + 1);
-  PointMass mass;
+  PointMassRequest mass{text, {}, 0};
   const auto [stop, error] =
       std::from_chars(digits.data(), digits.data() + digits.size(), mass.kilograms);
   if (equals == 0 || error != std::errc{} || stop != digits.data() + digits.size())
@@ -23,26 +22,22 @@ Result<PointMass> parse_point_mass(const std::string& text) {
   if (!(mass.kilograms > 0) || !std::isfinite(mass.kilograms))
     return content_error("--point-mass " + text + ": the mass is " + number_text(mass.kilograms) +
                          ", must be positive and finite (kg)");
-  mass.selector = text.substr(0, equals);
-  const Result<Selector> selector = parse_selector(mass.selector);
-  if (!selector) return selector.error();
+  if (Status parsed = take(mass.at, parse_selector(text.substr(0, equals))); !parsed)
+    return parsed.error();
   return mass;
 }
 
-Result<PointMass> read_point_mass(const std::string& text, const TetMesh& mesh,
-                                  const std::vector<VertexId>& fixed) {
-  Result<PointMass> parsed = parse_point_mass(text);
-  if (!parsed) return parsed;
-  PointMass& mass = *parsed;
-  Result<std::vector<VertexId>> vertices = resolve_selector(mass.selector, mesh);
+Result<PointMass> place_point_mass(const PointMassRequest& request, const TetMesh& mesh,
+                                   const std::vector<VertexId>& fixed) {
+  Result<std::vector<VertexId>> vertices = resolve_selector(request.at, mesh);
   if (!vertices) return vertices.error();
   if (vertices->empty())
-    return content_error("--point-mass " + text + ": the mass must sit on a vertex");
-  mass.vertices = std::move(*vertices);
+    return content_error("--point-mass " + request.text + ": the mass must sit on a vertex");
+  PointMass mass{request.at.text, request.kilograms, std::move(*vertices), 0};
   mass.fixed = static_cast<std::size_t>(
       std::count_if(mass.vertices.begin(), mass.vertices.end(),
                     [&](VertexId v) { return std::binary_search(fixed.begin(), fixed.end(), v); }));
-  return parsed;
+  return mass;
 }
 
 std::vector<double> mass_of_vertices(const std::vector<PointMass>& masses, std::size_t vertices) {

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "formats/basis/selector_reader.h"
 #include "formats/surface/surface_writer.h"
 #include "precompute/system/failure.h"
 
@@ -73,13 +72,12 @@ void add_arrow(const Problem& problem, const BoundingBox& box, Preview& preview)
 
 }  // namespace
 
-Preview make_preview(const ProblemRequest& request, const Problem& problem) {
+Preview make_preview(const Problem& problem, const std::vector<VertexId>& selected) {
   std::vector<Colour> of_mesh(problem.mesh.vertices.size(), kFreeColour);
   for (const auto& held : problem.held) paint(held, kPartlyHeldColour, of_mesh);
   paint(problem.load.vertices, kLoadedColour, of_mesh);
   paint(problem.fixed, kHeldColour, of_mesh);
-  if (!request.select.empty())
-    paint(unwrap(resolve_selector(request.select, problem.mesh)), kSelectedColour, of_mesh);
+  paint(selected, kSelectedColour, of_mesh);
 
   Preview preview;
   const BoundarySurface boundary = boundary_surface(problem.mesh);
@@ -93,10 +91,11 @@ Preview make_preview(const ProblemRequest& request, const Problem& problem) {
   return preview;
 }
 
-void write_preview(const ProblemRequest& request, const Problem& problem) {
-  if (request.preview.empty()) return;
-  const Preview preview = make_preview(request, problem);
-  unwrap(write_painted_surface(request.preview, preview.surface, preview.colours));
+void write_preview(const std::string& path, const Problem& problem,
+                   const std::vector<VertexId>& selected) {
+  if (path.empty()) return;
+  const Preview preview = make_preview(problem, selected);
+  unwrap(write_painted_surface(path, preview.surface, preview.colours));
 }
 
 }  // namespace tremolo

@@ -23,9 +23,10 @@ struct Preview {
   SurfaceMesh surface;
   std::vector<Colour> colours;  // one a vertex
 };
-Preview make_preview(const ProblemRequest& request, const Problem& problem);
+Preview make_preview(const Problem& problem, const std::vector<VertexId>& selected = {});
 
-// Writes request.preview if it is set. Throws Failure.
-void write_preview(const ProblemRequest& request, const Problem& problem);
+// Writes the preview unless the path is empty. Throws Failure.
+void write_preview(const std::string& path, const Problem& problem,
+                   const std::vector<VertexId>& selected = {});
 
 }  // namespace tremolo

@@ -12,7 +12,6 @@
 #include "formats/basis/selector_reader.h"
 #include "formats/surface/surface_reader.h"
 #include "precompute/embedding/surface_sets.h"
-#include "precompute/problem/cut_surface.h"
 #include "precompute/problem/element_order.h"
 #include "precompute/problem/material_rules.h"
 #include "precompute/problem/mechanisms.h"
@@ -37,12 +36,12 @@ struct Chosen {
   std::vector<VertexId> by_place;
 };
 
-Chosen select_all(const std::vector<std::string>& selectors, const TetMesh& mesh) {
+Chosen select_all(const std::vector<Selector>& selectors, const TetMesh& mesh) {
   Chosen all;
-  for (const std::string& selector : selectors) {
+  for (const Selector& selector : selectors) {
     const std::vector<VertexId> chosen = unwrap(resolve_selector(selector, mesh));
     all.vertices.insert(all.vertices.end(), chosen.begin(), chosen.end());
-    if (!means_surface(unwrap(parse_selector(selector))))
+    if (!means_surface(selector))
       all.by_place.insert(all.by_place.end(), chosen.begin(), chosen.end());
   }
   for (std::vector<VertexId>* ids : {&all.vertices, &all.by_place}) {
@@ -52,50 +51,18 @@ Chosen select_all(const std::vector<std::string>& selectors, const TetMesh& mesh
   return all;
 }
 
-void require_force(const ProblemRequest& request) {
-  if (!request.load_at.empty() &&
-      (!request.load_force.allFinite() || request.load_force.norm() == 0.0))
-    throw Failure(
-        content_error("--load-at needs --load-force with a finite force other than zero"));
-}
-
-void require_selector(const std::string& text) {
-  if (!text.empty()) unwrap(parse_selector(text));
-}
-
-// Rejects options that are wrong for every mesh before a mesh is read.
-void require_well_formed(const ProblemRequest& request) {
-  for (const std::string& text : request.fix) require_selector(text);
-  for (const auto& selectors : request.fix_axis)
-    for (const std::string& text : selectors) require_selector(text);
-  require_selector(request.load_at);
-  require_selector(request.select);
-  for (const std::string& text : request.point_masses) unwrap(parse_point_mass(text));
-  if (!request.unit.empty()) unwrap(metres_per_unit(request.unit));
-  if (!request.select.empty()) return;
-  require_force(request);
-}
-
 // Adds notes that name the vertices chosen by `near:` selectors.
 void note_near(const ProblemRequest& request, Problem& problem) {
-  const auto note = [&](const char* flag, const std::string& text) {
-    for (const std::string& each : near_notes(text, problem.mesh))
+  const auto note = [&](const char* flag, const Selector& selector) {
+    for (const std::string& each : near_notes(selector, problem.mesh))
       problem.notes.push_back(std::string(flag) + " " + each);
   };
-  for (const std::string& text : request.fix) note("--fix", text);
+  for (const Selector& selector : request.support.fixed) note("--fix", selector);
   constexpr const char* kFlags[] = {"--fix-x", "--fix-y", "--fix-z"};
   for (std::size_t axis = 0; axis < 3; ++axis)
-    for (const std::string& text : request.fix_axis[axis]) note(kFlags[axis], text);
-  note("--load-at", request.load_at);
-  for (const PointMass& mass : problem.point_masses) note("--point-mass", mass.selector);
-}
-
-// Returns a hint about the up axis, or an empty string; with --up y the user has already decided.
-std::string up_axis_hint(const ProblemRequest& request, const Problem& problem) {
-  if (request.y_up) return {};
-  std::vector<std::string> selectors = request.fix;
-  selectors.push_back(request.select);
-  return side_hint(selectors, problem.mesh, has_y_up(request.mesh_path));
+    for (const Selector& selector : request.support.along[axis]) note(kFlags[axis], selector);
+  if (request.load) note("--load-at", request.load->at);
+  for (const PointMassRequest& mass : request.point_masses) note("--point-mass", mass.at);
 }
 
 // Throws if a part can still move rigidly, which would make K singular. Joints between pieces are
@@ -120,11 +87,12 @@ void require_held(const Problem& problem) {
   }
 }
 
-MaterialTable make_materials(const ProblemRequest& request, const std::vector<MaterialRule>& rules,
+MaterialTable make_materials(const MaterialRequest& request,
                              const std::vector<FileMaterial>& of_file, Problem& problem) {
-  MaterialTable table = unwrap(assign_materials(rules, request.material, problem.mesh, of_file));
+  MaterialTable table =
+      unwrap(assign_materials(request.rules, request.usual, problem.mesh, of_file));
   const bool several = problem.mesh.region_names.size() > 1;
-  if (rules.empty() && (several || !of_file.empty()))
+  if (request.rules.empty() && (several || !of_file.empty()))
     problem.notes.push_back(list_regions(problem.mesh) +
                             ": all of one material without --material" +
                             (of_file.empty() ? ""
@@ -133,13 +101,14 @@ MaterialTable make_materials(const ProblemRequest& request, const std::vector<Ma
   return table;
 }
 
-std::vector<PointMass> make_point_masses(const ProblemRequest& request, Problem& problem) {
+std::vector<PointMass> make_point_masses(const std::vector<PointMassRequest>& requests,
+                                         Problem& problem) {
   std::vector<PointMass> masses;
-  for (const std::string& text : request.point_masses) {
-    masses.push_back(unwrap(read_point_mass(text, problem.mesh, problem.fixed)));
+  for (const PointMassRequest& request : requests) {
+    masses.push_back(unwrap(place_point_mass(request, problem.mesh, problem.fixed)));
     const PointMass& mass = masses.back();
     if (mass.fixed > 0)
-      problem.notes.push_back("--point-mass " + text + ": " + std::to_string(mass.fixed) +
+      problem.notes.push_back("--point-mass " + request.text + ": " + std::to_string(mass.fixed) +
                               " of its " + std::to_string(mass.vertices.size()) +
                               " vertices are fixed, where a mass does nothing");
   }
@@ -157,11 +126,14 @@ std::vector<double> shares_of(const std::vector<VertexId>& chosen, const TetMesh
 
 }  // namespace
 
-DefaultLoad make_load(const ProblemRequest& request, const Problem& problem) {
+std::string up_axis_hint(const SolidFiles& files, const std::vector<Selector>& selectors,
+                         const TetMesh& mesh) {
+  return files.y_up ? std::string() : side_hint(selectors, mesh, has_y_up(files.mesh));
+}
+
+DefaultLoad make_load(const LoadRequest& request, const Problem& problem) {
   DefaultLoad load;
-  if (request.load_at.empty()) return load;
-  require_force(request);
-  const std::vector<VertexId> chosen = unwrap(resolve_selector(request.load_at, problem.mesh));
+  const std::vector<VertexId> chosen = unwrap(resolve_selector(request.at, problem.mesh));
   const std::vector<double> shares = shares_of(chosen, problem.mesh);
   double total = 0;
   std::vector<double> of_free;
@@ -172,28 +144,13 @@ DefaultLoad make_load(const ProblemRequest& request, const Problem& problem) {
     total += shares[n];
   }
   if (load.vertices.empty())
-    throw Failure(content_error("--load-at " + request.load_at + ": every such vertex is fixed"));
+    throw Failure(content_error("--load-at " + request.at.text + ": every such vertex is fixed"));
   // The part of the force on a face's fixed vertices is distributed over the others.
   const auto count = static_cast<double>(load.vertices.size());
   for (const double share : of_free)
-    load.forces.push_back((total > 0 ? share / total : 1.0 / count) * request.load_force);
+    load.forces.push_back((total > 0 ? share / total : 1.0 / count) * request.force);
   return load;
 }
-
-namespace {
-
-void read_render(const ProblemRequest& request, Problem& problem) {
-  SurfaceReadOptions reading;
-  if (!request.unit.empty()) reading.metres_per_unit = unwrap(metres_per_unit(request.unit));
-  SurfaceFile file = unwrap(read_surface(request.render_path, reading));
-  problem.notes.push_back("render surface: " + request.render_path + ", " + file.format +
-                          ", unit: " + file.unit);
-  problem.notes.insert(problem.notes.end(), file.notes.begin(), file.notes.end());
-  if (request.y_up) turn_y_to_z(file.surface);
-  attach_render(problem, std::move(file.surface), request.threads);
-}
-
-}  // namespace
 
 void attach_render(Problem& problem, RenderSurface surface, unsigned threads) {
   const auto note = [&problem](std::vector<std::string> notes) {
@@ -207,55 +164,58 @@ void attach_render(Problem& problem, RenderSurface surface, unsigned threads) {
 
 namespace {
 
-// Rejects contradictory options that can be recognised without reading a file.
-void require_consistent(const ProblemRequest& request) {
-  const auto refuse = [](const std::string& text) { throw Failure({ErrorKind::kUsage, text}); };
-  if (request.fix.size() > 1 &&
-      std::find(request.fix.begin(), request.fix.end(), "none") != request.fix.end())
-    refuse("--fix none and another --fix contradict each other");
-  for (const auto& selectors : request.fix_axis)
-    if (!selectors.empty() && request.fix.size() == 1 && request.fix.front() == "none")
-      refuse("--fix none and --fix-x, --fix-y or --fix-z contradict each other");
-}
+// The tetrahedra as read, and what their files say besides.
+struct ReadSolid {
+  TetMesh mesh;
+  std::string format;
+  std::vector<std::string> notes;
+  std::optional<RenderSurface> drawn;   // the surface that was meshed
+  std::vector<FileMaterial> materials;  // of the mesh file
+};
 
-// Reads a surface or a tetrahedral mesh. meshed: the surface that was meshed; of_file: the
-// materials of the mesh file.
-void read_solid(const ProblemRequest& request, Problem& problem,
-                std::optional<RenderSurface>& meshed, std::vector<FileMaterial>& of_file) {
-  if (is_surface_file(request.mesh_path)) {
-    if (!request.mesh_unit.empty())
-      throw Failure(
-          {ErrorKind::kUsage, "--mesh-unit applies to a tetrahedral mesh's coordinates: " +
-                                  request.mesh_path + " is a surface, see --unit"});
-    if (request.merge)
+// Reads a surface or a tetrahedral mesh.
+ReadSolid read_solid(const SolidFiles& files, bool imported) {
+  if (is_surface_file(files.mesh)) {
+    if (files.mesh_unit)
+      throw Failure({ErrorKind::kUsage,
+                     "--mesh-unit applies to a tetrahedral mesh's coordinates: " + files.mesh +
+                         " is a surface, see --unit"});
+    if (files.merge)
       throw Failure(
           {ErrorKind::kUsage,
            "--merge applies to a tetrahedral mesh: the corners of a surface that lie at one "
            "place are joined in any case"});
-    CutSurface surface = cut_surface(request);
-    problem.mesh = std::move(surface.cut.mesh);
-    problem.mesh_format = std::move(surface.cut.format);
-    problem.notes = std::move(surface.cut.notes);
-    meshed = std::move(surface.render);
-    return;
+    CutSurface surface = cut_surface(files);
+    return {std::move(surface.cut.mesh),
+            std::move(surface.cut.format),
+            std::move(surface.cut.notes),
+            std::move(surface.render),
+            {}};
   }
-  MeshFile file = load_tetrahedra(request);
-  problem.mesh = std::move(file.mesh);
-  problem.mesh_format = std::move(file.format);
-  problem.notes = std::move(file.notes);
-  of_file = std::move(file.materials);
+  MeshFile file = load_tetrahedra(files, imported);
+  return {std::move(file.mesh), std::move(file.format), std::move(file.notes), std::nullopt,
+          std::move(file.materials)};
+}
+
+// The surface of --render, in metres, with z up. Adds notes.
+RenderSurface read_render(const SolidFiles& files, std::vector<std::string>& notes) {
+  SurfaceFile file = unwrap(read_surface(files.render, {files.unit ? files.unit->metres : 0.0}));
+  notes.push_back("render surface: " + files.render + ", " + file.format + ", unit: " + file.unit);
+  notes.insert(notes.end(), file.notes.begin(), file.notes.end());
+  if (files.y_up) turn_y_to_z(file.surface);
+  return std::move(file.surface);
 }
 
 // Selects the fixed vertices and checks that they suffice.
 void hold(const ProblemRequest& request, Problem& problem) {
   HeldByPlace& by_place = problem.by_place;
-  problem.free_body = request.fix.size() == 1 && request.fix.front() == "none";
+  problem.free_body = request.support.free_body();
   if (!problem.free_body) {
-    Chosen fixed = select_all(request.fix, problem.mesh);
+    Chosen fixed = select_all(request.support.fixed, problem.mesh);
     problem.fixed = std::move(fixed.vertices);
     by_place.fixed = std::move(fixed.by_place);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      Chosen held = select_all(request.fix_axis[axis], problem.mesh);
+      Chosen held = select_all(request.support.along[axis], problem.mesh);
       problem.held[axis] = std::move(held.vertices);
       by_place.along[axis] = std::move(held.by_place);
     }
@@ -279,44 +239,37 @@ void hold(const ProblemRequest& request, Problem& problem) {
 
 }  // namespace
 
-Problem load_problem(const ProblemRequest& request) {
-  unwrap(check_material(request.material));
-  std::vector<MaterialRule> rules;
-  for (const std::string& text : request.materials)
-    rules.push_back(unwrap(parse_material_rule(text, request.material)));
-  require_consistent(request);
-  require_well_formed(request);
-  Problem problem;
-  std::optional<RenderSurface> meshed;
-  std::vector<FileMaterial> of_file;
-  read_solid(request, problem, meshed, of_file);
-  if (request.y_up) {
-    turn_y_to_z(problem.mesh);
-    turn_y_to_z(of_file);
-    if (meshed) turn_y_to_z(*meshed);
-    problem.notes.emplace_back("turned from y up to z up: (x, y, z) -> (x, -z, y)");
+Problem load_solid(const ProblemRequest& request) {
+  const SolidFiles& files = request.files;
+  ReadSolid read = read_solid(files, request.imported);
+  if (files.y_up) {
+    turn_y_to_z(read.mesh);
+    turn_y_to_z(read.materials);
+    if (read.drawn) turn_y_to_z(*read.drawn);
+    read.notes.emplace_back("turned from y up to z up: (x, y, z) -> (x, -z, y)");
   }
+  Problem problem;
+  problem.mesh = std::move(read.mesh);
+  problem.mesh_format = std::move(read.format);
+  problem.notes = std::move(read.notes);
   Result<MeshReport> report = check_mesh(problem.mesh);
-  if (!report)
-    throw Failure({report.error().kind, request.mesh_path + ": " + report.error().message});
+  if (!report) throw Failure({report.error().kind, files.mesh + ": " + report.error().message});
   problem.report = std::move(*report);
   problem.notes.insert(problem.notes.end(), problem.report.notes.begin(),
                        problem.report.notes.end());
   prepare_edges(request, problem);
   problem.mesh_hash = hash_mesh(problem.mesh);
-  if (!request.render_path.empty())
-    read_render(request, problem);
-  else if (meshed)
-    attach_render(problem, std::move(*meshed), request.threads);
+  if (!files.render.empty()) read.drawn = read_render(files, problem.notes);
+  if (read.drawn) attach_render(problem, std::move(*read.drawn), request.threads);
   // This follows the render surface, since its objects and colours may select a material.
-  problem.materials = make_materials(request, rules, of_file, problem);
-  const std::string hint = up_axis_hint(request, problem);
+  problem.materials = make_materials(request.materials, read.materials, problem);
+  return problem;
+}
+
+Problem load_problem(const ProblemRequest& request) {
+  Problem problem = load_solid(request);
+  const std::string hint = up_axis_hint(request.files, request.support.fixed, problem.mesh);
   if (!hint.empty()) problem.notes.push_back(hint);
-  if (!request.select.empty()) {
-    for (std::string& note : near_notes(request.select, problem.mesh))
-      problem.notes.push_back(std::move(note));
-    return problem;
-  }
   try {
     hold(request, problem);
   } catch (const Failure& failure) {
@@ -329,11 +282,11 @@ Problem load_problem(const ProblemRequest& request) {
     if (!hint.empty()) error.message += ". A hint: " + hint;
     throw Failure(std::move(error));
   }
-  problem.load = make_load(request, problem);
-  problem.point_masses = make_point_masses(request, problem);
+  if (request.load) problem.load = make_load(*request.load, problem);
+  problem.point_masses = make_point_masses(request.point_masses, problem);
   note_near(request, problem);
   add_edge_points(problem);
-  refine(request.refine, request.threads, problem);
+  refine(request.elements.refine, request.threads, problem);
   return problem;
 }
 

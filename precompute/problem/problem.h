@@ -46,16 +46,25 @@ struct Problem {
   std::vector<std::string> notes;  // for the user: repairs and peculiarities
 };
 
-// Reads and checks the input and selects vertices; with request.select nothing is fixed or loaded.
-// Throws Failure: kSystem for unreadable files, kContent and kUsage for wrong content and options.
+// Reads and checks the files and assigns materials; nothing is fixed or loaded. Throws Failure:
+// kSystem for unreadable files, kContent and kUsage for wrong content and options.
+Problem load_solid(const ProblemRequest& request);
+
+// Does the same, selects the vertices that are fixed, loaded and weighed, and makes the elements
+// quadratic or smaller as requested.
 Problem load_problem(const ProblemRequest& request);
 
+// Returns a hint if a selector takes the low end of z of files that appear to have y up; else an
+// empty string, also if --up y was given.
+std::string up_axis_hint(const SolidFiles& files, const std::vector<Selector>& selectors,
+                         const TetMesh& mesh);
+
 // Sets the render surface (m, in the mesh's coordinates): embeds its vertices, adds its colours,
-// objects and materials to the mesh for selectors, and appends to problem.notes. load_problem calls
+// objects and materials to the mesh for selectors, and appends to problem.notes. load_solid calls
 // it after the mesh is checked and before anything is selected.
 void attach_render(Problem& problem, RenderSurface surface, unsigned threads);
 
-// Returns the default load, on free vertices only. Throws Failure (kContent).
-DefaultLoad make_load(const ProblemRequest& request, const Problem& problem);
+// Returns the load's forces, on free vertices only. Throws Failure (kContent).
+DefaultLoad make_load(const LoadRequest& request, const Problem& problem);
 
 }  // namespace tremolo

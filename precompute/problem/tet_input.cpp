@@ -1,10 +1,22 @@
 #include "precompute/problem/tet_input.h"
 
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <utility>
+#include <vector>
 
 #include "common/mesh/mesh_check.h"
 #include "common/text.h"
 #include "common/units.h"
+#include "formats/surface/surface_reader.h"
+#include "precompute/system/child_program.h"
 #include "precompute/system/failure.h"
 
 namespace tremolo {
@@ -15,8 +27,8 @@ constexpr double kVeryLarge = 100;
 constexpr double kVerySmall = 1e-3;
 
 // Rejects options for surfaces, which would otherwise be ignored silently.
-void refuse_surface_options(const ProblemRequest& request) {
-  const SurfaceMeshOptions& meshing = request.meshing;
+void refuse_surface_options(const SolidFiles& files) {
+  const SurfaceMeshOptions& meshing = files.meshing;
   const std::pair<bool, const char*> given[] = {
       {meshing.tets > 0, "--tets"},         {meshing.size > 0, "--size"},
       {meshing.error > 0, "--error"},       {meshing.thicken > 0, "--thicken"},
@@ -24,16 +36,15 @@ void refuse_surface_options(const ProblemRequest& request) {
   for (const auto& [is_given, name] : given)
     if (is_given)
       throw Failure({ErrorKind::kUsage, std::string(name) +
-                                            " applies to meshing a surface: " + request.mesh_path +
+                                            " applies to meshing a surface: " + files.mesh +
                                             " is tetrahedra already, which are taken as they are"});
 }
 
-void to_metres(const ProblemRequest& request, const std::string& unit, TetMesh& mesh) {
-  const double metres = unwrap(metres_per_unit(unit));
+void to_metres(const SolidFiles& files, double metres, TetMesh& mesh) {
   for (Eigen::Vector3d& x : mesh.vertices) {
     x *= metres;
     if (!x.allFinite())
-      throw Failure(content_error(request.mesh_path + ": in units of " + number_text(metres) +
+      throw Failure(content_error(files.mesh + ": in units of " + number_text(metres) +
                                   " m its coordinates are too large for a number"));
   }
 }
@@ -51,13 +62,13 @@ double extent(const TetMesh& mesh) {
 
 // Vertices that lie at one place are joined by --merge. Without it they are counted, as bodies that
 // were written separately, or that may slide on each other, have them on purpose.
-void join_or_count(const ProblemRequest& request, MeshFile& file) {
-  if (request.merge && request.imported)
+void join_or_count(bool merge, bool imported, MeshFile& file) {
+  if (merge && imported)
     throw Failure({ErrorKind::kUsage,
                    "an imported basis has rows for the vertices of its mesh: --merge would change "
                    "the mesh alone"});
   const Coincidences found = find_coincidences(file.mesh);
-  if (request.merge) {
+  if (merge) {
     merge_vertices(found, file.mesh);
     file.notes.push_back(
         std::to_string(found.pairs) +
@@ -70,33 +81,123 @@ void join_or_count(const ProblemRequest& request, MeshFile& file) {
 
 }  // namespace
 
-MeshFile load_tetrahedra(const ProblemRequest& request) {
-  refuse_surface_options(request);
-  const bool surface_has_it = !request.render_path.empty();
-  const std::string& unit =
-      !request.mesh_unit.empty() || surface_has_it ? request.mesh_unit : request.unit;
-  if (!unit.empty() && request.imported)
+MeshFile load_tetrahedra(const SolidFiles& files, bool imported) {
+  refuse_surface_options(files);
+  const bool surface_has_it = !files.render.empty();
+  const std::optional<LengthUnit>& unit =
+      files.mesh_unit || surface_has_it ? files.mesh_unit : files.unit;
+  if (unit && imported)
     throw Failure({ErrorKind::kUsage,
                    "an imported basis and its forces are in the units of their mesh: --unit and "
                    "--mesh-unit would change the mesh alone"});
-  MeshFile file = unwrap(read_tet_mesh(request.mesh_path));
-  if (!unit.empty()) {
-    to_metres(request, unit, file.mesh);
-    file.notes.push_back("the mesh's unit: " + unit + ", given");
+  MeshFile file = unwrap(read_tet_mesh(files.mesh));
+  if (unit) {
+    to_metres(files, unit->metres, file.mesh);
+    file.notes.push_back("the mesh's unit: " + unit->text + ", given");
   }
   const std::string flag = surface_has_it ? "--mesh-unit" : "--unit";
-  if (unit.empty() && !request.unit.empty())
+  if (!unit && files.unit)
     file.notes.push_back(
-        "--unit " + request.unit +
+        "--unit " + files.unit->text +
         " applies to the render surface; the mesh's coordinates are taken as metres "
         "(else: --mesh-unit)");
   const double size = extent(file.mesh);
-  if (unit.empty() && size > 0 && (size > kVeryLarge || size < kVerySmall))
+  if (!unit && size > 0 && (size > kVeryLarge || size < kVerySmall))
     file.notes.push_back("the mesh is " + number_text(size) +
                          " m across: if its unit is not 1 m, say so, as in " + flag + " mm or " +
                          flag + " cm");
-  join_or_count(request, file);
+  join_or_count(files.merge, imported, file);
   return file;
+}
+
+namespace {
+
+constexpr int kAnswerDescriptor = 3;  // file descriptor on which the child writes its answer
+
+// An anonymous file in memory; it is freed when its descriptor closes.
+class MemoryFile {
+ public:
+  MemoryFile() : descriptor_(::memfd_create("tremolo-mesh", MFD_CLOEXEC)) {
+    if (descriptor_ < 0) throw Failure(os_error("no file in memory for tremolo-mesh"));
+  }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  ~MemoryFile() { ::close(descriptor_); }
+  int descriptor() const { return descriptor_; }
+
+  std::vector<std::byte> contents() const {
+    struct stat status = {};
+    if (::fstat(descriptor_, &status) != 0) throw Failure(os_error("the answer of tremolo-mesh"));
+    std::vector<std::byte> bytes(status.st_size);
+    for (std::size_t at = 0; at < bytes.size();) {
+      const ssize_t count =
+          ::pread(descriptor_, bytes.data() + at, bytes.size() - at, static_cast<off_t>(at));
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) throw Failure(os_error("the answer of tremolo-mesh"));
+      at += count;
+    }
+    return bytes;
+  }
+
+ private:
+  int descriptor_;
+};
+
+std::string number(double value) {
+  char text[40];
+  std::snprintf(text, sizeof(text), "%.17g", value);
+  return text;
+}
+
+// Builds the child's command line; options that were not given are left out.
+std::vector<std::string> mesher_arguments(const SolidFiles& files) {
+  const SurfaceMeshOptions& meshing = files.meshing;
+  std::vector<std::string> arguments = {"tremolo-mesh", files.mesh, "--answer",
+                                        std::to_string(kAnswerDescriptor)};
+  const auto add = [&arguments](const char* flag, const std::string& value) {
+    arguments.emplace_back(flag);
+    arguments.push_back(value);
+  };
+  if (meshing.size > 0) add("--size", number(meshing.size));
+  if (meshing.tets > 0) add("--tets", std::to_string(meshing.tets));
+  if (meshing.error > 0) add("--error", number(meshing.error));
+  if (meshing.thicken > 0) add("--thicken", number(meshing.thicken));
+  if (files.unit) add("--unit", files.unit->text);
+  if (meshing.fill_holes) arguments.emplace_back("--fill-holes");
+  if (meshing.keep_crumbs) arguments.emplace_back("--keep-crumbs");
+  return arguments;
+}
+
+// Returns the child's wait status.
+int run_mesher(const SolidFiles& files, const MemoryFile& answer) {
+  std::string looked_at;
+  const std::string program = program_beside("tremolo-mesh", looked_at);
+  if (program.empty())
+    throw Failure(system_error(
+        files.mesh + ": a surface is cut by tremolo-mesh, which is not beside this program (" +
+        looked_at + "): build it with `cmake --build --preset release --target tremolo-mesh`"));
+  return run_child(program, mesher_arguments(files),
+                   PassedDescriptor{answer.descriptor(), kAnswerDescriptor}, false);
+}
+
+}  // namespace
+
+CutSurface cut_surface(const SolidFiles& files) {
+  CutSurface result;
+  result.render =
+      std::move(unwrap(read_surface(files.mesh, {files.unit ? files.unit->metres : 0.0})).surface);
+  const MemoryFile answer;
+  const int status = run_mesher(files, answer);
+  const std::vector<std::byte> bytes = answer.contents();
+  if (WIFSIGNALED(status))
+    throw Failure(system_error(files.mesh + ": tremolo-mesh was ended by signal " +
+                               std::to_string(WTERMSIG(status)) + " (" +
+                               ::strsignal(WTERMSIG(status)) + ")"));
+  if (bytes.empty())
+    throw Failure(system_error(files.mesh + ": tremolo-mesh ended without an answer, exit " +
+                               "code " + std::to_string(WEXITSTATUS(status))));
+  result.cut = unwrap(decode_answer(bytes));
+  return result;
 }
 
 }  // namespace tremolo

@@ -6,7 +6,6 @@
 #include <optional>
 #include <string_view>
 
-#include "common/mesh/selector.h"
 #include "common/mesh/surface_mesh.h"
 
 namespace tremolo {
@@ -26,9 +25,7 @@ Vector turned(const Vector& x) {
 }
 
 // Returns whether the selector, or a part of it, takes the low end of z and none of it mentions y.
-bool takes_low_z(const std::string& text) {
-  const Result<Selector> selector = parse_selector(text);
-  if (!selector) return false;
+bool takes_low_z(const Selector& selector) {
   bool low_z = false, other = false;
   const auto look = [&](const Selector& one) {
     const auto* half = std::get_if<SelectHalfSpace>(&one.choice);
@@ -38,8 +35,8 @@ bool takes_low_z(const std::string& text) {
     low_z |= half->axis == 2 && below;
     other |= half->axis == 1;
   };
-  look(*selector);
-  for (const Selector& more : selector->further) look(more);
+  look(selector);
+  for (const Selector& more : selector.further) look(more);
   return low_z && !other;
 }
 
@@ -101,11 +98,11 @@ void turn_y_to_z(std::vector<FileMaterial>& materials) {
   }
 }
 
-std::string side_hint(const std::vector<std::string>& selectors, const TetMesh& mesh,
+std::string side_hint(const std::vector<Selector>& selectors, const TetMesh& mesh,
                       bool y_by_format) {
   const auto found = std::find_if(selectors.begin(), selectors.end(), takes_low_z);
   if (found == selectors.end() || (!y_by_format && !stands_on_y(mesh))) return "";
-  return *found + " takes the body's side, if y points up: " +
+  return found->text + " takes the body's side, if y points up: " +
          (y_by_format ? "it does by the file's format" : "it stands on a plane foot along y") +
          ". --up y turns it so that z points up; or take what is low along y";
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/mesh/render_surface.h"
+#include "common/mesh/selector.h"
 #include "common/mesh/tet_mesh.h"
 #include "formats/mesh/mesh_reader.h"
 
@@ -18,7 +19,7 @@ void turn_y_to_z(std::vector<FileMaterial>& materials);  // rotates their axes
 // Returns a hint for a user who selects the low end of z of a body that appears to have y up; empty
 // if nothing suggests that. y_by_format: the file's format defines y as up. Otherwise the body must
 // stand on a plane foot along y, with no comparable plane at the high end of y or the low end of z.
-std::string side_hint(const std::vector<std::string>& selectors, const TetMesh& mesh,
+std::string side_hint(const std::vector<Selector>& selectors, const TetMesh& mesh,
                       bool y_by_format);
 
 // Returns whether the file's format defines y as up: glTF, X3D.

@@ -14,8 +14,6 @@
 namespace tremolo {
 namespace {
 
-constexpr const char* kLoadWord = "load";
-
 // Adds `share` of a unit force at a vertex: the displacement in an edge's middle is
 // (c_a + 2 c_ab + c_b) / 4, so these are the weights of a force there.
 void add_share(const TetMesh& mesh, VertexId vertex, double share,
@@ -46,16 +44,16 @@ ResponsePlace place_of_load(const TetMesh& mesh, const DefaultLoad& load) {
   return {kAtDefaultLoad, {shares.begin(), shares.end()}};
 }
 
-std::set<VertexId> chosen_vertices(const Problem& problem, const std::string& selector) {
+std::set<VertexId> chosen_vertices(const Problem& problem, const Selector& selector) {
   std::set<VertexId> chosen;
   for (const VertexId vertex : unwrap(resolve_selector(selector, problem.mesh))) {
     if (std::binary_search(problem.fixed.begin(), problem.fixed.end(), vertex))
-      throw Failure(content_error("--response-at " + selector + ": vertex " +
+      throw Failure(content_error("--response-at " + selector.text + ": vertex " +
                                   std::to_string(vertex) + " is fixed, its displacement is zero"));
     chosen.insert(vertex);
   }
   if (chosen.empty())
-    throw Failure(content_error("--response-at " + selector + " chooses no vertex"));
+    throw Failure(content_error("--response-at " + selector.text + " chooses no vertex"));
   return chosen;
 }
 
@@ -74,16 +72,10 @@ void for_own_rows(const ResponsePlace& place, const LocalDofs& local, const Use&
 
 }  // namespace
 
-std::vector<ResponsePlace> response_places(const Problem& problem,
-                                           const std::vector<std::string>& selectors) {
-  bool at_load = false;
+std::vector<ResponsePlace> response_places(const Problem& problem, const ResponseRequest& request) {
+  const bool at_load = request.at_load;
   std::set<VertexId> vertices;
-  for (const std::string& selector : selectors) {
-    if (selector == kLoadWord)
-      at_load = true;
-    else
-      vertices.merge(chosen_vertices(problem, selector));
-  }
+  for (const Selector& selector : request.at) vertices.merge(chosen_vertices(problem, selector));
   const std::size_t count = vertices.size() + (at_load ? 1 : 0);
   if (count > basis_layout::kMaxResponsePlaces)
     throw Failure(content_error(

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "precompute/problem/precompute_request.h"
 #include "precompute/problem/problem.h"
 #include "precompute/reduction/rest_solve.h"
 
@@ -20,11 +21,9 @@ struct ResponsePlace {
   std::vector<std::pair<VertexId, double>> shares;
 };
 
-// The points of the selectors, one for each vertex; the word "load" is the default load, which
-// comes first. Ascending and unique. Throws Failure (kContent): no default load, a fixed vertex,
-// more than kMaxResponsePlaces points.
-std::vector<ResponsePlace> response_places(const Problem& problem,
-                                           const std::vector<std::string>& selectors);
+// The requested points; that of the default load comes first. Ascending and unique. Throws Failure
+// (kContent): no default load, a fixed vertex, more than kMaxResponsePlaces points.
+std::vector<ResponsePlace> response_places(const Problem& problem, const ResponseRequest& request);
 
 // K^-1 G: this rank's rows x 3 a place, m/N; of a free body, G self-balanced, on the complement of
 // its rigid motions. residual: the largest |K X - G| / |G|. solver: prepared. Throws Failure as

@@ -3,7 +3,6 @@
 #include <iostream>
 
 #include "formats/file/command_words.h"
-#include "precompute/options/config_option.h"
 #include "precompute/options/solid_options.h"
 #include "precompute/system/failure.h"
 #include "precompute/system/option_checks.h"
@@ -98,7 +97,7 @@ std::variant<ReferenceOptions, int> parse_reference_line(int count, char** words
   SolidTexts texts;
   MotionTexts motion;
   std::string scheme = "avf";
-  add_solid_options(app, options.solid, texts);
+  add_solid_options(app, texts);
   app.add_flag("--static", options.statics, "the equilibrium under the whole load, no motion");
   app.add_option("--scale", options.scale, "times the default load")->capture_default_str();
   add_world_options(app, options, motion);
@@ -120,7 +119,7 @@ std::variant<ReferenceOptions, int> parse_reference_line(int count, char** words
     return exit_code(failure.error());
   }
   options.config_path = config_path(app);
-  if (!finish_solid_options(texts, options.solid)) return usage;
+  if (const std::optional<int> code = finish_solid_options(texts, options.solid)) return *code;
   if (!finish_motion_texts(motion, options)) return usage;
   options.time.scheme = scheme == "midpoint" ? TimeScheme::kMidpoint : TimeScheme::kAveragedField;
   return options;

@@ -301,7 +301,8 @@ void run_reference(const ReferenceOptions& options) {
   require_output(options);
 
   log.begin("matrices");
-  const FullOrder body = make_full_order(problem, options.solid.mass, options.solid.threads);
+  const FullOrder body =
+      make_full_order(problem, options.solid.elements.mass, options.solid.threads);
   log.end(text("%d dofs, %.6g kg", static_cast<int>(body.size()), total_mass(body.solid)));
   if (problem.free_body)
     log.note(
@@ -321,7 +322,7 @@ void run_reference(const ReferenceOptions& options) {
             probes.empty() ? problem.load.vertices : probes,
             load_companions(options, problem, body),
             {}};
-  work.json["mesh"] = options.solid.mesh_path;
+  work.json["mesh"] = options.solid.files.mesh;
   work.json["n"] = problem.mesh.vertices.size();
   work.json["m"] = problem.mesh.tetrahedra.size();
   work.json["order"] = problem.order;

@@ -77,7 +77,7 @@ std::string tets_provenance(const TetsOptions& options, const Problem& problem) 
   json["generator"] = std::string("tremolo-precompute ") + TREMOLO_VERSION;
   json["units"] = "SI";
   json["command_line"] = options.command_line;
-  json["mesh"] = {{"file", std::filesystem::path(options.solid.mesh_path).filename().string()},
+  json["mesh"] = {{"file", std::filesystem::path(options.solid.files.mesh).filename().string()},
                   {"format", problem.mesh_format},
                   {"xxh3_64", problem.mesh_hash}};
   return json.dump(2, ' ', false, TetsJson::error_handler_t::replace);

@@ -48,7 +48,7 @@ BasisRows expand_rows(const ImportRequest& request, const Problem& problem,
   const std::size_t rows = basis.rows();
   if (rows == 3 * n) return basis;
   const std::string counts = request.basis_path + " has " + std::to_string(rows) + " rows, " +
-                             request.mesh_path + " has " + std::to_string(n) +
+                             request.solid.files.mesh + " has " + std::to_string(n) +
                              " vertices: expected " + std::to_string(3 * n) +
                              " rows, three a vertex";
   if (fixed == 0)
@@ -104,7 +104,7 @@ void reconcile_fixed(const ImportRequest& request, BasisRows& basis, Problem& pr
       hold(v, share);
     }
     problem.free_body = problem.fixed.empty();
-    problem.load = make_load(request, problem);
+    if (request.solid.load) problem.load = make_load(*request.solid.load, problem);
   }
   if (left > 0)
     problem.notes.push_back(
@@ -133,7 +133,7 @@ std::optional<Eigen::MatrixXd> choose_mass(const ImportRequest& request, const T
   // On a fine mesh both masses fit: the better one is taken.
   const bool consistent_fits = findings.consistent_error <= kOrthonormal &&
                                findings.consistent_error < findings.lumped_error;
-  findings.mass = request.mass_given ? request.mass
+  findings.mass = request.mass_given ? request.solid.elements.mass
                   : consistent_fits  ? MassKind::kConsistent
                                      : MassKind::kLumped;
   const bool is_lumped = findings.mass == MassKind::kLumped;
@@ -308,11 +308,11 @@ void add_rows(const Problem& problem, const BasisRows& basis, BasisData& data) {
 }  // namespace
 
 ImportResult import_reduced(const ImportRequest& request, StageLog& log) {
-  if (is_surface_file(request.mesh_path))
-    throw Failure({ErrorKind::kUsage, request.mesh_path +
+  if (is_surface_file(request.solid.files.mesh))
+    throw Failure({ErrorKind::kUsage, request.solid.files.mesh +
                                           ": an imported basis needs the tetrahedral mesh that it "
                                           "was made for, not a surface"});
-  if (!request.point_masses.empty())
+  if (!request.solid.point_masses.empty())
     throw Failure({ErrorKind::kUsage,
                    "--point-mass has no place in an imported model: its basis belongs to the mass "
                    "that it was made with"});
@@ -321,8 +321,8 @@ ImportResult import_reduced(const ImportRequest& request, StageLog& log) {
   BasisData& data = result.data;
 
   log.begin("mesh");
-  problem = load_problem(request);
-  write_preview(request, problem);
+  problem = load_problem(request.solid);
+  write_preview(request.output.preview, problem);
   log.end(text("%zu vertices, %zu tetrahedra", problem.mesh.vertices.size(),
                problem.mesh.tetrahedra.size()));
 

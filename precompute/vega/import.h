@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/stage_log.h"
+#include "precompute/problem/precompute_request.h"
 #include "precompute/problem/problem.h"
 #include "precompute/reduction/encoding_error.h"
 
@@ -19,13 +20,6 @@ namespace tremolo {
 // Returns U^T M U for columns at all vertices. density: kg/m^3, one a tetrahedron; basis: 3n x r.
 Eigen::MatrixXd reduced_mass(const TetMesh& mesh, const std::vector<double>& density,
                              const BasisRows& basis, MassKind kind);
-
-// request.imported must be true.
-struct ImportRequest : ProblemRequest {
-  std::string basis_path;   // .U, at the vertices of the mesh
-  std::string cubic_path;   // .cub
-  bool mass_given = false;  // explicit request: orthonormalise the basis in `mass`
-};
 
 struct ImportFindings {
   std::string basis_hash;  // XXH3-64 of the files
@@ -46,16 +40,15 @@ struct ImportResult {
   ImportFindings findings;
 };
 
-// Reads request.mesh_path and both files. A basis of 3n rows has zero rows at vertices that do not
+// Reads the mesh and both files. A basis of 3n rows has zero rows at vertices that do not
 // move (up to 1e-12 of a column's largest entry counts as zero); one of 3 (n - fixed) rows requires
-// request.fix. Throws Failure (kContent) if the files do not match (the message names both), the
+// --fix. Throws Failure (kContent) if the files do not match (the message names both), the
 // forces have no potential, the stiffness is not positive, or the basis is orthonormal in neither
 // mass and no mass was requested.
 ImportResult import_reduced(const ImportRequest& request, StageLog& log);
 
 // Return the JSON object stored in the file, and the one printed by --json.
-std::string import_provenance(const ImportRequest& request, const std::string& command_line,
-                              const ImportResult& result);
+std::string import_provenance(const ImportRequest& request, const ImportResult& result);
 std::string import_report(const ImportResult& result);
 
 }  // namespace tremolo

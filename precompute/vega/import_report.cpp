@@ -32,8 +32,7 @@ Json encoding_json(const ImportFindings& findings) {
 
 }  // namespace
 
-std::string import_provenance(const ImportRequest& request, const std::string& command_line,
-                              const ImportResult& result) {
+std::string import_provenance(const ImportRequest& request, const ImportResult& result) {
   const ImportFindings& findings = result.findings;
   const auto name = [](const std::string& path) {
     return std::filesystem::path(path).filename().string();
@@ -41,8 +40,8 @@ std::string import_provenance(const ImportRequest& request, const std::string& c
   Json json;
   json["generator"] = std::string("tremolo-precompute ") + TREMOLO_VERSION;
   json["units"] = "SI";
-  json["command_line"] = command_line;
-  json["mesh"] = {{"file", name(request.mesh_path)},
+  json["command_line"] = request.output.command_line;
+  json["mesh"] = {{"file", name(request.solid.files.mesh)},
                   {"format", result.problem.mesh_format},
                   {"xxh3_64", result.problem.mesh_hash}};
   // Only the densities of the materials are used; the stiffness comes from the .cub.
@@ -51,7 +50,7 @@ std::string import_provenance(const ImportRequest& request, const std::string& c
     densities.push_back({{"name", named.name}, {"density_kg_m3", named.material.density}});
   json["materials"] = densities;
   json["mass"] = findings.mass == MassKind::kLumped ? "lumped" : "consistent";
-  json["fix"] = request.fix;
+  json["fix"] = texts_of(request.solid.support.fixed);
   json["import"] = import_json(findings);
   json["import"]["basis"] = {{"file", name(request.basis_path)}, {"xxh3_64", findings.basis_hash}};
   json["import"]["cubic"] = {{"file", name(request.cubic_path)}, {"xxh3_64", findings.cubic_hash}};

@@ -67,11 +67,11 @@ class Import : public ::testing::Test {
     write_veg(folder_ + "/block.veg", mesh_);
     write("good.cub", cub_file(forces_));
     write("good.U", basis_file(basis_));
-    options_.mesh_path = folder_ + "/block.veg";
-    options_.imported = true;
+    options_.solid.files.mesh = folder_ + "/block.veg";
+    options_.solid.imported = true;
     options_.basis_path = folder_ + "/good.U";
     options_.cubic_path = folder_ + "/good.cub";
-    options_.material.density = kDensity;
+    options_.solid.materials.usual.density = kDensity;
   }
 
   void write(const std::string& name, const std::string& bytes) {
@@ -196,7 +196,7 @@ TEST_F(Import, RowsOfFixedVerticesMayBeLeftOut) {
   }
   write("good.U", basis_file(free));
   expect_refused({"good.U has 81 rows", "block.veg has 36 vertices", "108", "--fix"});
-  options_.fix = {"x<0.001"};
+  options_.solid.support.fixed = {*parse_selector("x<0.001")};
   const ImportResult result = import();
   EXPECT_EQ(rows_of(result.data), rows_of(whole.data));
   EXPECT_EQ(result.data.fixed_vertices, whole.data.fixed_vertices);
@@ -212,8 +212,8 @@ TEST_F(Import, WhatRoundingLeavesInTheRowsOfHeldVerticesIsZero) {
     noisy.middleRows(3 * Eigen::Index{v}, 3) =
         1e-14 * largest * random_vector(3 * kSize, 1.0, 17).reshaped(3, kSize);
   write("good.U", basis_file(noisy));
-  for (const std::vector<std::string>& fix : {std::vector<std::string>{}, {"x<0.001"}}) {
-    options_.fix = fix;
+  for (const std::vector<Selector>& fix : {std::vector<Selector>{}, {*parse_selector("x<0.001")}}) {
+    options_.solid.support.fixed = fix;
     const ImportResult result = import();
     EXPECT_EQ(result.data.fixed_vertices, held);
     EXPECT_EQ(result.data.rigid_mode_count, 0u);
@@ -226,7 +226,7 @@ TEST_F(Import, WhatRoundingLeavesInTheRowsOfHeldVerticesIsZero) {
   // A hundred times what counts as rounding is a motion.
   for (VertexId v : held) noisy.middleRows(3 * Eigen::Index{v}, 3) *= 1e4;
   write("good.U", basis_file(noisy));
-  options_.fix = {"x<0.001"};
+  options_.solid.support.fixed = {*parse_selector("x<0.001")};
   expect_refused({"are not zero", "rounding is below 1e-12", "--fix"});
 }
 
@@ -236,14 +236,14 @@ TEST_F(Import, FilesThatDoNotFitEachOtherAreNamed) {
   write("good.U", basis_file(Eigen::MatrixXd(basis_.leftCols(4))));
   expect_refused({"good.U has 4 columns", "good.cub has 5 coordinates"});
   write("good.U", basis_file(basis_));
-  options_.fix = {"x>0.25"};
+  options_.solid.support.fixed = {*parse_selector("x>0.25")};
   expect_refused({"good.U: the rows of vertex 3 are not zero", "--fix"});
 }
 
 TEST_F(Import, AnotherDensityIsToldAndTakenOnlyWhenAMassIsAskedFor) {
-  options_.material.density = 2.0 * kDensity;
+  options_.solid.materials.usual.density = 2.0 * kDensity;
   expect_refused({"good.U", "2 times the identity", "0.5 times as large", "--density"});
-  options_.mass = MassKind::kLumped;
+  options_.solid.elements.mass = MassKind::kLumped;
   options_.mass_given = true;
   const ImportResult result = import();
   EXPECT_TRUE(result.findings.orthonormalised);
@@ -260,7 +260,7 @@ TEST_F(Import, ABasisOfNeitherMassIsRefusedOrMadeOrthonormal) {
   mixed.col(1) += 0.5 * mixed.col(0);
   write("good.U", basis_file(mixed));
   expect_refused({"U^T M U is off the identity by 0.5 in the lumped mass", "--mass lumped"});
-  options_.mass = MassKind::kConsistent;
+  options_.solid.elements.mass = MassKind::kConsistent;
   options_.mass_given = true;
   const ImportResult result = import();
   EXPECT_EQ(result.findings.mass, MassKind::kConsistent);
@@ -306,7 +306,7 @@ TEST_F(Import, NumbersThatOverflowAreRefused) {
   for (Eigen::MatrixXd& rows : forces_.rows) rows *= 1e302;
   write("good.cub", cub_file(forces_));
   write("good.U", basis_file(1e-3 * basis_));
-  options_.mass = MassKind::kLumped;
+  options_.solid.elements.mass = MassKind::kLumped;
   options_.mass_given = true;
   EXPECT_THROW(import(), Failure);
 }

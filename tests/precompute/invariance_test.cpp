@@ -5,10 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "common/packed_index.h"
-#include "precompute/pipeline.h"
-#include "tests/support/meshes/mesh_writers.h"
+#include "tests/support/computed_basis.h"
 #include "tests/support/meshes/random_mesh.h"
-#include "tests/support/temporary_folder.h"
 
 namespace tremolo {
 namespace {
@@ -45,20 +43,14 @@ Model random_model(Random& random) {
 }
 
 BasisData precompute(const Model& model, bool linear = false) {
-  const testing::TemporaryFolder folder;
-  ModelRequest request;
-  const auto files = testing::as_veg(model.mesh);
-  request.mesh_path = folder.write(files.front().first, files.front().second);
-  request.material = model.material;
   std::string selector = "vertex:";
   for (VertexId id : model.fixed)
     selector += (selector.back() == ':' ? "" : ",") + std::to_string(id);
-  request.fix = {selector};
-  request.linear_modes = 6;
-  request.modes = linear ? 6 : 10;
-  request.linear = linear;
-  StageLog log(true);
-  return run_precompute(request, log).data;
+  PrecomputeRequest request = testing::basis_request(model.material, selector);
+  request.basis.linear_modes = 6;
+  request.basis.modes = linear ? 6 : 10;
+  request.basis.linear = linear;
+  return testing::compute_basis(model.mesh, request).result.data;
 }
 
 // The eigensolver works to a residual of 1e-10 and better; eigenvalues err by its square over the

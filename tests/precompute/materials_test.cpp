@@ -384,6 +384,13 @@ TEST(Bar, AnOrthotropicBarsAxialFrequencyGoesWithTheRootOfE1) {
   EXPECT_NEAR(axial({1e9, 6e8, 5e8}), f, 2e-3 * f);
 }
 
+Result<PointMass> read_point_mass(const std::string& text, const TetMesh& mesh,
+                                  const std::vector<VertexId>& fixed) {
+  const Result<PointMassRequest> request = parse_point_mass(text);
+  if (!request) return request.error();
+  return place_point_mass(*request, mesh, fixed);
+}
+
 TEST(PointMass, EntersBothMassMatricesAndTheTotal) {
   const TetMesh mesh = sample_mesh();
   const std::vector<VertexId> fixed = vertices_on_plane(mesh, 0, 0.0);

@@ -8,15 +8,14 @@
 
 #include "common/energy.h"
 #include "precompute/modes/certificate.h"
-#include "precompute/pipeline.h"
 #include "precompute/problem/rigid_motion.h"
 #include "precompute/ranks/halo.h"
+#include "tests/support/computed_basis.h"
 #include "tests/support/meshes/joined_mesh.h"
 #include "tests/support/meshes/mesh_writers.h"
 #include "tests/support/meshes/random_mesh.h"
 #include "tests/support/meshes/symmetric_mesh.h"
 #include "tests/support/solved_pencil.h"
-#include "tests/support/temporary_folder.h"
 
 namespace tremolo {
 namespace {
@@ -229,18 +228,12 @@ TEST(ModeClusters, LargerThanAPairAreComputedToTheirEnd) {
 }
 
 BasisData precompute(const TetMesh& mesh, int k, int r) {
-  const testing::TemporaryFolder folder;
-  ModelRequest request;
-  const auto files = testing::as_veg(mesh);
-  request.mesh_path = folder.write(files.front().first, files.front().second);
-  request.material = {1e6, 0.4, 1100.0};
-  request.fix = {"x<-0.199"};
-  if (k > 0) request.linear_modes = k;
-  if (r > 0) request.modes = r;
-  StageLog log(true);
-  PrecomputeResult result = run_precompute(request, log);
-  collect_rows(result.basis(), result.data);
-  return std::move(result.data);
+  PrecomputeRequest request = testing::basis_request({1e6, 0.4, 1100.0}, "x<-0.199");
+  if (k > 0) request.basis.linear_modes = k;
+  if (r > 0) request.basis.modes = r;
+  testing::ComputedBasis made = testing::compute_basis(mesh, request);
+  collect_rows(spread(made.loaded, made.result.rows), made.result.data);
+  return std::move(made.result.data);
 }
 
 Eigen::VectorXd force(const BasisData& data, const Eigen::VectorXd& q) {

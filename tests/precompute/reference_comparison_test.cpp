@@ -3,14 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include "precompute/pipeline.h"
-#include "precompute/provenance.h"
 #include "precompute/reference/comparison.h"
 #include "precompute/reference/full/step_equation.h"
 #include "precompute/reference/time_integration.h"
-#include "tests/support/meshes/mesh_writers.h"
+#include "precompute/report.h"
+#include "tests/support/computed_basis.h"
 #include "tests/support/reference_body.h"
-#include "tests/support/temporary_folder.h"
 
 namespace tremolo {
 namespace {
@@ -21,34 +19,31 @@ const Material kReferenceMaterial{2e5, 0.3, 1000.0};
 
 // A block of 24 free dofs, or free altogether, and the basis of its mesh.
 struct ReducedBlock {
-  PrecomputeOptions request;
-  PrecomputeResult result;
+  testing::ComputedBasis made;
 
   ReducedBlock(bool free_body, int modes) {
-    const testing::TemporaryFolder folder;
-    const auto files = testing::as_veg(testing::box_mesh({2, 1, 1}, {0.3, 0.1, 0.12}));
-    request.mesh_path = folder.write(files.front().first, files.front().second);
-    request.material = kReferenceMaterial;
-    request.fix = {free_body ? "none" : "x<0.01"};
-    request.linear_modes = modes;
-    request.modes = modes;
-    StageLog log(true);
-    result = run_precompute(request, log);
-    collect_rows(result.basis(), result.data);
-    result.data.provenance = provenance_json(request, result);
+    PrecomputeRequest request =
+        testing::basis_request(kReferenceMaterial, free_body ? "none" : "x<0.01");
+    request.basis.linear_modes = modes;
+    request.basis.modes = modes;
+    made = testing::compute_basis(testing::box_mesh({2, 1, 1}, {0.3, 0.1, 0.12}), request);
+    PrecomputeResult& result = made.result;
+    collect_rows(spread(made.loaded, result.rows), result.data);
+    result.data.provenance = provenance_json(made.request, made.loaded.problem, result);
   }
   Problem problem() const {
+    const Problem& loaded = made.loaded.problem;
     Problem same;
-    same.mesh = result.problem.mesh;
-    same.report = result.problem.report;
-    same.materials = result.problem.materials;
-    same.fixed = result.problem.fixed;
-    same.free_body = result.problem.free_body;
-    same.mesh_hash = result.problem.mesh_hash;
+    same.mesh = loaded.mesh;
+    same.report = loaded.report;
+    same.materials = loaded.materials;
+    same.fixed = loaded.fixed;
+    same.free_body = loaded.free_body;
+    same.mesh_hash = loaded.mesh_hash;
     return same;
   }
   ReducedBody reduced(const FullOrder& body, std::optional<int> modes = {}) const {
-    return make_reduced_body(body, result.data, result.problem.mesh_hash, modes, "file");
+    return make_reduced_body(body, made.result.data, made.loaded.problem.mesh_hash, modes, "file");
   }
 };
 
@@ -162,36 +157,37 @@ void expect_refused(const FullOrder& body, const BasisData& data, const std::str
 TEST(ReferenceComparison, AnotherMeshMaterialOrFixIsRefused) {
   const ReducedBlock block(false, 6);
   const ReferenceBody full(block.problem());
-  expect_refused(full.body, block.result.data, "0123456789abcdef", "made of another mesh");
-  BasisData nameless = block.result.data;
+  expect_refused(full.body, block.made.result.data, "0123456789abcdef", "made of another mesh");
+  BasisData nameless = block.made.result.data;
   nameless.provenance = "{}";
   expect_refused(full.body, nameless, block.problem().mesh_hash, "hash unknown");
   Problem harder = block.problem();
   harder.materials.materials.front().material.young *= 2;
   const ReferenceBody hard(harder);
-  expect_refused(hard.body, block.result.data, harder.mesh_hash, "other materials");
+  expect_refused(hard.body, block.made.result.data, harder.mesh_hash, "other materials");
   Problem little = block.problem();
   little.materials.materials.front().material.young *= 1.0 + 1e-5;
-  expect_refused(ReferenceBody(little).body, block.result.data, little.mesh_hash,
+  expect_refused(ReferenceBody(little).body, block.made.result.data, little.mesh_hash,
                  "other materials");
   Problem heavier = block.problem();
   heavier.materials.materials.front().material.density *= 2;
   const ReferenceBody heavy(heavier);
-  expect_refused(heavy.body, block.result.data, heavier.mesh_hash, "other materials");
+  expect_refused(heavy.body, block.made.result.data, heavier.mesh_hash, "other materials");
   Problem held = block.problem();
   held.fixed.push_back(11);
   const ReferenceBody stiff(held);
-  expect_refused(stiff.body, block.result.data, held.mesh_hash, "held here");
+  expect_refused(stiff.body, block.made.result.data, held.mesh_hash, "held here");
   // The other way round its rows are zeros, which would fit any body.
   Problem looser = block.problem();
   looser.fixed.pop_back();
-  expect_refused(ReferenceBody(looser).body, block.result.data, looser.mesh_hash, "moves here");
+  expect_refused(ReferenceBody(looser).body, block.made.result.data, looser.mesh_hash,
+                 "moves here");
   Problem loose = block.problem();
   loose.fixed.clear();
   loose.free_body = true;
-  expect_refused(ReferenceBody(loose).body, block.result.data, loose.mesh_hash, "moves here");
+  expect_refused(ReferenceBody(loose).body, block.made.result.data, loose.mesh_hash, "moves here");
   const ReducedBlock floating(true, 6);
-  expect_refused(full.body, floating.result.data, block.problem().mesh_hash, "held here");
+  expect_refused(full.body, floating.made.result.data, block.problem().mesh_hash, "held here");
 }
 
 }  // namespace

@@ -4,11 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "precompute/pipeline.h"
+#include "tests/support/computed_basis.h"
 #include "tests/support/meshes/box_mesh.h"
-#include "tests/support/meshes/mesh_writers.h"
 #include "tests/support/meshes/symmetric_mesh.h"
-#include "tests/support/temporary_folder.h"
 
 namespace tremolo {
 namespace {
@@ -20,16 +18,10 @@ struct Slender {
 };
 
 Slender cantilever(const TetMesh& mesh, const std::string& fix, int modes) {
-  const testing::TemporaryFolder folder;
-  ModelRequest request;
-  const auto files = testing::as_veg(mesh);
-  request.mesh_path = folder.write(files.front().first, files.front().second);
-  request.material = {2e11, 0.0, 7800.0};
-  request.fix = {fix};
-  request.linear = true;
-  request.linear_modes = request.modes = modes;
-  StageLog log(true);
-  const PrecomputeResult result = run_precompute(request, log);
+  PrecomputeRequest request = testing::basis_request({2e11, 0.0, 7800.0}, fix);
+  request.basis.linear = true;
+  request.basis.linear_modes = request.basis.modes = modes;
+  const PrecomputeResult result = testing::compute_basis(mesh, request).result;
   return {std::sqrt(result.data.lambda[0]), result.findings.mode_residuals.front(),
           result.findings.certified};
 }

@@ -144,7 +144,7 @@ void move(const ReferenceOptions& options, WorldBody& world, const WorldLoads& l
 
 Json first_json(const ReferenceOptions& options, const Problem& problem, const FullOrder& body) {
   Json json;
-  json["mesh"] = options.solid.mesh_path;
+  json["mesh"] = options.solid.files.mesh;
   json["n"] = problem.mesh.vertices.size();
   json["m"] = problem.mesh.tetrahedra.size();
   json["order"] = problem.order;
@@ -181,14 +181,14 @@ void run_in_world(const ReferenceOptions& options) {
   const Problem problem = load(options, log);
   const std::vector<VertexId> probes = probe_vertices(options, problem.mesh);
   log.begin("matrices");
-  FullOrder body = make_full_order(problem, options.solid.mass, options.solid.threads);
+  FullOrder body = make_full_order(problem, options.solid.elements.mass, options.solid.threads);
   log.end(text("%d dofs, %.6g kg", static_cast<int>(body.size()), total_mass(body.solid)));
 
   const BlasThreads blas(1);
   FullOrderSolver solver;
   solver.body = &body;
   solver.options = {options.tolerance, options.max_iterations};
-  WorldBody world{body, solver, options.solid.mass, path ? &*path : nullptr};
+  WorldBody world{body, solver, options.solid.elements.mass, path ? &*path : nullptr};
   WorldCourse course;
   course.motion = start_in_world(world, first_flight(options, world));
   course.table = world_table_head(probes);
