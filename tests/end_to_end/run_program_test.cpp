@@ -55,6 +55,7 @@ class RunProgram : public ::testing::Test {
     expect_failure(result, code, words);
     const json report = json::parse(result.out, nullptr, false);
     EXPECT_EQ(report["exit_code"], code);
+    EXPECT_EQ(report["schema"], 1);
     return report;
   }
 

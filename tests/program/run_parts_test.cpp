@@ -2,6 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -157,6 +160,101 @@ TEST(RunBody, CoordinatesAndSharesAreReadAsTheyAreWritten) {
   EXPECT_DOUBLE_EQ(*parse_share("0.05"), 0.05);
   for (const char* text : {"", "%", "5 %", "-1%", "0", "nan"})
     EXPECT_FALSE(parse_share(text)) << text;
+}
+
+// The flags that are in `given` over the table's options.
+RunOptions put_over_table(const RunOptions& flags, const std::set<std::string>& given,
+                          const std::string& keys) {
+  const auto tables = parse_scene("[a]\nmodel = \"m\"\n" + keys, "s.toml");
+  EXPECT_TRUE(tables) << (tables ? "" : tables.error().message);
+  RunOptions options = tables->front();
+  put_over(
+      flags, [&given](const char* flag) { return given.contains(flag); }, options);
+  return options;
+}
+
+TEST(BodyOptions, AFlagReplacesTheKeysOfItsQuantityAndNoOther) {
+  RunOptions flags;
+  flags.step = 1e-3;
+  flags.load = "chirp";
+  flags.alpha = 2.0;
+  flags.scale = 3.0;
+  flags.probes = {"7"};
+  const std::string keys =
+      "step = 2e-3\nload = \"sine\"\nfrequency = 4\nload-duration = 5\ndamping-ratio = "
+      "\"1:0.1,2:0.1\"\ndeflect = \"5%\"\nprobe = [1, 2]\nmodes = 3\n";
+  const RunOptions none = put_over_table(flags, {}, keys);
+  EXPECT_EQ(none.step, 2e-3);
+  EXPECT_EQ(none.load, "sine");
+  EXPECT_EQ(none.probes.size(), 2U);
+  const RunOptions some =
+      put_over_table(flags, {"--step", "--load", "--alpha", "--scale", "--probe"}, keys);
+  EXPECT_EQ(some.step, 1e-3);
+  EXPECT_EQ(some.load, "chirp");
+  EXPECT_FALSE(some.shape.frequency) << "the sine's";
+  EXPECT_EQ(some.shape.duration, 5.0);
+  EXPECT_EQ(some.alpha, 2.0);
+  EXPECT_EQ(some.damping_ratio, "");
+  EXPECT_EQ(some.scale, 3.0);
+  EXPECT_EQ(some.deflect, "");
+  EXPECT_EQ(some.probes, std::vector<std::string>{"7"});
+  EXPECT_EQ(some.modes, 3);
+  EXPECT_EQ(put_over_table(flags, {"--deflect"}, "scale = 2\n").scale, 1.0);
+  EXPECT_EQ(put_over_table(flags, {"--load"}, "signal = \"a.csv\"\n").signal, "");
+}
+
+TEST(BodyOptions, SoundWithoutAStepChoosesTheStep) {
+  RunOptions flags;
+  flags.wav = "a.wav";
+  flags.step = 1e-4;
+  const RunOptions chosen = put_over_table(flags, {"--wav"}, "step = 2e-3\n");
+  EXPECT_EQ(chosen.step, 1.0 / 48000.0);
+  EXPECT_EQ(chosen.sound_steps, 0);
+  EXPECT_EQ(put_over_table(flags, {"--wav", "--step"}, "").step, 1e-4);
+}
+
+TEST(BodyScene, HasWhatTheOptionsSay) {
+  RunOptions options;
+  options.name = "a";
+  options.model = "m";
+  options.integrator = "newmark";
+  options.step = 1e-3;
+  options.duration = 2.0;
+  options.modes = 4;
+  options.load = "ramp";
+  options.at = "x>0";
+  options.force = "1,2,3";
+  options.scale = 0.5;
+  options.alpha = 0.25;
+  options.split = "3";
+  options.safety = 0.5;
+  options.coordinates = {"all"};
+  options.velocities = true;
+  options.out = "there";
+  options.every = 5;
+  const Result<BodyScene> scene = body_scene(options);
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->body().name, "a");
+  EXPECT_EQ(scene->body().model_options.modes, 4);
+  EXPECT_EQ(scene->settings().step, 1e-3);
+  EXPECT_EQ(scene->settings().alpha, 0.25);
+  EXPECT_EQ(scene->settings().split.count, 3);
+  EXPECT_EQ(scene->settings().split.safety, 0.5);
+  EXPECT_EQ(scene->load().signal.kind, SignalKind::kRamp);
+  EXPECT_EQ(scene->load().signal.duration, 2.0) << "a ramp rises all the time";
+  EXPECT_EQ(scene->load().force, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(scene->load().scale, 0.5);
+  EXPECT_EQ(scene->load_name, "ramp");
+  EXPECT_TRUE(scene->body().columns.velocities);
+  EXPECT_EQ(scene->file.outputs.out, "there");
+  EXPECT_EQ(scene->file.outputs.every, 5);
+  options.load = "none";
+  options.force = "x";  // of no load
+  EXPECT_EQ(body_scene(options)->load().signal.kind, SignalKind::kNone);
+  options.every = 0;
+  EXPECT_EQ(body_scene(options).error().kind, ErrorKind::kContent);
+  options.integrator = "euler";
+  EXPECT_EQ(body_scene(options).error().kind, ErrorKind::kUsage);
 }
 
 // A box of 1 x 2 x 3 m with one coordinate that no load excites: all of a load is lost.

@@ -20,8 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kTablePiece = std::size_t{1} << 16;  // bytes; a write some hundred rows
-
 SurfaceMesh shape_of(const ClothWorld& world, std::size_t cloth) {
   SurfaceMesh surface;
   const Eigen::VectorXd& x = world.positions(cloth);
@@ -43,24 +41,27 @@ RenderSurface file_shape_of(const ClothParts& parts, const Eigen::VectorXd& x) {
   return surface;
 }
 
+Status write_cloth(const ClothWorld& world, std::size_t cloth, const std::string& path) {
+  const ClothParts& parts = world.model(cloth).parts();
+  if (parts.drawn == nullptr) return write_surface(path, shape_of(world, cloth));
+  return write_render_surface(path, file_shape_of(parts, world.positions(cloth)));
+}
+
 }  // namespace
 
 Result<ClothTable> ClothTable::create(const std::string& path, const ClothScene& scene) {
-  Result<AtomicFile> file = AtomicFile::create(path);
-  if (!file) return file.error();
-  ClothTable table(std::move(*file));
-  table.text_ =
+  std::string head =
       "t,kinetic,elastic,gravity,total,damped,wind,pins,contact,numerical,px,py,pz,lx,ly,lz,"
       "penetration";
-  for (const SceneBall& ball : scene.balls)
-    table.text_ += fmt::format(",{0}x,{0}y,{0}z", ball.name);
-  table.text_ += '\n';
-  return table;
+  for (const SceneBall& ball : scene.balls) head += fmt::format(",{0}x,{0}y,{0}z", ball.name);
+  Result<CsvTable> table = CsvTable::create(path, std::move(head));
+  if (!table) return table.error();
+  return ClothTable(std::move(*table));
 }
 
 Status ClothTable::write(const ClothWorld& world, const ClothEnergy& energy) {
   const Eigen::Vector3d p = world.linear_momentum(), l = world.angular_momentum();
-  auto out = std::back_inserter(text_);
+  auto out = std::back_inserter(table_.row());
   fmt::format_to(out, "{:.9g}", world.time());
   for (const double value :
        {energy.kinetic, energy.elastic, energy.gravity, energy.total(), energy.damped, energy.wind,
@@ -69,51 +70,10 @@ Status ClothTable::write(const ClothWorld& world, const ClothEnergy& energy) {
     fmt::format_to(out, ",{:.12g}", value);
   for (const ClothWorld::Ball& ball : world.balls())
     for (const double value : ball.position) fmt::format_to(out, ",{:.9g}", value);
-  text_ += '\n';
-  if (text_.size() < kTablePiece) return Success{};
-  const Status status = file_.write(text_);
-  text_.clear();
-  return status;
-}
-
-Status ClothTable::finish() {
-  if (Status s = file_.write(text_); !s) return s;
-  return file_.commit();
-}
-
-bool ClothFrames::due(std::int64_t steps) const {
-  if (written_ >= count_) return false;
-  return steps >= std::llround(static_cast<double>(steps_) * (written_ + 1) / count_);
-}
-
-Status ClothFrames::write(const ClothWorld& world, std::size_t cloth) {
-  const std::string name = frame_name(written_, world.time(), format_);
-  const std::string path = (fs::path(folder_) / name).string();
-  list_ += fmt::format("{},{:.9g},{}\n", written_, world.time(), name);
-  ++written_;
-  const ClothParts& parts = world.model(cloth).parts();
-  if (parts.drawn != nullptr) {
-    const RenderSurface surface = file_shape_of(parts, world.positions(cloth));
-    if (Status s = write_render_surface(path, surface); !s) return s;
-  } else if (Status s = write_surface(path, shape_of(world, cloth)); !s) {
-    return s;
-  }
-  files_.push_back(path);
-  return Success{};
-}
-
-Status ClothFrames::finish() {
-  if (written_ > 0) {
-    const std::string list = (fs::path(folder_) / kFramesName).string();
-    if (Status s = write_file(list, list_); !s) return s;
-    files_.push_back(list);
-  }
-  return Success{};
+  return table_.end_row();
 }
 
 namespace {
-
-namespace fs = std::filesystem;
 
 Momenta momenta_of(const ClothWorld& world) {
   return {world.linear_momentum(), world.angular_momentum()};
@@ -146,11 +106,10 @@ Result<ClothLog> ClothLog::create(const ClothFile& file, const ClothWorld& world
   if (file.outputs.out.empty()) return log;
   const std::int64_t steps = std::llround(file.scene.duration / file.scene.options.step);
   for (const SceneCloth& cloth : file.scene.cloths) {
-    const std::string folder = (fs::path(file.outputs.out) / cloth.name).string();
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error) return system_error(folder + ": cannot create: " + error.message());
-    log.frames_.emplace_back(folder, file.outputs, steps);
+    SceneOutputs outputs = file.outputs;
+    outputs.out = (fs::path(outputs.out) / cloth.name).string();
+    if (Status s = make_run_folder(outputs.out); !s) return s.error();
+    log.frames_.emplace_back(outputs, steps);
   }
   const std::string csv = (fs::path(file.outputs.out) / kTableName).string();
   Result<ClothTable> table = ClothTable::create(csv, file.scene);
@@ -176,7 +135,10 @@ Result<bool> ClothLog::observe(const ClothWorld& world) {
       if (Status s = table_->write(world, now); !s) return s.error();
     for (std::size_t i = 0; i < frames_.size(); ++i)
       if (frames_[i].due(world.steps()))
-        if (Status s = frames_[i].write(world, i); !s) return s.error();
+        if (Status s = frames_[i].write(
+                world.time(), [&](const std::string& path) { return write_cloth(world, i, path); });
+            !s)
+          return s.error();
   }
   // Upper bound: the initial energy plus the sizes of all energy exchanged with gravity and others.
   const double given = report_.start.kinetic + report_.start.elastic +
@@ -208,7 +170,7 @@ Status ClothLog::finish(const ClothWorld& world) {
     if (Status s = write_energy_page({{label, report_.files[0]}}, picture); !s) return s;
     report_.files.push_back(picture);
   }
-  for (ClothFrames& frames : frames_) {
+  for (Frames& frames : frames_) {
     if (Status s = frames.finish(); !s) return s;
     report_.files.insert(report_.files.end(), frames.files().begin(), frames.files().end());
   }

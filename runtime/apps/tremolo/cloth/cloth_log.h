@@ -1,7 +1,6 @@
 // Measurements and output files of a run of a scene with [[cloths]].
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,10 +9,9 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
-#include "formats/file/atomic_file.h"
+#include "runtime/apps/tremolo/run/log_files.h"
 #include "runtime/bodies/cloth/cloth_world.h"
 #include "runtime/io/scenes/nodal_readers.h"
-#include "runtime/io/scenes/scene_keys.h"
 #include "runtime/math/state.h"
 
 namespace tremolo {
@@ -23,43 +21,15 @@ namespace tremolo {
 // of each ball.
 class ClothTable {
  public:
-  // Errors: kSystem.
+  // path: empty: nothing is written. Errors: kSystem.
   static Result<ClothTable> create(const std::string& path, const ClothScene& scene);
   Status write(const ClothWorld& world, const ClothEnergy& energy);
-  Status finish();
+  Status finish() { return table_.finish(); }
 
  private:
-  explicit ClothTable(AtomicFile file) : file_(std::move(file)) {}
+  explicit ClothTable(CsvTable table) : table_(std::move(table)) {}
 
-  std::string text_;
-  AtomicFile file_;
-};
-
-// The surfaces of one cloth, evenly spaced in time, in a folder, which is there.
-class ClothFrames {
- public:
-  // steps: of the whole run.
-  ClothFrames(std::string folder, const SceneOutputs& outputs, std::int64_t steps)
-      : folder_(std::move(folder)),
-        format_(outputs.surface_format),
-        count_(outputs.surfaces),
-        steps_(steps) {}
-
-  // They are due at k/N of the run, k = 1 ... N.
-  bool due(std::int64_t steps) const;
-  Status write(const ClothWorld& world, std::size_t cloth);
-  // Writes frames.csv (frame, t in s, file).
-  Status finish();
-
-  const std::vector<std::string>& files() const { return files_; }
-
- private:
-  std::string folder_, format_;
-  int count_;
-  std::int64_t steps_;
-  int written_ = 0;
-  std::string list_ = "frame,t,file\n";
-  std::vector<std::string> files_;
+  CsvTable table_;
 };
 
 // Energies in J. remainder_max: the largest |change of the energy - energy given by wind, pins,
@@ -98,7 +68,7 @@ class ClothLog {
 
   const ClothFile* file_;
   std::optional<ClothTable> table_;
-  std::vector<ClothFrames> frames_;
+  std::vector<Frames> frames_;  // of each cloth
   ClothReport report_;
 };
 

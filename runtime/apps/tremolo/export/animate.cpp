@@ -74,7 +74,7 @@ Result<std::vector<StartedBody>> start_bodies(const std::vector<BodyScene>& bodi
   for (const BodyScene& scene : bodies) {
     Result<RunInput> input = prepare_run(scene);
     if (!input) return input.error();
-    Result<Body> body = make_body(input->scene, input->model);
+    Result<Body> body = make_body(*input);
     if (!body) return body.error();
     started.push_back({std::move(*input), std::move(*body)});
   }

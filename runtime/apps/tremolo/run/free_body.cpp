@@ -4,7 +4,6 @@
 #include <Eigen/Dense>
 
 #include "formats/basis/basis_reader.h"
-#include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/run/simulate.h"
 #include "runtime/load.h"
 
@@ -63,22 +62,19 @@ RigidLoss rigid_loss(const Model& model, const DefaultLoad& load, double mass,
   return loss;
 }
 
-Result<std::optional<RigidLoss>> rigid_loss(const BodyScene& scene, const Model& model) {
+Result<std::optional<RigidLoss>> rigid_loss(const RunInput& input) {
   using Loss = std::optional<RigidLoss>;
-  Result<BasisReader> reader = BasisReader::open(scene.body().model);
+  Result<BasisReader> reader = BasisReader::open(input.scene.body().model);
   if (!reader) return reader.error();
   const std::uint64_t rigid = reader->dimensions().rigid;
-  if (rigid == 0) return Loss();
-  const Result<DefaultLoad> load = load_of_run(scene, model);
-  if (!load) return load.error();
-  if (load->vertices.empty()) return Loss();
+  if (rigid == 0 || input.forces.vertices.empty()) return Loss();
   double mass = 0.0;
   if (reader->has(basis_layout::kTotalMass)) {
     const Result<std::span<const double>> stored = reader->doubles(basis_layout::kTotalMass);
     if (!stored) return stored.error();
     mass = stored->front();
   }
-  return Loss(rigid_loss(model, *load, mass, rigid));
+  return Loss(rigid_loss(*input.model, input.forces, mass, rigid));
 }
 
 }  // namespace tremolo

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
 #include <iterator>
 #include <span>
 #include <utility>
@@ -11,9 +10,6 @@
 #include <fmt/format.h>
 
 #include "common/processor.h"
-#include "formats/file/atomic_file.h"
-#include "formats/surface/surface_writer.h"
-#include "runtime/apps/tremolo/run/run_files.h"
 #include "runtime/scene/selection.h"
 
 namespace tremolo {
@@ -109,42 +105,31 @@ Result<RecordedColumns> recorded_columns(const SceneColumns& columns, const Mode
   return recorded;
 }
 
-namespace {
-
-constexpr std::size_t kPiece = std::size_t{1} << 16;  // bytes; a write a few hundred rows
-
-}  // namespace
-
 Result<Recorder> Recorder::create(const Model& model, const RecordedColumns& columns,
                                   const std::string& path, bool parked) {
   Recorder recorder;
-  recorder.parked_ = parked;
   recorder.columns_ = columns;
-  recorder.text_ = "t,kinetic,potential,total,high_band,work,dissipated";
-  for (const std::string& name : columns.further) recorder.text_ += ',' + name;
-  for (const int i : columns.coordinates) recorder.text_ += fmt::format(",q{}", i);
+  std::string head = "t,kinetic,potential,total,high_band,work,dissipated";
+  for (const std::string& name : columns.further) head += ',' + name;
+  for (const int i : columns.coordinates) head += fmt::format(",q{}", i);
   if (columns.velocities)
-    for (const int i : columns.coordinates) recorder.text_ += fmt::format(",p{}", i);
+    for (const int i : columns.coordinates) head += fmt::format(",p{}", i);
   for (const int vertex : columns.probes) {
     Result<VertexRows> rows = model.vertex(vertex);
     if (!rows) return rows.error();
-    recorder.text_ += fmt::format(",u{0}x,u{0}y,u{0}z", vertex);
-    if (columns.velocities) recorder.text_ += fmt::format(",v{0}x,v{0}y,v{0}z", vertex);
+    head += fmt::format(",u{0}x,u{0}y,u{0}z", vertex);
+    if (columns.velocities) head += fmt::format(",v{0}x,v{0}y,v{0}z", vertex);
     recorder.probes_.push_back({vertex, std::move(rows->rows)});
   }
-  recorder.text_ += '\n';
-  if (path.empty()) return recorder;
-  Result<AtomicFile> file = AtomicFile::create(path);
-  if (!file) return file.error();
-  recorder.file_.emplace(std::move(*file));
-  if (parked) recorder.file_->park();
+  if (Status s = take(recorder.table_, CsvTable::create(path, std::move(head), parked)); !s)
+    return s.error();
   return recorder;
 }
 
 Status Recorder::record(const Moment& moment, const Energy& energy,
                         std::span<const double> further) {
-  if (!file_) return Success{};
-  auto out = std::back_inserter(text_);
+  if (!table_.is_written()) return Success{};
+  auto out = std::back_inserter(table_.row());
   fmt::format_to(out, "{:.9g},{:.10g},{:.10g},{:.12g},{:.10g},{:.10g},{:.10g}", moment.time,
                  energy.kinetic, energy.potential, energy.total(), energy.high_band, moment.work,
                  moment.dissipated);
@@ -160,80 +145,7 @@ Status Recorder::record(const Moment& moment, const Energy& energy,
     const Eigen::Vector3d v = probe.rows * p;
     fmt::format_to(out, ",{:.8g},{:.8g},{:.8g}", v.x(), v.y(), v.z());
   }
-  text_ += '\n';
-  return text_.size() < kPiece ? Status(Success{}) : flush();
-}
-
-Status Recorder::flush() {
-  if (!file_ || text_.empty()) return Success{};
-  const Status status = file_->write(text_);
-  text_.clear();
-  if (parked_) file_->park();
-  return status;
-}
-
-Status Recorder::finish() {
-  if (!file_) return Success{};
-  if (Status status = flush(); !status) return status;
-  return file_->commit();
-}
-
-namespace {
-
-namespace fs = std::filesystem;
-
-// The author's surface where the body is now.
-Status write_render_shape(const Body& body, const std::string& path, const std::string& materials) {
-  RenderSurface surface = body.model().render()->surface;
-  const std::size_t count = 3 * surface.vertices.size();
-  surface.normals.resize(surface.vertices.size());
-  std::vector<float> positions(count);  // of the normals; those that are written are exact
-  const Status normals = body.surface(positions, std::span(surface.normals[0].data(), count));
-  if (!normals) return normals;
-  const Status exact = body.surface_positions(std::span<double>(surface.vertices[0].data(), count));
-  if (!exact) return exact;
-  return write_render_surface(path, surface, materials);
-}
-
-}  // namespace
-
-Status write_shape(const Body& body, const std::string& path, const std::string& materials) {
-  if (body.model().render() != nullptr) return write_render_shape(body, path, materials);
-  SurfaceMesh surface;
-  surface.vertices.resize(body.model().surface().vertex_ids.size());
-  surface.triangles = body.model().triangles();
-  // Eigen's fixed-size vectors are contiguous.
-  const std::span<double> flat(surface.vertices.empty() ? nullptr : surface.vertices[0].data(),
-                               3 * surface.vertices.size());
-  if (Status status = body.surface_positions(flat); !status) return status;
-  return write_surface(path, surface);
-}
-
-bool Frames::due(std::int64_t steps) const {
-  if (written_ >= outputs_.surfaces) return false;
-  return steps >= std::llround(static_cast<double>(steps_) * (written_ + 1) / outputs_.surfaces);
-}
-
-Status Frames::keep(const std::string& path, Status status) {
-  if (status) files_.push_back(path);
-  return status;
-}
-
-Status Frames::write(const Body& body, double time) {
-  const std::string name = frame_name(written_, time, outputs_.surface_format);
-  const std::string path = (fs::path(outputs_.out) / name).string();
-  list_ += fmt::format("{},{:.9g},{}\n", written_, time, name);
-  ++written_;
-  return keep(path, write_shape(body, path, kMaterialsName));
-}
-
-Status Frames::finish(const Model& model) {
-  if (written_ == 0) return Success{};
-  const std::string list = (fs::path(outputs_.out) / kFramesName).string();
-  if (Status status = keep(list, write_file(list, list_)); !status) return status;
-  if (outputs_.surface_format != "obj" || model.render() == nullptr) return Success{};
-  const std::string materials = (fs::path(outputs_.out) / kMaterialsName).string();
-  return keep(materials, write_file(materials, material_library(model.render()->surface)));
+  return table_.end_row();
 }
 
 }  // namespace tremolo

@@ -6,14 +6,12 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "common/result.h"
-#include "formats/file/atomic_file.h"
+#include "runtime/apps/tremolo/run/log_files.h"
 #include "runtime/body.h"
 #include "runtime/energy.h"
-#include "runtime/io/scenes/scene_keys.h"
 #include "runtime/model.h"
 #include "runtime/scene/scene.h"
 
@@ -82,21 +80,18 @@ Result<RecordedColumns> recorded_columns(const SceneColumns& columns, const Mode
 
 // Columns: t (s), kinetic, potential, total, high_band, work, dissipated (J), the further ones,
 // q<i> (kg^1/2 m) and p<i> (kg^1/2 m/s) of chosen coordinates, u<v>x u<v>y u<v>z (m) and v<v>x
-// v<v>y v<v>z (m/s) of chosen vertices. Whole lines are written to a temporary file, which finish()
-// renames.
+// v<v>y v<v>z (m/s) of chosen vertices.
 class Recorder {
  public:
-  // path: of the CSV; empty: nothing is recorded. parked: its file is closed between pieces, for
-  // runs with more recorders than a process may have open files. Errors: kUsage for a vertex that
-  // the model does not have; kSystem if the file cannot be made.
+  // path, parked: as for CsvTable. Errors: kUsage for a vertex that the model does not have;
+  // kSystem if the file cannot be made.
   static Result<Recorder> create(const Model& model, const RecordedColumns& columns,
                                  const std::string& path, bool parked = false);
 
   // further: as many values as there are further columns.
   Status record(const Moment& moment, const Energy& energy, std::span<const double> further = {});
-  // Writes the buffered rows, so that they can be read in the temporary file.
-  Status flush();
-  Status finish();
+  Status flush() { return table_.flush(); }
+  Status finish() { return table_.finish(); }
 
  private:
   struct Probe {
@@ -106,38 +101,7 @@ class Recorder {
 
   RecordedColumns columns_;
   std::vector<Probe> probes_;
-  std::string text_;
-  std::optional<AtomicFile> file_;
-  bool parked_ = false;
-};
-
-// Writes the present shape of `body` as it is drawn: its render surface, else the boundary.
-// materials: the name of the .mtl file that an .obj refers to; empty: none. Errors: those of the
-// writers.
-Status write_shape(const Body& body, const std::string& path, const std::string& materials = "");
-
-class Frames {
- public:
-  // outputs: the body's folder, the number of surfaces and their format. steps: of the whole run.
-  Frames(SceneOutputs outputs, std::int64_t steps) : outputs_(std::move(outputs)), steps_(steps) {}
-
-  // True if a surface is due after `steps` steps. Surfaces are due at k/N of the run, k = 1 ... N.
-  bool due(std::int64_t steps) const;
-  // body: as it is at `time`, s.
-  Status write(const Body& body, double time);
-  // Writes frames.csv (frame, t in s, file) and, for .obj files with materials, surface.mtl.
-  Status finish(const Model& model);
-
-  const std::vector<std::string>& files() const { return files_; }  // paths, all that is written
-
- private:
-  Status keep(const std::string& path, Status status);
-
-  SceneOutputs outputs_;
-  std::int64_t steps_;
-  int written_ = 0;
-  std::string list_ = "frame,t,file\n";
-  std::vector<std::string> files_;
+  CsvTable table_;
 };
 
 }  // namespace tremolo

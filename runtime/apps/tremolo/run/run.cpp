@@ -11,6 +11,7 @@
 #include "formats/file/atomic_file.h"
 #include "formats/file/output_guard.h"
 #include "runtime/apps/tremolo/output/tell.h"
+#include "runtime/apps/tremolo/output/text_values.h"
 #include "runtime/apps/tremolo/output/warnings.h"
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/run/run_files.h"
@@ -21,10 +22,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 Json to_json(const RunReport& report, const BodyScene& scene) {
   Json json;
   json["schema"] = kReportSchema;
@@ -32,23 +29,23 @@ Json to_json(const RunReport& report, const BodyScene& scene) {
   json["model"] = scene.body().model;
   json["integrator"] = report.integrator;
   json["load"] = scene.load_name;
-  json["scale"] = number(report.scale);
+  json["scale"] = number_or_null(report.scale);
   json["deflect"] = scene.deflect.empty() ? Json(nullptr) : Json(scene.deflect);
   json["start"] = scene.start.empty() ? Json(nullptr) : Json(scene.start);
   json["step"] = report.step;
   json["duration"] = report.duration;
   json["steps"] = report.steps;
   json["reached"] = report.reached;
-  json["iterations_per_step"] = number(report.iterations_per_step);
-  json["microseconds_per_step"] = number(report.microseconds_per_step);
-  json["real_time_factor"] = number(report.step * 1e6 / report.microseconds_per_step);
-  json["energy_initial"] = number(report.energy_initial);
-  json["energy_reference"] = number(report.energy_reference);
-  json["energy_final"] = number(report.energy_final);
-  json["energy_drift_max"] = number(report.energy_drift_max);
-  json["high_band_final"] = number(report.high_band_final);
-  json["work"] = number(report.work);
-  json["dissipated"] = number(report.dissipated);
+  json["iterations_per_step"] = number_or_null(report.iterations_per_step);
+  json["microseconds_per_step"] = number_or_null(report.microseconds_per_step);
+  json["real_time_factor"] = number_or_null(report.step * 1e6 / report.microseconds_per_step);
+  json["energy_initial"] = number_or_null(report.energy_initial);
+  json["energy_reference"] = number_or_null(report.energy_reference);
+  json["energy_final"] = number_or_null(report.energy_final);
+  json["energy_drift_max"] = number_or_null(report.energy_drift_max);
+  json["high_band_final"] = number_or_null(report.high_band_final);
+  json["work"] = number_or_null(report.work);
+  json["dissipated"] = number_or_null(report.dissipated);
   json["low_modes"] = report.split ? Json(report.split->low) : Json(nullptr);
   json["high_modes"] = report.split ? Json(report.split->high) : Json(nullptr);
   Json moves = Json::array();
@@ -57,18 +54,18 @@ Json to_json(const RunReport& report, const BodyScene& scene) {
         {{"time", move.time}, {"low_before", move.low_before}, {"low_after", move.low_after}});
   json["split_moves"] = moves;
   json["halved_steps"] = report.halved_steps;
-  json["stretch_min"] = number(report.stretch.smallest);
-  json["stretch_max"] = number(report.stretch.largest);
+  json["stretch_min"] = number_or_null(report.stretch.smallest);
+  json["stretch_max"] = number_or_null(report.stretch.largest);
   json["squeezed_at"] = report.squeezed_at < 0 ? Json(nullptr) : Json(report.squeezed_at);
-  json["size"] = number(report.size);
-  json["largest_displacement"] = number(report.farthest.distance);
-  json["largest_displacement_share"] = number(report.farthest.distance / report.size);
+  json["size"] = number_or_null(report.size);
+  json["largest_displacement"] = number_or_null(report.farthest.distance);
+  json["largest_displacement_share"] = number_or_null(report.farthest.distance / report.size);
   json["largest_displacement_vertex"] = report.farthest.vertex;
-  json["largest_displacement_at"] = number(report.farthest_at);
+  json["largest_displacement_at"] = number_or_null(report.farthest_at);
   json["rigid_modes"] = report.rigid ? Json(report.rigid->rigid_modes) : Json(0);
-  json["load_rigid_share"] = report.rigid ? number(report.rigid->share) : Json(nullptr);
+  json["load_rigid_share"] = report.rigid ? number_or_null(report.rigid->share) : Json(nullptr);
   if (!scene.body().columns.probes.empty())
-    json["largest_probe_displacement"] = number(report.largest_probe);
+    json["largest_probe_displacement"] = number_or_null(report.largest_probe);
   json["exit_code"] = report.exit_code;
   json["reason"] = report.reason.empty() ? Json(nullptr) : Json(report.reason);
   json["notes"] = report.notes;

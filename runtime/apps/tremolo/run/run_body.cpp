@@ -11,21 +11,34 @@
 namespace tremolo {
 namespace {
 
+// The vertices of the scene's load and the force on each.
+Result<DefaultLoad> forces_of(const BodyScene& scene, const Model& model) {
+  const SceneLoad& load = scene.load();
+  if (load.signal.kind == SignalKind::kNone) return DefaultLoad{};
+  if (load.at.empty()) {
+    if (model.default_load().vertices.empty())
+      return usage_error(scene.body().model +
+                         ": the model has no default load; name one with --at and --force, or "
+                         "--load none");
+    return model.default_load();
+  }
+  const Result<std::vector<VertexId>> vertices = vertices_of(load.at, model);
+  if (!vertices) return Error{vertices.error().kind, "--at: " + vertices.error().message};
+  return shared_by_area(*vertices, load.force, model);
+}
+
 // Reduced and scaled; zero without a load.
-Result<Load> reduced_load(const BodyScene& scene, const Model& model) {
-  const SceneLoad& given = scene.load();
-  Load load{given.signal, Eigen::VectorXd::Zero(model.modes())};
+Result<Load> reduced_load(const RunInput& input) {
+  const SceneLoad& given = input.scene.load();
+  Load load{given.signal, Eigen::VectorXd::Zero(input.model->modes())};
   load.signal.table = given.table.get();
   if (load.signal.kind == SignalKind::kNone) return load;
-  const Result<DefaultLoad> forces = load_of_run(scene, model);
-  if (!forces) return forces.error();
-  Result<Eigen::VectorXd> reduced = reduce_load(model, *forces, given.scale);
-  if (!reduced) return value_error(reduced.error());
-  if (!given.at.empty() && given.scale != 0.0 && reduced->isZero(0.0))
+  if (Status s = take(load.force, reduce_load(*input.model, input.forces, given.scale)); !s)
+    return value_error(s.error());
+  if (!given.at.empty() && given.scale != 0.0 && load.force.isZero(0.0))
     return content_error("--at " + given.at +
                          ": no vertex there moves (they are fixed or belong to no tetrahedron), or "
                          "the force is zero");
-  load.force = std::move(*reduced);
   return load;
 }
 
@@ -55,31 +68,23 @@ Result<Model::Pointer> load_model(const BodyScene& scene) {
   return model;
 }
 
-Result<DefaultLoad> load_of_run(const BodyScene& scene, const Model& model) {
-  const SceneLoad& load = scene.load();
-  if (load.signal.kind == SignalKind::kNone) return DefaultLoad{};
-  if (load.at.empty()) {
-    if (model.default_load().vertices.empty())
-      return usage_error(scene.body().model +
-                         ": the model has no default load; name one with --at and --force, or "
-                         "--load none");
-    return model.default_load();
-  }
-  const Result<std::vector<VertexId>> vertices = vertices_of(load.at, model);
-  if (!vertices) return Error{vertices.error().kind, "--at: " + vertices.error().message};
-  return shared_by_area(*vertices, load.force, model);
+Result<RunInput> load_body(const BodyScene& scene) {
+  RunInput input{nullptr, scene, {}};
+  if (Status s = take(input.model, load_model(scene)); !s) return s.error();
+  if (Status s = take(input.forces, forces_of(scene, *input.model)); !s) return s.error();
+  return input;
 }
 
-Result<Body> make_body(const BodyScene& scene, Model::Pointer model) {
-  Result<Body> body = Body::create(std::move(model), scene.body().integrator, scene.settings());
+Result<Body> make_body(const RunInput& input) {
+  const BodyScene& scene = input.scene;
+  Result<Body> body = Body::create(input.model, scene.body().integrator, scene.settings());
   if (!body) return value_error(body.error());
-  const Result<Load> load = reduced_load(scene, body->model());
+  const Result<Load> load = reduced_load(input);
   if (!load) return load.error();
   if (load->signal.kind != SignalKind::kNone) {
-    Result<DefaultLoad> forces = load_of_run(scene, body->model());
-    if (!forces) return forces.error();
-    for (Eigen::Vector3d& force : forces->forces) force *= scene.load().scale;
-    if (Status status = body->add_load(load->signal, *forces); !status)
+    DefaultLoad forces = input.forces;
+    for (Eigen::Vector3d& force : forces.forces) force *= scene.load().scale;
+    if (Status status = body->add_load(load->signal, forces); !status)
       return value_error(status.error());
   }
   if (scene.start.empty()) return body;
@@ -91,14 +96,14 @@ Result<Body> make_body(const BodyScene& scene, Model::Pointer model) {
   return body;
 }
 
-Result<Eigen::VectorXd> largest_load(const BodyScene& scene, const Model& model) {
-  const Result<Load> load = reduced_load(scene, model);
+Result<Eigen::VectorXd> largest_load(const RunInput& input) {
+  const Result<Load> load = reduced_load(input);
   if (!load) return load.error();
   const SignalKind kind = load->signal.kind;
   const bool lasts = kind == SignalKind::kSquare || kind == SignalKind::kSine ||
                      kind == SignalKind::kConstant || kind == SignalKind::kRamp ||
                      kind == SignalKind::kChirp;
-  return lasts ? load->force : Eigen::VectorXd(Eigen::VectorXd::Zero(model.modes()));
+  return lasts ? load->force : Eigen::VectorXd(Eigen::VectorXd::Zero(input.model->modes()));
 }
 
 Result<double> parse_share(const std::string& text) {

@@ -13,17 +13,24 @@ namespace tremolo {
 // The model of the scene's body.
 Result<Model::Pointer> load_model(const BodyScene& scene);
 
-// The load in space, unscaled: of --at and --force, else the model's; without vertices for --load
-// none.
-Result<DefaultLoad> load_of_run(const BodyScene& scene, const Model& model);
+// A body before its run. It must outlive the body that make_body() makes of it.
+struct RunInput {
+  Model::Pointer model;
+  BodyScene scene;
+  DefaultLoad forces;  // of --at and --force, else the model's, N, unscaled; none for --load none
+};
 
-// Makes the body with its load in the state of --start. The scene must outlive it. Errors of
-// Body::create and Body::add_load, and of start_state.
-Result<Body> make_body(const BodyScene& scene, Model::Pointer model);
+// Loads the model and finds the vertices of the load. Errors: those of load_model() and of
+// selectors; kUsage for a model without a default load where the scene names none.
+Result<RunInput> load_body(const BodyScene& scene);
+
+// Makes the body with its load in the state of --start. Errors of Body::create and Body::add_load,
+// and of start_state.
+Result<Body> make_body(const RunInput& input);
 
 // The largest reduced force of the load in time, r: of a square, a sine and a constant one; zero
 // for an impulse, which is over before the body is where it would hold it, and for --signal.
-Result<Eigen::VectorXd> largest_load(const BodyScene& scene, const Model& model);
+Result<Eigen::VectorXd> largest_load(const RunInput& input);
 
 // Turns the library's kUsage for a wrong argument into kContent: on the command line kUsage means
 // an unknown flag or name, and a number out of range is an invalid value.

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
-#include <filesystem>
 #include <limits>
 #include <utility>
 
@@ -12,9 +11,8 @@
 
 #include "common/units.h"
 #include "runtime/apps/tremolo/output/tell.h"
-#include "runtime/apps/tremolo/run/recorder.h"
+#include "runtime/apps/tremolo/run/body_files.h"
 #include "runtime/apps/tremolo/run/run_body.h"
-#include "runtime/apps/tremolo/run/run_files.h"
 #include "runtime/apps/tremolo/run/run_progress.h"
 #include "runtime/apps/tremolo/run/sound.h"
 #include "runtime/apps/tremolo/run/watch.h"
@@ -23,8 +21,6 @@
 
 namespace tremolo {
 namespace {
-
-namespace fs = std::filesystem;
 
 // Steps between two measurements: the memory that one uses costs the next step some microseconds,
 // and a signal waits for up to a block.
@@ -86,41 +82,26 @@ Result<bool> follow(Body& body, std::int64_t steps, const RunLinks& links, Watch
   return false;
 }
 
-// The recorder of the run's table in its folder, which is made; it records nothing without one.
-Result<Recorder> make_recorder(const std::string& out, const RecordedColumns& columns,
-                               const Model& model) {
-  std::string csv;
-  if (!out.empty()) {
-    std::error_code error;
-    fs::create_directories(out, error);
-    if (error) return system_error(out + ": cannot create: " + error.message());
-    csv = (fs::path(out) / kTableName).string();
-  }
-  Result<Recorder> recorder = Recorder::create(model, columns, csv);
-  if (!recorder) return value_error(recorder.error());
-  return recorder;
-}
-
-Result<RunReport> run_body(const BodyScene& scene, const Model::Pointer& model,
-                           const RunLinks& links) {
-  Result<Body> body = make_body(scene, model);
+Result<RunReport> run_body(const RunInput& input, const RunLinks& links) {
+  const BodyScene& scene = input.scene;
+  Result<Body> body = make_body(input);
   if (!body) return body.error();
-  const Result<RecordedColumns> columns = recorded_columns(scene.body().columns, *model);
+  const Result<RecordedColumns> columns = recorded_columns(scene.body().columns, *input.model);
   if (!columns) return columns.error();
-  Result<Recorder> recorder = make_recorder(scene.file.outputs.out, *columns, *model);
-  if (!recorder) return recorder.error();
+  const std::int64_t steps = std::llround(scene.file.scene.duration / scene.step());
+  Result<BodyFiles> files = BodyFiles::create(scene.file.outputs, *columns, *input.model, steps);
+  if (!files) return files.error();
 
   RunReport report = start_report(scene, *body);
   if (links.interruption != nullptr) {  // not a trial
     Eigen::VectorXd load;
-    if (Status s = take(load, largest_load(scene, *model)); !s) return s.error();
+    if (Status s = take(load, largest_load(input)); !s) return s.error();
     report.notes = notes_before(*body, load);
     for (const std::string& note : report.notes) tell("{}: note: {}\n", report.name, note);
   }
-  const std::int64_t steps = std::llround(scene.file.scene.duration / scene.step());
   Result<Watch> watch =
       Watch::create(scene, *body, columns->probes.empty() ? nullptr : columns->probes.data(), steps,
-                    std::move(*recorder), report);
+                    std::move(*files), report);
   if (!watch) return value_error(watch.error());
   const Result<bool> whole = follow(*body, steps, links, *watch, report);
   if (!whole) return whole.error();
@@ -130,15 +111,16 @@ Result<RunReport> run_body(const BodyScene& scene, const Model::Pointer& model,
 
 // Makes the run once without writing anything and measures its largest displacement.
 Result<LoadAttempt> attempt(const RunInput& input, double scale) {
-  BodyScene trial = input.scene;
-  trial.load().scale = scale;
-  trial.file.outputs = {};
-  trial.body().columns = {};
-  ToldProgress progress(fmt::format("{}, load times {:.4g}", trial.body().name, scale),
-                        trial.file.scene.duration);
-  const Result<RunReport> report = run_body(trial, input.model, {nullptr, &progress});
+  RunInput trial = input;
+  trial.scene.load().scale = scale;
+  trial.scene.file.outputs = {};
+  trial.scene.body().columns = {};
+  const SceneBody& body = trial.scene.body();
+  ToldProgress progress(fmt::format("{}, load times {:.4g}", body.name, scale),
+                        trial.scene.file.scene.duration);
+  const Result<RunReport> report = run_body(trial, {nullptr, &progress});
   if (!report) return report.error();
-  if (!(report->size > 0)) return content_error(trial.body().model + ": the surface has no size");
+  if (!(report->size > 0)) return content_error(body.model + ": the surface has no size");
   return LoadAttempt{scale,
                      report->exit_code != 0 ? std::numeric_limits<double>::infinity()
                                             : report->farthest.distance / report->size,
@@ -178,13 +160,12 @@ void tell_nearest(const BodyScene& scene, const Model& model) {
 }  // namespace
 
 Result<RunInput> prepare_run(const BodyScene& scene) {
-  const Result<Model::Pointer> model = load_model(scene);
-  if (!model) return model.error();
-  tell_nearest(scene, **model);
-  RunInput input{*model, scene};
-  choose_sound_steps(**model, input.scene);
+  Result<RunInput> input = load_body(scene);
+  if (!input) return input;
+  tell_nearest(scene, *input->model);
+  choose_sound_steps(*input->model, input->scene);
   if (!scene.deflect.empty())
-    if (Status s = take(input.scene.load().scale, scale_for_deflection(input)); !s)
+    if (Status s = take(input->scene.load().scale, scale_for_deflection(*input)); !s)
       return s.error();
   return input;
 }
@@ -192,14 +173,14 @@ Result<RunInput> prepare_run(const BodyScene& scene) {
 Result<RunReport> simulate(const BodyScene& scene) {
   const Result<RunInput> input = prepare_run(scene);
   if (!input) return input.error();
-  const Result<std::optional<RigidLoss>> rigid = rigid_loss(scene, *input->model);
+  const Result<std::optional<RigidLoss>> rigid = rigid_loss(*input);
   if (!rigid) return rigid.error();
   const Interruption interruption;
   ToldProgress progress(scene.body().name, scene.file.scene.duration);
-  const BodyScene& used = input->scene;
-  Result<RunReport> report = run_body(used, input->model, {&interruption, &progress});
+  Result<RunReport> report = run_body(*input, {&interruption, &progress});
   if (!report) return report;
   report->rigid = *rigid;
+  const BodyScene& used = input->scene;
   if (!used.file.outputs.wav.empty())
     report->sound_warning = sound_warning(*input->model, used.body().integrator, used.settings(),
                                           1.0 / (used.step() * used.file.outputs.sound_steps));

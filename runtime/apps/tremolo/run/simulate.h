@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
-#include "runtime/apps/tremolo/run/body_scene.h"
+#include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/run/stretch.h"
 #include "runtime/body.h"
 #include "runtime/model.h"
@@ -26,20 +26,14 @@ struct RigidLoss {
 };
 
 // Empty if the body is not free or there is no load. Errors: those of reading the file.
-Result<std::optional<RigidLoss>> rigid_loss(const BodyScene& scene, const Model& model);
+Result<std::optional<RigidLoss>> rigid_loss(const RunInput& input);
 
 // The same for a given load, mass (kg) and number of rigid motions.
 RigidLoss rigid_loss(const Model& model, const DefaultLoad& load, double mass,
                      std::uint64_t rigid_modes);
 
-// Input of a run. It must outlive the body that make_body() makes of it.
-struct RunInput {
-  Model::Pointer model;
-  BodyScene scene;  // as given, with the step that --wav needs and the factor found by --deflect
-};
-
-// Loads the model and determines the load's factor. Errors: kUsage, kContent and kSystem as in
-// simulate().
+// As load_body(), with the step that --wav needs and the factor of the load that --deflect asks
+// for. Errors: kUsage, kContent and kSystem as in simulate().
 Result<RunInput> prepare_run(const BodyScene& scene);
 
 // A change of a splitting method's split, before the step that began at `time`.

@@ -2,20 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "runtime/apps/tremolo/output/plot.h"
-#include "runtime/apps/tremolo/run/run_files.h"
-
 namespace tremolo {
 namespace {
-
-namespace fs = std::filesystem;
 
 // Steps between two measurements of the shape: it moves by the slow modes, and a measurement costs
 // more than a step. With a fortieth of the slowest mode's period it misses 0.3 % of the amplitude
@@ -51,10 +45,10 @@ double sound_interval(const BodyScene& scene) {
 }  // namespace
 
 Result<Watch> Watch::create(const BodyScene& scene, const Body& body, const int* first_probe,
-                            std::int64_t steps, Recorder recorder, RunReport& report) {
+                            std::int64_t steps, BodyFiles files, RunReport& report) {
   Result<Body> seen = make_seen(body, scene.body().options.split);
   if (!seen) return seen.error();
-  Watch watch(scene, std::move(*seen), steps, std::move(recorder), report);
+  Watch watch(scene, std::move(*seen), steps, std::move(files), report);
   if (first_probe != nullptr) {
     Result<VertexRows> rows = body.model().vertex(*first_probe);
     if (!rows) return rows.error();
@@ -69,13 +63,12 @@ Result<Watch> Watch::create(const BodyScene& scene, const Body& body, const int*
   return watch;
 }
 
-Watch::Watch(const BodyScene& scene, Body seen, std::int64_t steps, Recorder recorder,
+Watch::Watch(const BodyScene& scene, Body seen, std::int64_t steps, BodyFiles files,
              RunReport& report)
     : scene_(&scene),
       report_(&report),
       seen_(std::move(seen)),
-      recorder_(std::move(recorder)),
-      frames_(scene.file.outputs, steps),
+      files_(std::move(files)),
       stretch_(std::make_unique<SurfaceStretch>(seen_.model())),
       shape_looks_(seen_.model(), steps_between_shapes(seen_), steps) {
   report_->size = stretch_->size();
@@ -89,10 +82,9 @@ Result<bool> Watch::observe(const Moment& moment) {
   else
     energy.potential = std::numeric_limits<double>::quiet_NaN();
   note_energy(moment, energy);
-  if (moment.steps % scene_->file.outputs.every == 0)
-    if (Status status = recorder_.record(moment, energy); !status) return status.error();
-  if (frames_.due(moment.steps))
-    if (Status status = frames_.write(seen_, moment.time); !status) return status.error();
+  if (files_.row_due(moment.steps))
+    if (Status status = files_.write_row(moment, energy); !status) return status.error();
+  if (Status status = files_.write_surface(moment, seen_); !status) return status.error();
   const bool inside = moment.bound.sound(energy.total());
   if (!inside) {
     report_->exit_code = exit_code(ErrorKind::kBound);
@@ -152,16 +144,8 @@ Status Watch::finish() {
   const SceneOutputs& outputs = scene_->file.outputs;
   if (ear_)
     if (Status status = sound_.write(outputs.wav, sound_interval(*scene_)); !status) return status;
-  if (outputs.out.empty()) return Success{};
-  if (Status status = frames_.finish(seen_.model()); !status) return status;
-  report_->files = frames_.files();
-  const std::string csv = (fs::path(outputs.out) / kTableName).string();
-  if (Status status = recorder_.finish(); !status) return status;
-  report_->files.push_back(csv);
-  if (outputs.plot && report_->signal == 0)
-    if (Status s = plot_run({scene_->body().integrator, csv}, outputs.out, report_->files); !s)
-      return s;
-  return Success{};
+  const bool whole = report_->signal == 0;
+  return files_.finish(seen_.model(), whole ? report_->integrator : "", report_->files);
 }
 
 }  // namespace tremolo

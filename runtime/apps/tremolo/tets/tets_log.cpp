@@ -16,11 +16,31 @@ namespace {
 
 constexpr const char* kTetsColumns =
     "t,kinetic,elastic,gravity,energy,switched_energy,quadratic_share,iterations,x,y,z,px,py,pz,"
-    "lx,ly,lz,displacement\n";
+    "lx,ly,lz,displacement";
 
-std::string tets_folder(const TetScene& scene, std::size_t body) {
-  if (scene.outputs.out.empty()) return "";
-  return (std::filesystem::path(scene.outputs.out) / scene.bodies[body].name).string();
+constexpr std::size_t kMostTables = 64;  // open at a time
+
+// In the folder of the body.
+SceneOutputs outputs_of(const TetScene& scene, std::size_t body) {
+  SceneOutputs outputs = scene.outputs;
+  if (!outputs.out.empty())
+    outputs.out = (std::filesystem::path(outputs.out) / scene.bodies[body].name).string();
+  return outputs;
+}
+
+RenderSurface drawn_surface(const TetSurface& surface, const std::vector<Eigen::Vector3d>& vertices,
+                            const std::vector<Eigen::Vector3f>& normals) {
+  RenderSurface drawn;
+  drawn.vertices = vertices;
+  drawn.normals = normals;
+  drawn.triangles = surface.rest().triangles;
+  drawn.uvs = surface.rest().uvs;
+  drawn.sources = surface.rest().sources;
+  drawn.object_of.assign(drawn.triangles.size(), 0);
+  drawn.material_of.assign(drawn.triangles.size(), 0);
+  drawn.objects = {"body"};
+  drawn.materials = {"body"};
+  return drawn;
 }
 
 }  // namespace
@@ -55,22 +75,25 @@ void MomentumLoss::note(const TetBody& body, bool alone) {
 }
 
 TetsLog::TetsLog(const TetScene& scene, const TetsKind& kind, std::size_t body)
-    : outputs_(scene.outputs),
-      folder_(tets_folder(scene, body)),
+    : outputs_(outputs_of(scene, body)),
       steps_(std::llround(scene.duration / scene.step)),
       surface_(kind.surface),
       held_(kind.held),
       forces_(kind.model, scene.bodies[body].options.law),
-      table_(kTetsColumns) {
+      frames_(outputs_, steps_) {
   force_.resize(kind.model->rest().size());
 }
 
 Result<TetsLog> TetsLog::create(const TetScene& scene, const TetsKind& kind, std::size_t body) {
   TetsLog log(scene, kind, body);
-  if (log.folder_.empty()) return log;
-  std::error_code error;
-  std::filesystem::create_directories(log.folder_, error);
-  if (error) return system_error(log.folder_ + ": cannot create: " + error.message());
+  const std::string& out = log.outputs_.out;
+  if (out.empty()) return log;
+  if (Status s = make_run_folder(out); !s) return s.error();
+  const std::string csv = (std::filesystem::path(out) / kTableName).string();
+  if (Status s =
+          take(log.table_, CsvTable::create(csv, kTetsColumns, scene.bodies.size() > kMostTables));
+      !s)
+    return s.error();
   return log;
 }
 
@@ -120,37 +143,18 @@ void TetsLog::look(TetBody& body) {
   note_forces(body);
 }
 
-void TetsLog::write_row(const TetBody& body, const TetStepReport& step) {
+Status TetsLog::write_row(const TetBody& body, const TetStepReport& step) {
   const TetsEnergies& e = report_.end;
   const Eigen::Vector3d p = body.momentum(), l = body.angular_momentum();
   // The first moment of mass about the origin gives the centre.
   const Eigen::Vector3d centre = body.system().momentum(body.positions()) / body.model().mass();
-  table_ += fmt::format(
+  table_.row() += fmt::format(
       "{:.9g},{:.12g},{:.12g},{:.12g},{:.12g},{:.6g},{:.6g},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},"
-      "{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n",
+      "{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}",
       body.time(), e.kinetic, e.elastic, e.gravity, e.total(), e.switches,
       body.system().quadratic_share(), step.iterations, centre.x(), centre.y(), centre.z(), p.x(),
       p.y(), p.z(), l.x(), l.y(), l.z(), report_.displacement);
-}
-
-Status TetsLog::write_frame(double time, const std::vector<Eigen::Vector3d>& vertices,
-                            const std::vector<Eigen::Vector3f>& normals) {
-  RenderSurface drawn;
-  drawn.vertices = vertices;
-  drawn.normals = normals;
-  drawn.triangles = surface_->rest().triangles;
-  drawn.uvs = surface_->rest().uvs;
-  drawn.sources = surface_->rest().sources;
-  drawn.object_of.assign(drawn.triangles.size(), 0);
-  drawn.material_of.assign(drawn.triangles.size(), 0);
-  drawn.objects = {"body"};
-  drawn.materials = {"body"};
-  const std::string name = frame_name(frames_, time, outputs_.surface_format);
-  const std::string path = (std::filesystem::path(folder_) / name).string();
-  list_ += fmt::format("{},{:.9g},{}\n", frames_++, time, name);
-  if (Status s = write_render_surface(path, drawn); !s) return s;
-  report_.files.push_back(path);
-  return Success{};
+  return table_.end_row();
 }
 
 void TetsLog::note_momenta(const TetBody& body, bool touched) {
@@ -177,25 +181,21 @@ Status TetsLog::observe(TetBody& body, const TetStepReport& step,
   report_.share = share_sum_ / static_cast<double>(body.steps() + 1);
   if (body.steps() % outputs_.every == 0 || body.steps() == steps_) {
     look(body);
-    if (!folder_.empty()) write_row(body, step);
+    if (table_.is_written())
+      if (Status s = write_row(body, step); !s) return s;
   }
-  const auto due = [this] {
-    return std::llround(static_cast<double>(steps_) * (frames_ + 1) / outputs_.surfaces);
-  };
-  if (folder_.empty() || frames_ >= outputs_.surfaces || body.steps() < due()) return Success{};
-  return write_frame(body.time(), vertices, normals);
+  if (!frames_.due(body.steps())) return Success{};
+  return frames_.write(body.time(), [&](const std::string& path) {
+    return write_render_surface(path, drawn_surface(*surface_, vertices, normals));
+  });
 }
 
 Status TetsLog::finish() {
-  if (folder_.empty()) return Success{};
-  const std::string csv = (std::filesystem::path(folder_) / kTableName).string();
-  if (Status s = write_file(csv, table_); !s) return s;
-  report_.files.push_back(csv);
-  if (frames_ > 0) {
-    const std::string list = (std::filesystem::path(folder_) / kFramesName).string();
-    if (Status s = write_file(list, list_); !s) return s;
-    report_.files.push_back(list);
-  }
+  if (!table_.is_written()) return Success{};
+  if (Status s = frames_.finish(); !s) return s;
+  report_.files = frames_.files();
+  if (Status s = table_.finish(); !s) return s;
+  report_.files.push_back((std::filesystem::path(outputs_.out) / kTableName).string());
   return Success{};
 }
 

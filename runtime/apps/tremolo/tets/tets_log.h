@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/result.h"
+#include "runtime/apps/tremolo/run/log_files.h"
 #include "runtime/bodies/tets/scene/tet_scene.h"
 #include "runtime/io/scenes/nodal_readers.h"
 #include "runtime/math/state.h"
@@ -70,7 +71,7 @@ class TetsLog {
   Status observe(TetBody& body, const TetStepReport& step,
                  const std::vector<Eigen::Vector3d>& vertices,
                  const std::vector<Eigen::Vector3f>& normals, bool touched);
-  // Writes run.csv and frames.csv.
+  // Renames the files from their temporary names.
   Status finish();
   const TetsReport& report() const { return report_; }
 
@@ -79,12 +80,9 @@ class TetsLog {
   void look(TetBody& body);
   void note_forces(const TetBody& body);
   void note_momenta(const TetBody& body, bool touched);
-  void write_row(const TetBody& body, const TetStepReport& step);
-  Status write_frame(double time, const std::vector<Eigen::Vector3d>& vertices,
-                     const std::vector<Eigen::Vector3f>& normals);
+  Status write_row(const TetBody& body, const TetStepReport& step);
 
-  SceneOutputs outputs_;
-  std::string folder_;
+  SceneOutputs outputs_;    // in the body's own folder
   std::int64_t steps_ = 0;  // of the whole run
   std::shared_ptr<const TetSurface> surface_;
   bool held_ = false;  // the mesh has fixed vertices
@@ -93,8 +91,8 @@ class TetsLog {
   double force_sum_ = 0.0, force_size_ = 0.0, torque_sum_ = 0.0, torque_size_ = 0.0;
   MomentumLoss loss_;
   double share_sum_ = 0.0;
-  int frames_ = 0;
-  std::string table_, list_ = "frame,t,file\n";
+  CsvTable table_;
+  Frames frames_;
   TetsReport report_;
 };
 

@@ -8,9 +8,7 @@
 #include <fmt/format.h>
 
 #include "common/energy.h"
-#include "runtime/apps/tremolo/output/plot.h"
 #include "runtime/apps/tremolo/run/run_body.h"
-#include "runtime/apps/tremolo/run/run_files.h"
 #include "runtime/contact/solve/contact_step.h"
 
 namespace tremolo {
@@ -107,26 +105,19 @@ Status check_columns(const SceneWorld& world, std::size_t body) {
 Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, std::size_t body,
                                 SharedLooks& shared) {
   const SceneBody& known = world.scene().bodies[body];
-  SceneOutputs outputs = outputs_of(file, known);
   const Model& model = world.body(body).model();
   const Result<RecordedColumns> columns = columns_of(known, model);
   if (!columns) return columns.error();
-  std::string csv;
-  if (!outputs.out.empty()) {
-    std::error_code error;
-    fs::create_directories(outputs.out, error);
-    if (error) return system_error(outputs.out + ": cannot create: " + error.message());
-    csv = (fs::path(outputs.out) / kTableName).string();
-  }
-  Result<Recorder> recorder = Recorder::create(model, *columns, csv, world.size() > kMostOpen);
-  if (!recorder) return value_error(recorder.error());
   const std::int64_t steps = std::llround(file.scene.duration / file.scene.step);
+  Result<BodyFiles> files =
+      BodyFiles::create(outputs_of(file, known), *columns, model, steps, world.size() > kMostOpen);
+  if (!files) return files.error();
   const auto looks = shared.looks.find(&model);
   const ShapeLooks& first =
       looks != shared.looks.end()
           ? looks->second
           : shared.looks.try_emplace(&model, model, kStepsBetweenShapes, steps).first->second;
-  BodyLog log(body, known.name, std::move(outputs), std::move(*recorder), first, steps, shared);
+  BodyLog log(body, known.name, std::move(*files), first, shared);
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& x : model.surface().rest) box.extend(x);
   log.report_.size = box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
@@ -134,13 +125,11 @@ Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, 
   return log;
 }
 
-BodyLog::BodyLog(std::size_t body, std::string name, SceneOutputs outputs, Recorder recorder,
-                 const ShapeLooks& looks, std::int64_t steps, SharedLooks& shared)
+BodyLog::BodyLog(std::size_t body, std::string name, BodyFiles files, const ShapeLooks& looks,
+                 SharedLooks& shared)
     : body_(body),
       name_(std::move(name)),
-      outputs_(std::move(outputs)),
-      recorder_(std::move(recorder)),
-      frames_(outputs_, steps),
+      files_(std::move(files)),
       shape_looks_(looks),
       shared_(&shared) {}
 
@@ -156,7 +145,7 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
   // The drawn surface can be at its deepest only if the contact points are.
   if (world.penetration_max(body_) > deepest_) note_depth(world);
   rebound_.observe(world, body_);
-  if (!outputs_.out.empty() && moment_.steps % outputs_.every == 0) {
+  if (files_.row_due(moment_.steps)) {
     const auto [pose, momenta] = place_of(world, body_);
     const TouchForces touching = touch_forces(world, body_);
     const Eigen::Quaterniond& turn = pose.rotation;
@@ -190,10 +179,9 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
                 touching.hands.x(),
                 touching.hands.y(),
                 touching.hands.z()};
-    if (Status s = recorder_.record(moment_, body.energy(), further_); !s) return s.error();
+    if (Status s = files_.write_row(moment_, body.energy(), further_); !s) return s.error();
   }
-  if (frames_.due(moment_.steps))
-    if (Status s = frames_.write(body, moment_.time); !s) return s.error();
+  if (Status s = files_.write_surface(moment_, body); !s) return s.error();
   // Energy stored in contact is not yet energy of the body.
   if (moment_.bound.sound(account.total() - account.contact)) return true;
   report_.exit_code = exit_code(ErrorKind::kBound);
@@ -265,15 +253,7 @@ Status BodyLog::finish(const SceneWorld& world) {
       report_.collider_impulses.emplace_back(colliders[c].name, world.collider_impulse(body_, c));
   }
   judge_balance(world.scene().bodies[body_].integrator);
-  if (outputs_.out.empty()) return Success{};
-  if (Status s = frames_.finish(body.model()); !s) return s;
-  report_.files = frames_.files();
-  const std::string csv = (fs::path(outputs_.out) / kTableName).string();
-  if (Status s = recorder_.finish(); !s) return s;
-  report_.files.push_back(csv);
-  if (outputs_.plot)
-    if (Status s = plot_run({name_, csv}, outputs_.out, report_.files); !s) return s;
-  return Success{};
+  return files_.finish(body.model(), name_, report_.files);
 }
 
 }  // namespace tremolo

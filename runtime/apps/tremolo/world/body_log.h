@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/apps/tremolo/run/recorder.h"
+#include "runtime/apps/tremolo/run/body_files.h"
 #include "runtime/apps/tremolo/run/stretch.h"
 #include "runtime/apps/tremolo/world/surface_depth.h"
 #include "runtime/io/scenes/scene_reader.h"
@@ -88,20 +88,18 @@ class BodyLog {
 
   const BodyReport& report() const { return report_; }
   const std::string& name() const { return name_; }
-  const std::string& folder() const { return outputs_.out; }  // of the body; empty: none
+  const std::string& folder() const { return files_.folder(); }  // of the body; empty: none
 
  private:
-  BodyLog(std::size_t body, std::string name, SceneOutputs outputs, Recorder recorder,
-          const ShapeLooks& looks, std::int64_t steps, SharedLooks& shared);
+  BodyLog(std::size_t body, std::string name, BodyFiles files, const ShapeLooks& looks,
+          SharedLooks& shared);
   void note_shape(const SceneWorld& world);
   void note_depth(const SceneWorld& world);
   void judge_balance(const std::string& method);
 
   std::size_t body_;
   std::string name_;
-  SceneOutputs outputs_;  // in the body's own folder
-  Recorder recorder_;
-  Frames frames_;
+  BodyFiles files_;
   ShapeLooks shape_looks_;
   double deepest_ = 0.0;  // of the points when the surface was measured, a share of the size
   Moment moment_;

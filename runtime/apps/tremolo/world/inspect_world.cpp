@@ -60,9 +60,9 @@ Result<ScenePlaces> places_of(const std::vector<BodyScene>& bodies) {
       {}};
   for (const BodyScene& scene : bodies) {
     const SceneBody& wanted = scene.body();
-    Result<Model::Pointer> model = load_model(scene);
-    if (!model) return model.error();
-    Result<Body> made = make_body(scene, std::move(*model));
+    const Result<RunInput> input = load_body(scene);
+    if (!input) return input.error();
+    const Result<Body> made = make_body(*input);
     if (!made) return made.error();
     Result<PlacedBody> body = placed(wanted.name, "fixed", wanted.model, *made);
     if (!body) return body.error();

@@ -1,0 +1,90 @@
+#include "runtime/apps/tremolo/run/log_files.h"
+
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "runtime/apps/tremolo/run/run_files.h"
+
+namespace tremolo {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kPiece = std::size_t{1} << 16;  // bytes; a write a few hundred rows
+
+}  // namespace
+
+Status make_run_folder(const std::string& folder) {
+  if (folder.empty()) return Success{};
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return system_error(folder + ": cannot create: " + error.message());
+  return Success{};
+}
+
+Result<CsvTable> CsvTable::create(const std::string& path, std::string head, bool parked) {
+  CsvTable table;
+  if (path.empty()) return table;
+  table.text_ = std::move(head) + '\n';
+  table.parked_ = parked;
+  Result<AtomicFile> file = AtomicFile::create(path);
+  if (!file) return file.error();
+  table.file_ = std::make_unique<AtomicFile>(std::move(*file));
+  if (parked) table.file_->park();
+  return table;
+}
+
+Status CsvTable::end_row() {
+  text_ += '\n';
+  return text_.size() < kPiece ? Status(Success{}) : flush();
+}
+
+Status CsvTable::flush() {
+  if (!file_ || text_.empty()) return Success{};
+  const Status status = file_->write(text_);
+  text_.clear();
+  if (parked_) file_->park();
+  return status;
+}
+
+Status CsvTable::finish() {
+  if (!file_) return Success{};
+  if (Status status = flush(); !status) return status;
+  return file_->commit();
+}
+
+Frames::Frames(const SceneOutputs& outputs, std::int64_t steps)
+    : folder_(outputs.out),
+      format_(outputs.surface_format),
+      count_(outputs.out.empty() ? 0 : outputs.surfaces),
+      steps_(steps) {}
+
+bool Frames::due(std::int64_t steps) const {
+  if (written_ >= count_) return false;
+  return steps >= std::llround(static_cast<double>(steps_) * (written_ + 1) / count_);
+}
+
+Status Frames::write(double time, const std::function<Status(const std::string& path)>& write) {
+  const std::string name = frame_name(written_, time, format_);
+  const std::string path = (fs::path(folder_) / name).string();
+  list_ += fmt::format("{},{:.9g},{}\n", written_, time, name);
+  ++written_;
+  if (Status s = write(path); !s) return s;
+  files_.push_back(path);
+  return Success{};
+}
+
+Status Frames::finish() {
+  if (written_ == 0) return Success{};
+  const std::string list = (fs::path(folder_) / kFramesName).string();
+  if (Status s = write_file(list, list_); !s) return s;
+  files_.push_back(list);
+  return Success{};
+}
+
+}  // namespace tremolo

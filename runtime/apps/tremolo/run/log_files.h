@@ -1,0 +1,64 @@
+// Files that the logs of all kinds of bodies write during a run: a table and numbered surfaces.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "formats/file/atomic_file.h"
+#include "runtime/io/scenes/scene_keys.h"
+
+namespace tremolo {
+
+// Makes the folder of a run and those above it; empty: none. Errors: kSystem.
+Status make_run_folder(const std::string& folder);
+
+// A CSV file. Whole lines are written to a temporary file, which finish() renames.
+class CsvTable {
+ public:
+  CsvTable() = default;  // nothing is written
+  // path: empty: nothing is written. head: the names of the columns. parked: the file is closed
+  // between pieces, for runs with more tables than a process may have open files. Errors: kSystem.
+  static Result<CsvTable> create(const std::string& path, std::string head, bool parked = false);
+
+  bool is_written() const { return file_ != nullptr; }
+  // The text to which the present row is appended.
+  std::string& row() { return text_; }
+  Status end_row();
+  // Writes the buffered rows, so that they can be read in the temporary file.
+  Status flush();
+  Status finish();
+
+ private:
+  std::string text_;
+  std::unique_ptr<AtomicFile> file_;  // null: nothing is written
+  bool parked_ = false;
+};
+
+// Surfaces of one body, evenly spaced in time, in the folder of its outputs, which is there.
+class Frames {
+ public:
+  // outputs: the body's folder, the number of surfaces and their format. steps: of the whole run.
+  Frames(const SceneOutputs& outputs, std::int64_t steps);
+
+  // True if a surface is due after `steps` steps. Surfaces are due at k/N of the run, k = 1 ... N.
+  bool due(std::int64_t steps) const;
+  // Calls `write` with the path of the next surface. time: s.
+  Status write(double time, const std::function<Status(const std::string& path)>& write);
+  // Writes frames.csv (frame, t in s, file) if there are surfaces.
+  Status finish();
+
+  const std::vector<std::string>& files() const { return files_; }  // paths, all that is written
+
+ private:
+  std::string folder_, format_;
+  int count_ = 0, written_ = 0;
+  std::int64_t steps_ = 0;
+  std::string list_ = "frame,t,file\n";
+  std::vector<std::string> files_;
+};
+
+}  // namespace tremolo
