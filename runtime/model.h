@@ -47,7 +47,7 @@ struct DrawnSurface {
   const std::vector<VertexId>& mesh_vertices;
 };
 
-class Model {
+class Model : public std::enable_shared_from_this<Model> {
  public:
   using Pointer = std::shared_ptr<const Model>;
 

@@ -84,7 +84,7 @@ struct WorldReport {
 
 // The surface of a shown body.
 struct SurfaceView {
-  // x y z x y z ..., m, same as Body::surface_positions; valid until the world's next non-const
+  // x y z x y z ..., m, same as Body::surface; valid until the world's next non-const
   // call.
   std::span<const float> positions;
   std::uint64_t version = 0;  // grows with every rebuild; 0 before the first

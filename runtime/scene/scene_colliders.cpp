@@ -81,7 +81,7 @@ void SceneColliders::move(std::int64_t k, double step) {
 
 DeepestPoint deepest_point(const ContactBody& body, std::span<const PlacedCollider> colliders) {
   std::vector<double> places(3 * body.model().surface().rest.size());
-  (void)body.boundary_positions(places);  // the buffer fits
+  (void)body.surface_positions(places, SurfaceKind::kBoundary);  // the buffer fits
   DeepestPoint deepest;
   for (std::size_t c = 0; c < colliders.size(); ++c)
     for (std::size_t i = 0; i + 2 < places.size(); i += 3) {

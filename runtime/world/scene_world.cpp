@@ -153,7 +153,7 @@ Status SceneWorld::begin(const SceneBody& wanted, Actor& actor) const {
     std::vector<Pose> poses(actor.bones->size());
     actor.bones->poses(0.0, poses);
     for (std::size_t b = 0; b < poses.size(); ++b)
-      if (Status s = body.set_bone(b, poses[b]); !s) return s;
+      if (Status s = body.set_pose(poses[b], b); !s) return s;
   }
   // A body computes integrals for gravity when it first gets some, which must not happen inside a
   // step.
@@ -301,14 +301,15 @@ Status SceneWorld::damp(std::size_t i) {
       if (from.time <= time() + kSameTime * scene_.step) before = from.value;
     return before;
   };
-  return body.set_damping(now(wanted.alphas, body.alpha()), now(wanted.betas, body.beta()));
+  return body.set_damping(now(wanted.alphas, body.options().alpha),
+                          now(wanted.betas, body.options().beta));
 }
 
 // Poses of a path are finite with quaternions of unit length: the call cannot fail.
 void SceneWorld::move_bones(Actor& actor) const {
   const BonePaths::Step step = actor.bones->step(steps_, scene_.step);
   for (std::size_t b = 0; b < actor.bones->size(); ++b)
-    (void)actor.body.move_bone_to(b, step.end[b], step.motion(b, scene_.step));
+    (void)actor.body.move_to(step.end[b], step.motion(b, scene_.step), b);
 }
 
 void SceneWorld::move_frame(Actor& actor) const {
@@ -512,8 +513,8 @@ EnergyAccount SceneWorld::account(std::size_t i) const {
   account.kinetic = energy.kinetic;
   account.potential = energy.potential;
   account.at_start = actors_[i].energy_at_start;
-  account.support = body.support_work();
-  account.gravity = body.gravity_work();
+  account.support = body.sums().support;
+  account.gravity = body.sums().gravity;
   account.contact = body.contact_account().energy;
   account.contact_given = body.contact_sums().given;
   account.restitution = 0.0 - body.contact_sums().lost;
@@ -521,16 +522,16 @@ EnergyAccount SceneWorld::account(std::size_t i) const {
   account.hand = body.contact_sums().hand;
   account.joint = body.contact_sums().joint;
   account.contact_error = body.contact_sums().error;
-  account.load = body.work() - account.support - account.gravity - body.contact_sums().work -
+  account.load = body.sums().work - account.support - account.gravity - body.contact_sums().work -
                  account.hand - account.joint;
-  account.damping = 0.0 - body.dissipated();
+  account.damping = 0.0 - body.sums().dissipated;
   return account;
 }
 
 Momenta SceneWorld::momenta(std::size_t i) const {
   const Actor& actor = actors_[i];
   const ContactBody& body = actor.body;
-  if (body.frame() == FrameKind::kFree) return {body.linear_momentum(), body.angular_momentum()};
+  if (body.frame() == FrameKind::kFree) return {body.momentum().linear, body.momentum().angular};
   if (!actor.inertia) return {};
   Eigen::VectorXd v(body.model().modes());
   body.integrator().synchronized_momentum(body.state(), v);
@@ -543,7 +544,7 @@ Momenta SceneWorld::momenta(std::size_t i) const {
     Momenta sum;
     for (std::size_t b = 0; b < count; ++b) {
       const Momenta one = momenta_in_frame(*body.skin()->shares[b], body.state().q, v,
-                                           {before[b], body.bone_pose(b), behind[b]}, h);
+                                           {before[b], body.pose(b), behind[b]}, h);
       sum.linear += one.linear;
       sum.angular += one.angular;
     }

@@ -225,8 +225,7 @@ void measure_surfaces(const Model::Pointer& model, const MachineProbe& probe,
                 },
                 [&] { world.step(); },
                 [&] {
-                  for (const Body& body : bodies)
-                    (void)body.surface_positions(std::span<float>(positions));
+                  for (const Body& body : bodies) (void)body.surface(std::span<float>(positions));
                 }},
                1, 60);
   world.update_surfaces();

@@ -10,7 +10,8 @@ namespace {
 
 Result<std::vector<Eigen::Vector3d>> boundary_of(const Body& body) {
   std::vector<double> numbers(3 * body.model().surface().rest.size());
-  if (Status s = body.boundary_positions(std::span<double>(numbers)); !s) return s.error();
+  if (Status s = body.surface_positions(std::span<double>(numbers), SurfaceKind::kBoundary); !s)
+    return s.error();
   std::vector<Eigen::Vector3d> places;
   for (std::size_t v = 0; v < numbers.size(); v += 3) places.emplace_back(numbers.data() + v);
   return places;

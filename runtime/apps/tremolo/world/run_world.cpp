@@ -382,7 +382,7 @@ Result<SceneWorld> make_world(SceneFile& file) {
   if (file.outputs.sound_steps == 1) return world;
   file.scene.step /= file.outputs.sound_steps;
   return SceneWorld::create(file.scene, [&world](const SceneBody& body) {
-    return Result<Model::Pointer>(world->body(*world->find(body.name)).model_pointer());
+    return Result<Model::Pointer>(world->body(*world->find(body.name)).model().shared_from_this());
   });
 }
 
