@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "common/damping_ratios.h"
 #include "common/text.h"
 
 namespace tremolo {
@@ -109,14 +110,18 @@ bool read_four(std::string_view text, std::array<double, 4>& numbers) {
 }  // namespace
 
 Result<RayleighDamping> parse_damping_ratios(std::string_view text) {
-  const std::string shown = "damping ratios " + std::string(text) + ": ";
   std::array<double, 4> numbers{};
   if (!read_four(text, numbers))
     return Error{ErrorKind::kUsage,
-                 shown +
-                     "expected F1:Z1,F2:Z2, two frequencies in Hz and the ratio at each, as in "
+                 "damping ratios " + std::string(text) +
+                     ": expected F1:Z1,F2:Z2, two frequencies in Hz and the ratio at each, as in "
                      "1:0.02,30:0.05"};
-  const auto [f1, z1, f2, z2] = numbers;
+  return rayleigh_damping(numbers[0], numbers[1], numbers[2], numbers[3], text);
+}
+
+Result<RayleighDamping> rayleigh_damping(double f1, double z1, double f2, double z2,
+                                         std::string_view text) {
+  const std::string shown = "damping ratios " + std::string(text) + ": ";
   for (const double f : {f1, f2})
     if (!(f > 0) || !std::isfinite(f))
       return content_error(shown + "a frequency must be positive and finite");

@@ -90,7 +90,7 @@ HarmonicPart largest_part(const FourierSeries& motion) {
   return part;
 }
 
-Result<Curve> backbone_curve(const VibratingSystem& system, const BackboneRequest& request,
+Result<MotionCurve> backbone_curve(const VibratingSystem& system, const BackboneRequest& request,
                              const CurveOptions& options) {
   if (Status s = check(system, request); !s) return s.error();
   VibratingSystem undamped = system;

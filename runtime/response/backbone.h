@@ -28,7 +28,7 @@ HarmonicPart largest_part(const FourierSeries& motion);
 // Follows the backbone to the amplitude. The system's damping is left out. Errors: kContent for a
 // mode that does not exist, an amplitude that is not positive, or a constant force beyond a static
 // instability; kSolver if no motion is found near rest, as where two frequencies are equal.
-Result<Curve> backbone_curve(const VibratingSystem& system, const BackboneRequest& request,
+Result<MotionCurve> backbone_curve(const VibratingSystem& system, const BackboneRequest& request,
                              const CurveOptions& options);
 
 }  // namespace tremolo

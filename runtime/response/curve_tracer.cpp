@@ -30,7 +30,7 @@ class Tracer {
         options_(options),
         ds_(std::min(kFirstStep, options.longest_step)) {}
 
-  Result<Curve> trace(Eigen::VectorXd first, const Eigen::VectorXd& direction) {
+  Result<MotionCurve> trace(Eigen::VectorXd first, const Eigen::VectorXd& direction) {
     Result<CurveState> state = curve_state(equations_, std::move(first), direction);
     if (!state) return state.error();
     state_ = std::move(*state);
@@ -219,13 +219,13 @@ class Tracer {
   double ds_;
   double length_ = 0.0;
   CurveState state_;
-  Curve curve_;
+  MotionCurve curve_;
   bool finished_ = false;
 };
 
 }  // namespace
 
-Result<Curve> trace_curve(MotionEquations& equations, const VibratingSystem& system,
+Result<MotionCurve> trace_curve(MotionEquations& equations, const VibratingSystem& system,
                           Eigen::VectorXd first, const Eigen::VectorXd& direction,
                           const CurveGoal& goal, bool conservative, const CurveOptions& options) {
   Tracer tracer(equations, system, goal, conservative, options);

@@ -89,7 +89,7 @@ Result<FourierSeries> linear_motion(const VibratingSystem& system, const Eigen::
   return motion;
 }
 
-Result<Curve> response_curve(const VibratingSystem& system, const ResponseRequest& request,
+Result<MotionCurve> response_curve(const VibratingSystem& system, const ResponseRequest& request,
                              const CurveOptions& options) {
   if (Status s = check(system, request, options); !s) return s.error();
   const Result<Eigen::VectorXd> rest = static_state(system.potential, request.force.col(0));

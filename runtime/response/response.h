@@ -56,7 +56,7 @@ struct Bifurcation {
 // most points. kStopped: options.stopped.
 enum class CurveEnd { kDone, kUnbounded, kReturned, kStuck, kLong, kStopped };
 
-struct Curve {
+struct MotionCurve {
   std::vector<CurvePoint> points;
   std::vector<Bifurcation> bifurcations;  // folds too, in the order of the curve
   CurveEnd end = CurveEnd::kDone;
@@ -73,8 +73,8 @@ struct ResponseRequest {
 // Follows the curve from omega_from until omega_to, through folds. Errors: kContent for frequencies
 // that are not positive, more harmonics in the force than most_harmonics, or a constant force
 // beyond a static instability; kSolver if no motion is found at omega_from. A curve that ends early
-// is not an error: Curve::end is its reason.
-Result<Curve> response_curve(const VibratingSystem& system, const ResponseRequest& request,
+// is not an error: MotionCurve::end is its reason.
+Result<MotionCurve> response_curve(const VibratingSystem& system, const ResponseRequest& request,
                              const CurveOptions& options);
 
 // The motion of the linearized body about the state q0 (r), r x (2H + 1) with q0 in column 0.

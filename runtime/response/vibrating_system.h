@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "common/damping_ratios.h"
 #include "common/result.h"
 #include "runtime/math/kernels/potential.h"
 #include "runtime/math/kernels/strain_matrix.h"
@@ -46,6 +47,9 @@ class StrainRateForce {
   StrainMatrix::Workspace workspace_;
   Eigen::VectorXd point_, unit_, ahead_, behind_;
 };
+
+// The rates 2 zeta_i omega_i of ratios of each mode, r, 1/s. lambda: r, (rad/s)^2.
+Eigen::VectorXd modal_rates(const DampingRatios& ratios, const Eigen::VectorXd& lambda);
 
 // The system of a model with Rayleigh damping alpha (1/s) and beta (s), the same as that of its
 // bodies, and in addition the rates `more` (r, 1/s, or empty). Errors: kContent if beta > 0 and the

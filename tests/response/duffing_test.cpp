@@ -34,7 +34,7 @@ TEST(Duffing, ItsBackboneIsThatOfTheEllipticIntegral) {
     const Duffing duffing{2.0, gamma, 0.0};
     const VibratingSystem system = system_of(duffing);
     CurveOptions options = plain_options(25);
-    const Result<Curve> curve = backbone_curve(system, {0, {}, 3.0}, options);
+    const Result<MotionCurve> curve = backbone_curve(system, {0, {}, 3.0}, options);
     ASSERT_TRUE(curve) << curve.error().message;
     ASSERT_EQ(curve->end, CurveEnd::kDone);
     EXPECT_GT(curve->points.size(), 20U);
@@ -64,7 +64,7 @@ TEST(Duffing, ItsFoldsAreThoseOfShooting) {
   const double f = 0.1;
   const VibratingSystem system = system_of(duffing);
   const FourierSeries force = cosine_force(Eigen::VectorXd::Constant(1, f));
-  const Result<Curve> curve = response_curve(system, {force, 0.6, 2.5}, plain_options(21));
+  const Result<MotionCurve> curve = response_curve(system, {force, 0.6, 2.5}, plain_options(21));
   ASSERT_TRUE(curve) << curve.error().message;
   ASSERT_EQ(curve->end, CurveEnd::kDone);
   std::vector<double> folds;
@@ -95,7 +95,7 @@ TEST(Duffing, ItsFoldsAreThoseOfShooting) {
 TEST(Duffing, IsUnstableBetweenItsFoldsAndStableOutside) {
   const VibratingSystem system = system_of({1.0, 1.0, 0.02});
   const FourierSeries force = cosine_force(Eigen::VectorXd::Constant(1, 0.1));
-  const Result<Curve> curve = response_curve(system, {force, 0.6, 2.5}, plain_options(9));
+  const Result<MotionCurve> curve = response_curve(system, {force, 0.6, 2.5}, plain_options(9));
   ASSERT_TRUE(curve);
   double before = 0.0;
   int changes = 0;
@@ -115,7 +115,7 @@ TEST(Duffing, ItsMultipliersAreThoseOfShooting) {
   const Duffing duffing{1.0, 1.0, 0.02};
   const VibratingSystem system = system_of(duffing);
   const FourierSeries force = cosine_force(Eigen::VectorXd::Constant(1, 0.1));
-  const Result<Curve> curve = response_curve(system, {force, 0.6, 2.5}, plain_options(15));
+  const Result<MotionCurve> curve = response_curve(system, {force, 0.6, 2.5}, plain_options(15));
   ASSERT_TRUE(curve);
   for (std::size_t i = 0; i < curve->points.size(); i += 10) {
     const CurvePoint& point = curve->points[i];
@@ -138,7 +138,7 @@ TEST(Duffing, HarmonicsGrowWhereTheLastHoldTooMuch) {
   CurveOptions options = plain_options(3);
   options.most_harmonics = 31;
   options.harmonic_share = 1e-6;
-  const Result<Curve> curve = response_curve(system, {force, 0.6, 4.0}, options);
+  const Result<MotionCurve> curve = response_curve(system, {force, 0.6, 4.0}, options);
   ASSERT_TRUE(curve);
   EXPECT_LE(curve->largest_share, 1e-6);
   EXPECT_GT(curve->points.back().harmonics(), 7);
