@@ -161,7 +161,7 @@ double distance_after(const Sample& s, const CurvePoint& point, double load, dou
   options.alpha = alpha;
   options.beta = beta;
   options.tolerance = 1e-12;
-  Body body = *Body::create(s.model, "ep4", options);
+  Body body = std::move(*Body::create(s.model, "ep4", options));
   if (load != 0.0) {
     const Signal sine{.kind = SignalKind::kSine, .frequency = 1.0 / period};
     EXPECT_TRUE(body.add_load(sine, 3, {0.0, 0.0, load}));
