@@ -72,6 +72,18 @@ void check_pickle(const py::tuple& state, std::size_t size, const char* name, in
                         ": make it again with this version of Tremolo"));
 }
 
+void refuse_construction(py::object type, const char* how) {
+  const std::string message = text_of(type.attr("__name__")) + " has no constructor: " + how;
+  const py::cpp_function refuse(
+      [message](const py::args&, const py::kwargs&) -> py::object { raise_type(message); });
+  type.attr("__new__") = py::module_::import("builtins").attr("staticmethod")(refuse);
+}
+
+py::tuple reduced(const char* maker, const py::tuple& state) {
+  return py::make_tuple(py::module_::import("tremolo._tremolo").attr(maker),
+                        py::make_tuple(state));
+}
+
 std::string shape_text(const py::array& array) {
   std::string text = "(";
   for (py::ssize_t i = 0; i < array.ndim(); ++i)

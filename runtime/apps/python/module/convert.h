@@ -45,6 +45,12 @@ std::string text_of(py::handle object);
 // Raises ContentError unless the state of a pickle begins with this name and version.
 void check_pickle(const py::tuple& state, std::size_t size, const char* name, int version);
 
+// Refuses TYPE.__new__(TYPE) and TYPE(): an object without its contents. how: the call that makes
+// one. The class is not one that Python constructs.
+void refuse_construction(py::object type, const char* how);
+// The pickle of an object is a call of the module's function `maker` with its state.
+py::tuple reduced(const char* maker, const py::tuple& state);
+
 // "(3, 4)"
 std::string shape_text(const py::array& array);
 

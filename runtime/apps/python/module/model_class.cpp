@@ -343,7 +343,8 @@ void add_values(PyModelClass& c) {
       "2 / omega of the highest coordinate, s: explicit methods are linearly stable below.");
   c.def_property_readonly("edges", &edges_of,
                           "Of quadratic elements: the vertex in the middle of an edge and the "
-                          "edge's two ends, (e, 3), int32; (0, 3) otherwise.");
+                          "edge's two ends, (e, 3), int32, if the file has the tetrahedra "
+                          "(keep_elements=True); (0, 3) otherwise.");
   c.def_property_readonly(
       "default_load", &default_load,
       "The default load: indices of vertices, (k,), and a force on each, (k, 3), N. May be empty.");
@@ -382,7 +383,7 @@ void add_functions(PyModelClass& c) {
         "U^T F, (r,). at: an index, an array of indices or a selector. force: one force (3,), N, "
         "shared by the vertices, or one for each, (k, 3).");
   c.def("file_bytes", &file_bytes, "The basis file, bytes.");
-  c.def(py::pickle(&pickled, &unpickled));
+  c.def("__reduce__", [](const PyModel& self) { return reduced("_model_of", pickled(self)); });
   c.def("__copy__", [](py::object self) { return self; });
   c.def("__deepcopy__", [](py::object self, const py::object&) { return self; });
   c.def("__repr__", &describe);
@@ -398,6 +399,8 @@ void add_model(py::module_& module) {
   add_views(c);
   add_values(c);
   add_functions(c);
+  refuse_construction(c, "tremolo.load and tremolo.precompute make one");
+  module.def("_model_of", &unpickled, py::arg("state"), "A model of its pickle's state.");
   module.def(
       "load",
       [](py::handle path, int modes, bool linear, bool hull) {

@@ -1,5 +1,5 @@
 // The module _tremolo: a thin face on the engine, which the package `tremolo` presents.
-#include "runtime/apps/python/module/convert.h"
+#include "runtime/apps/python/module/own_class.h"
 
 namespace tremolo::python {
 namespace {
@@ -22,6 +22,7 @@ PYBIND11_MODULE(_tremolo, module) {
   add_world(module);
   add_recorder(module);
   add_matrices(module);
+  add_own(module);
 }
 
 }  // namespace tremolo::python

@@ -55,8 +55,11 @@ void add_recorder(py::module_& module) {
   py::class_<Recorder> c(module, "Recorder",
                          "Records moving bodies, frame by frame, and writes the motion for other "
                          "programs.");
-  c.def(py::init([](double rate) { return Recorder{Recording(rate), {}}; }), py::kw_only(),
-        py::arg("rate") = 60.0, "rate: frames per second, for formats without times.");
+  refuse_construction(c, "tremolo.recorder() makes one");
+  module.def(
+      "recorder", [](double rate) { return Recorder{Recording(rate), {}}; }, py::kw_only(),
+      py::arg("rate") = 60.0,
+      "A tremolo.Recorder. rate: frames per second, for formats without times.");
   c.def("add", &add, py::arg("body"), py::arg("name"),
         "Adds a body, before the first frame; its name is unique.");
   c.def("frame", &frame, py::arg("time") = py::none(),

@@ -384,11 +384,13 @@ void add_world(py::module_& module) {
                "The bodies of a scene, stepped together: contact with colliders and with each "
                "other, hands, joints, gravity, sleep. tremolo.world() makes it of a dict or a "
                "file. copy.copy and pickle keep the whole state.");
-  c.def(py::init([](std::string text, py::handle path) {
-          return make_world(std::move(text), path_text(path));
-        }),
-        py::arg("text"), py::arg("path"),
-        "text: of a scene file (TOML); path: where it would be, for the paths inside.");
+  module.def(
+      "world_of_text",
+      [](std::string text, py::handle path) {
+        return make_world(std::move(text), path_text(path));
+      },
+      py::arg("text"), py::arg("path"),
+      "A world of the text of a scene file (TOML). path: where it would be, for the paths inside.");
   c.def_property_readonly("names", &names, "Names of the bodies, a list of str.");
   c.def("body", &body_of, py::arg("name"),
         "A body by its name or number: a tremolo.Body that the world steps. It keeps the world "
@@ -424,7 +426,9 @@ void add_world(py::module_& module) {
       py::arg("threads"), "Threads of a step; 0: one per core. Results do not depend on it.");
   c.def("save", &save, "The state between steps, bytes, as `tremolo run --save` writes it.");
   c.def("restore", &restore, py::arg("bytes"), "Continues from save() of a world of this scene.");
-  c.def(py::pickle(&pickled, &unpickled));
+  c.def("__reduce__", [](const PyWorld& self) { return reduced("_world_of", pickled(self)); });
+  refuse_construction(c, "tremolo.world() makes one");
+  module.def("_world_of", &unpickled, py::arg("state"), "A world of its pickle's state.");
   c.def("__copy__", [](const PyWorld& self) { return unpickled(pickled(self)); });
   c.def("__deepcopy__",
         [](const PyWorld& self, const py::object&) { return unpickled(pickled(self)); });

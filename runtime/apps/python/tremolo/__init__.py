@@ -7,7 +7,8 @@ Arrays are numpy's, float64 in C order. Views of a model are read-only and keep 
 subclasses of tremolo.Error with the engine's own words.
 """
 
-from ._tremolo import Body, Model, Recorder, World, __version__, integrators, load, load_bytes
+from ._tremolo import (Body, Model, OwnBody, Recorder, World, __version__, integrators, load, load_bytes, own_body,
+                       own_integrators, recorder)
 from .errors import BoundError, ContentError, CriterionError, Error, FileError, SolverError, UsageError
 from .meshes import Mesh, box, write_msh, write_ply
 from .make import Reference, precompute, reference
@@ -16,7 +17,7 @@ from .scenes import scene_text, world
 from .sparse import matrices
 
 __all__ = [
-    "Body", "BoundError", "ContentError", "CriterionError", "Error", "FileError", "Mesh", "Model", "Recorder",
-    "Reference", "SolverError", "UsageError", "World", "__version__", "box", "find_program", "integrators", "load",
-    "load_bytes", "matrices", "precompute", "reference", "run_program", "scene_text", "world", "write_msh", "write_ply",
+    "Body", "BoundError", "ContentError", "CriterionError", "Error", "FileError", "Mesh", "Model", "OwnBody",
+    "Recorder", "Reference", "SolverError", "UsageError", "World", "__version__", "box", "find_program", "integrators", "load",
+    "load_bytes", "matrices", "own_body", "own_integrators", "precompute", "recorder", "reference", "run_program", "scene_text", "world", "write_msh", "write_ply",
 ]

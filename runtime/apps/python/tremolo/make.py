@@ -9,6 +9,7 @@ import tempfile
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
+import numpy.typing as npt
 
 from . import errors
 from ._tremolo import Model, load, load_bytes
@@ -200,11 +201,11 @@ class Reference(NamedTuple):
 
     report: Dict[str, Any]
     """The program's JSON report (docs/reference.md)."""
-    columns: Dict[str, np.ndarray]
+    columns: Dict[str, npt.NDArray[np.float64]]
     """Columns of run.csv by name, (steps,) each: t (s), energies (J), displacements of probes (m)."""
 
 
-def _columns(path: str) -> Dict[str, np.ndarray]:
+def _columns(path: str) -> Dict[str, npt.NDArray[np.float64]]:
     with open(path, newline="", encoding="utf-8") as file:
         rows = [row for row in csv.reader(file) if row and not row[0].startswith("#")]
     header, body = rows[0], rows[1:]

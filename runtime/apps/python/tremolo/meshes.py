@@ -1,8 +1,9 @@
 """Meshes as arrays: reading them from their many forms, and writing files that the programs read."""
 
-from typing import Any, NamedTuple, Optional, Tuple
+from typing import Any, List, NamedTuple, Optional, Tuple
 
 import numpy as np
+import numpy.typing as npt
 
 from . import errors
 
@@ -10,8 +11,8 @@ from . import errors
 class Mesh(NamedTuple):
     """vertices: (n, 3), float64. cells: tetrahedra (m, 4) or triangles (t, 3), int64."""
 
-    vertices: np.ndarray
-    cells: np.ndarray
+    vertices: npt.NDArray[np.float64]
+    cells: npt.NDArray[np.int64]
 
     @property
     def is_surface(self) -> bool:
@@ -110,10 +111,10 @@ def box(size: Tuple[float, float, float], cells: Tuple[int, int, int]) -> Mesh:
             if second == first:
                 continue
             a = [0, 0, 0]
-            way = [tuple(a)]
+            way: List[Tuple[int, int, int]] = [(0, 0, 0)]
             for axis in (first, second, 3 - first - second):
                 a[axis] = 1
-                way.append(tuple(a))
+                way.append((a[0], a[1], a[2]))
             even = (second - first) % 3 == 1
             if not even:
                 way[2], way[3] = way[3], way[2]

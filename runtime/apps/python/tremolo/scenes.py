@@ -7,7 +7,7 @@ from typing import Any, Mapping
 import numpy as np
 
 from . import errors
-from ._tremolo import World
+from ._tremolo import World, world_of_text
 
 
 def _value(value: Any, key: str) -> str:
@@ -50,7 +50,7 @@ def world(scene: Any, *, folder: Any = ".") -> World:
     """
     if isinstance(scene, Mapping):
         place = os.path.join(os.path.abspath(os.fsdecode(folder)), "scene")
-        return World(scene_text(scene), place)
+        return world_of_text(scene_text(scene), place)
     if not isinstance(scene, (str, bytes, os.PathLike)):
         raise TypeError(f"expected a dict or a path, found {type(scene).__name__}")
     path = os.path.abspath(os.fsdecode(scene))
@@ -61,4 +61,4 @@ def world(scene: Any, *, folder: Any = ".") -> World:
         raise errors.FileError(f"{path}: {error.strerror}") from error
     except UnicodeDecodeError as error:
         raise errors.ContentError(f"{path}: the file is not UTF-8") from error
-    return World(text, path)
+    return world_of_text(text, path)

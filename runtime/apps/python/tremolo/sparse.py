@@ -13,7 +13,7 @@ def matrices(mesh: Any, cells: Any = None, *, young: float, poisson: float, dens
     """(M, K) of a mesh at rest as scipy.sparse.csr_matrix, (3 n, 3 n), kg and N/m.
 
     mesh, cells: as for precompute, tetrahedra. Row 3 i + axis is that of vertex i; no vertex is fixed. order 2 adds
-    the edges' midpoints as vertices, numbered as model.edges has them: rows and columns are then displacements of
+    the edges' midpoints as vertices n, n + 1, ... in the order of a model's: rows and columns are displacements of
     points, as the rows of model.U. mass: "consistent" or "lumped".
 
     The basis of a model of this mesh and material is orthonormal in M: with U from model.whole_mesh(), U.T @ M @ U is
