@@ -17,9 +17,9 @@ packages_view="libglfw3-dev libimgui-dev libepoxy-dev libegl-dev libpng-dev libe
 # Xvfb and xdotool are a display and a mouse for the window of tremolo-view, ffmpeg makes its films.
 packages_test="libgtest-dev libcgal-demo assimp-testmodels glmark2-data xvfb xdotool ffmpeg"
 packages_fuzz="clang libclang-rt-14-dev"  # the fuzzers of ./check --full
-# Programs that read the files of `tremolo export`: ./check --full. Blender needs numpy. An installed node or
-# npm is kept.
-packages_readers="python3-vtk9 blender python3-numpy"
+packages_blender="blender python3-numpy"  # the add-on's tests and the readers, ./check --full; it needs numpy
+# Programs that read the files of `tremolo export`: ./check --full. An installed node or npm is kept.
+packages_readers="python3-vtk9 $packages_blender"
 # The engine in a page: ./demo --live, ./check --full.
 packages_web="emscripten node-acorn"
 packages_browser="chromium"
