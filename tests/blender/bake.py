@@ -438,8 +438,4 @@ print(json.dumps({'points': [list(evaluated.matrix_world @ v.co) for v in evalua
 
 
 if __name__ == '__main__':
-    names = sys.argv[sys.argv.index('--') + 1:] if '--' in sys.argv else None
-    suite = unittest.defaultTestLoader.loadTestsFromNames(names, sys.modules['__main__']) if names else \
-        unittest.defaultTestLoader.loadTestsFromModule(sys.modules['__main__'])
-    outcome = unittest.TextTestRunner(verbosity=2).run(suite)
-    sys.exit(0 if outcome.wasSuccessful() else 1)
+    support.run_tests()

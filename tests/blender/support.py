@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import unittest
 
 import bpy
 import numpy
@@ -125,3 +126,16 @@ def blender(path, code):
                            '--python-expr', code], check=True, capture_output=True, text=True)
     lines = [line for line in done.stdout.splitlines() if line.startswith('{')]
     return json.loads(lines[-1])
+
+
+def coordinates_at_rest(thing):
+    return numpy.array([vertex.co for vertex in thing.data.vertices])
+
+
+def run_tests():
+    """Runs the tests of the script, or those named after --, and ends Blender with their outcome."""
+    names = sys.argv[sys.argv.index('--') + 1:] if '--' in sys.argv else None
+    script, loader = sys.modules['__main__'], unittest.defaultTestLoader
+    suite = loader.loadTestsFromNames(names, script) if names else loader.loadTestsFromModule(script)
+    outcome = unittest.TextTestRunner(verbosity=2).run(suite)
+    sys.exit(0 if outcome.wasSuccessful() and outcome.testsRun else 1)
