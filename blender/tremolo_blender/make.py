@@ -17,6 +17,7 @@ from .settings import programs_folder
 kNamedVertices = 64  # so few held vertices are also named by their nearest neighbours
 kCore = 8  # vertices of the mesh that each point of a bone holds
 kBonePoints = 12  # points along a bone
+kSameStretch = 1e-5  # relative
 
 
 def metres(scene):
@@ -116,15 +117,23 @@ def configuration(scene, thing, shape):
     return keys
 
 
-def digest(shape, keys):
-    """Changes with everything that the model is made of."""
-    whole = hashlib.sha1(repr(sorted(keys.items())).encode())
-    # Blender's own numbers are floats: the body does not change by their last bits.
-    size = max(numpy.ptp(shape.vertices, axis=0)) if len(shape.vertices) else 1
-    whole.update(numpy.round(shape.vertices / (size or 1), 5).tobytes())
+def digest(shape, thing):
+    """Changes with everything that the model is made of except the stretch."""
+    own = thing.tremolo
+    whole = hashlib.sha1(repr([own.young, own.poisson, own.density, own.modes, own.tets, own.thicken, own.fill_holes,
+                               own.volume, shape.faces, sorted(shape.weights)]).encode())
+    whole.update(shape.local.tobytes())
     whole.update(shape.held.tobytes())
-    whole.update(repr(shape.faces).encode())
     return whole.hexdigest()
+
+
+def is_of_this_shape(shape, thing, unit):
+    """Whether the model of an object is that of its present shape. Blender's scales are floats, which
+    change in their last bits where an object is rotated."""
+    stretch = unit * shape.stretch
+    kept = numpy.array(thing.tremolo.made_stretch).reshape(3, 3)
+    return (digest(shape, thing) == thing.tremolo.made_of and
+            numpy.abs(stretch - kept).max() <= kSameStretch * numpy.abs(stretch).max())
 
 
 def make_job(scene, thing):
@@ -146,5 +155,5 @@ def make_job(scene, thing):
     first = next((f for f in report['frequencies_hz'] if f and f > 0), 0.0)
     held = 'held' if keys['fix'] != ['none'] else 'free'
     summary = f"{report['elements']} tetrahedra, {report['r']} shapes from {first:.3g} Hz, {held}"
-    return {'model': bpy.path.relpath(out) if bpy.data.filepath else out, 'made_of': digest(shape, keys),
-            'frequency': first, 'summary': summary, 'warnings': done.warnings()}
+    return {'model': bpy.path.relpath(out) if bpy.data.filepath else out, 'made_of': digest(shape, thing),
+            'made_stretch': (metres(scene) * shape.stretch).ravel(), 'frequency': first, 'summary': summary, 'warnings': done.warnings()}

@@ -124,6 +124,9 @@ class Work:
             self.leave(context)
             note(self, 'ERROR', str(error))
             return {'CANCELLED'}
+        except Exception:
+            self.leave(context)
+            raise
         state.fraction, state.text = 100 * fraction, text
         context.workspace.status_text_set(f'{self.bl_label}: {text}, {100 * fraction:.0f} % (Esc: cancel)')
         self.redraw(context)
@@ -132,7 +135,7 @@ class Work:
     def finish(self, value):
         try:
             self.end(value)
-        except Refused as error:
+        except (Refused, ReferenceError) as error:
             note(self, 'ERROR', str(error))
             return {'CANCELLED'}
         return {'FINISHED'}
@@ -170,7 +173,7 @@ class TREMOLO_OT_make(Work, bpy.types.Operator):
         return make_job(scene, thing)
 
     def keep(self, thing, value):
-        for name in ('model', 'made_of', 'frequency', 'summary'):
+        for name in ('model', 'made_of', 'made_stretch', 'frequency', 'summary'):
             setattr(thing.tremolo, name, value[name])
         return value['summary']
 

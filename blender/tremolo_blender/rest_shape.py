@@ -21,7 +21,7 @@ kRigid = 1e-4  # largest departure of RᵀR from 1 that counts as a rotation: Bl
 
 
 class Shape:
-    """vertices: (n, 3), m, in the body's frame; faces: lists of vertices, facing outwards;
+    """local: (n, 3), the vertices in the object's own space; vertices: (n, 3), m, in the body's frame; faces: lists of vertices, facing outwards;
     held: (n,) bool; stretch: S, (3, 3); weights: bone's name -> (n,), of an armature; place: the index of
     the cache in the stack of modifiers; base: whether the vertices are those of the mesh itself."""
 
@@ -175,7 +175,7 @@ def rest_shape(thing, unit, hold='', posed=False, whole=False):
         raise Refused(f'{armature.name} moves {thing.name} without vertex groups: '
                       'Parent > Armature Deform > With Automatic Weights')
     _, shape.stretch = polar(linear_part(thing.matrix_world), thing.name)
-    shape.vertices = unit * local @ shape.stretch.T
+    shape.local, shape.vertices = local, unit * local @ shape.stretch.T
     if numpy.linalg.det(shape.stretch) < 0:
         shape.faces = [face[::-1] for face in shape.faces]
     return shape

@@ -1,6 +1,7 @@
 """The choices of the user: properties of objects and scenes, saved in the .blend, and preferences."""
 import bpy
-from bpy.props import (BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty)
+from bpy.props import (BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty,
+                       StringProperty)
 
 from .rest_shape import kHold
 
@@ -51,6 +52,7 @@ class TremoloObject(bpy.types.PropertyGroup):
     # Found by Make.
     model: StringProperty(name='Model', description='File that Make has written')
     made_of: StringProperty(description='Digest of all that the model was made of')
+    made_stretch: FloatVectorProperty(size=9, description='Scale that the model was made at, m a unit')
     frequency: FloatProperty(description='Of the slowest shape, Hz')
     summary: StringProperty(description='Line about the model')
 

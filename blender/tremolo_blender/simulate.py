@@ -5,7 +5,7 @@ import bpy
 import numpy
 
 from . import motion, scene_text
-from .make import bone_ends, configuration, digest, file_stem, metres, work_folder
+from .make import bone_ends, file_stem, is_of_this_shape, metres, work_folder
 from .obstacles import obstacle_job, obstacles_of
 from .point_cache import read_pc2, write_ply
 from .programs import Refused, find_program, run
@@ -13,7 +13,6 @@ from .rest_shape import armature_of, only, rest_shape, split_stack
 from .settings import programs_folder
 
 kSamples = 4  # poses of each frame, at most; between them the engine's splines
-kFree = 'none'  # the selector of a body without a support
 
 
 class Plan:
@@ -45,8 +44,7 @@ def check_model(plan):
     if not own.model or not os.path.exists(path):
         raise Refused(f'{plan.thing.name} has no model yet: press Make' if not own.model else
                       f'the model of {plan.thing.name} is gone ({path}): press Make')
-    plan.keys = configuration(plan.scene, plan.thing, plan.shape)
-    if digest(plan.shape, plan.keys) != own.made_of:
+    if not is_of_this_shape(plan.shape, plan.thing, plan.unit):
         raise Refused(f'{plan.thing.name} has changed since its model was made: press Make again')
     return path
 
@@ -108,7 +106,7 @@ def body_keys(plan, model, frequency, rig):
     body = {'name': 'body', 'model': model, **pose_keys(rest)}
     if frequency > 0 and own.damping > 0:
         body['beta'] = own.damping / (numpy.pi * frequency)
-    if plan.keys['fix'] == [kFree]:
+    if not plan.shape.held.any() and not plan.shape.weights:
         return {**body, 'kind': 'free'}
     body['kind'] = 'driven'
     if own.gravity:
@@ -165,7 +163,8 @@ def sampled_job(plan, things):
     thing, cloth = plan.thing, plan.thing.tremolo.kind == 'CLOTH'
     armature = armature_of(thing) if plan.shape.weights and not cloth else None
     pinned = (thing, numpy.flatnonzero(plan.shape.held)) if cloth and plan.shape.held.any() else None
-    shaping = split_stack(thing)[0] if pinned else []
+    # Without its modifier a hidden armature would not move.
+    shaping = [m for m in split_stack(thing)[0] if pinned or armature and m.type == 'ARMATURE']
     sampled = [thing] + ([armature] if armature else []) + things
     with only(thing, shaping):
         tracks = yield from motion.sample(plan.scene, sampled, plan.first, plan.last,
@@ -180,6 +179,10 @@ def scene_job(plan):
     cloth = thing.tremolo.kind == 'CLOTH'
     model = None if cloth else check_model(plan)
     things = obstacles_of(scene, thing)
+    for other in [thing] + things:
+        if not other.visible_get():
+            raise Refused(f'{other.name} is hidden, and Blender does not move what it does not show: show it' +
+                          (', or untick Obstacle' if other != thing else ''))
     if plan.shape.weights and not cloth:
         plan.ends = bone_ends(scene, thing, plan.shape)
     made = []

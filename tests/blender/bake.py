@@ -201,6 +201,7 @@ class Stack(Case):
 
     def test_a_stiff_body_on_bones_is_where_the_armature_modifier_has_it(self):
         thing, rig = limb(self.scene, 1e12)
+        rig.hide_set(True)
         wanted = {f: positions(thing, f) for f in range(1, support.kFrames + 1)}
         self.make_and_bake(thing)
         self.assert_same_motion(thing, wanted)
@@ -327,6 +328,10 @@ class Refusals(Case):
         thing.data.vertices[0].co.z += 0.1
         self.refused(thing, 'press Make again', ops.jiggle)
         thing.data.vertices[0].co.z -= 0.1
+        thing.scale = (1, 1, 1.001)
+        self.refused(thing, 'press Make again', ops.jiggle)
+        thing.scale = (1, 1, 1)
+        thing.rotation_euler = (0.3, 0.2, 0.1)  # and this changes nothing
         self.assertEqual(ops.jiggle(), {'FINISHED'})
         os.remove(thing.tremolo.model)
         self.refused(thing, 'is gone', ops.bake)
@@ -352,6 +357,15 @@ class Refusals(Case):
         bpy.ops.mesh.primitive_plane_add()
         bpy.context.object.tremolo.collider = True
         self.refused(thing, 'obstacle-0', ops.jiggle)
+
+    def test_a_hidden_obstacle_is_refused(self):
+        thing = ball()
+        select(thing)
+        ops.make()
+        bpy.ops.mesh.primitive_plane_add(location=(0, 0, -3))
+        bpy.context.object.tremolo.collider = True
+        bpy.context.object.hide_set(True)
+        self.refused(thing, 'Plane is hidden', ops.jiggle)
 
     def test_modifiers_that_differ_in_the_render_are_refused(self):
         thing = ball()
