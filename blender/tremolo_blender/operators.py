@@ -52,7 +52,8 @@ class TREMOLO_OT_hold(bpy.types.Operator):
         thing.tremolo.hold = group.name
         if editing:
             bpy.ops.object.mode_set(mode='EDIT')
-        self.report({'INFO'}, f'{len(chosen)} vertices: {self.action.lower()}')
+        done = {'REPLACE': 'are held', 'ADD': 'are held too', 'REMOVE': 'are released'}[self.action]
+        self.report({'INFO'}, f'{len(chosen)} vertices {done}')
         return {'FINISHED'}
 
 

@@ -54,8 +54,22 @@ class TREMOLO_PT_material(Panel, bpy.types.Panel):
             return
         for name in ('wobble', 'damping', 'gravity'):
             layout.prop(own, name)
-        layout.separator()
-        layout.label(text='Press Make after a change of these:')
+
+
+class TREMOLO_PT_model(Panel, bpy.types.Panel):
+    bl_label = 'Model (Make again)'
+    bl_parent_id = 'TREMOLO_PT_body'
+    bl_options = {'DEFAULT_CLOSED'}
+
+    @classmethod
+    def poll(cls, context):
+        thing = context.object
+        return thing is not None and thing.type == 'MESH' and thing.tremolo.kind == 'SOLID'
+
+    def draw(self, context):
+        layout, own = self.layout, context.object.tremolo
+        layout.use_property_split = True
+        layout.use_property_decorate = False
         for name in ('young', 'density', 'poisson', 'modes', 'tets', 'thicken', 'fill_holes', 'volume'):
             layout.prop(own, name)
 
@@ -102,7 +116,7 @@ class TREMOLO_PT_bake(Panel, bpy.types.Panel):
         row.operator('tremolo.clear', icon='TRASH')
 
 
-kClasses = (TREMOLO_PT_body, TREMOLO_PT_material, TREMOLO_PT_obstacle, TREMOLO_PT_bake)
+kClasses = (TREMOLO_PT_body, TREMOLO_PT_material, TREMOLO_PT_model, TREMOLO_PT_obstacle, TREMOLO_PT_bake)
 
 
 def register():
