@@ -154,6 +154,6 @@ def make_job(scene, thing):
     report = json.loads(''.join(done.output))
     first = next((f for f in report['frequencies_hz'] if f and f > 0), 0.0)
     held = 'held' if keys['fix'] != ['none'] else 'free'
-    summary = f"{report['elements']} tetrahedra, {report['r']} shapes from {first:.3g} Hz, {held}"
+    summary = f"{report['elements']} tetrahedra, {held}"
     return {'model': bpy.path.relpath(out) if bpy.data.filepath else out, 'made_of': digest(shape, thing),
             'made_stretch': (metres(scene) * shape.stretch).ravel(), 'frequency': first, 'summary': summary, 'warnings': done.warnings()}

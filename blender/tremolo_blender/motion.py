@@ -1,9 +1,12 @@
 """The motion of objects and bones, sampled from Blender's animation, as poses for the engine."""
+import time
+
 import bpy
 import numpy
 
 from .rest_shape import coordinates, rotation_of
 
+kPause = 0.5  # s of reading between two times at which the window is drawn
 kMargin = 2  # frames before and after the range: they give the speeds at its ends
 
 
@@ -28,6 +31,7 @@ def sample(scene, things, first, last, per_frame, pinned=None):
     pinned: (object, vertices) whose places are also kept, in the world: track.pins, (k, n, 3)."""
     tracks = [Track(thing.name) for thing in things]
     count = (last - first + 2 * kMargin) * per_frame + 1
+    due = time.monotonic() + kPause
     before, subframe = scene.frame_current, scene.frame_subframe
     try:
         for k in range(count):
@@ -43,8 +47,9 @@ def sample(scene, things, first, last, per_frame, pinned=None):
                         track.bones.setdefault(bone.name, []).append(numpy.array(bone.matrix, float))
                 if pinned and thing == pinned[0]:
                     track.pins.append(_world_places(evaluated, pinned[1]))
-            if k % 8 == 7:
+            if time.monotonic() >= due:
                 yield k / count, 'reading the animation'
+                due = time.monotonic() + kPause
     finally:
         scene.frame_set(before, subframe=subframe)
     return tracks

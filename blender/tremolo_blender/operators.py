@@ -104,6 +104,7 @@ class Work:
             return {'CANCELLED'}
         state = context.window_manager.tremolo
         state.running, state.cancel, state.fraction, state.text = True, False, 0, self.bl_label
+        self.shown = None
         self.timer = context.window_manager.event_timer_add(kTick, window=context.window)
         context.window_manager.modal_handler_add(self)
         return {'RUNNING_MODAL'}
@@ -128,6 +129,9 @@ class Work:
         except Exception:
             self.leave(context)
             raise
+        if self.shown == (fraction, text):
+            return {'RUNNING_MODAL'}
+        self.shown = (fraction, text)
         state.fraction, state.text = 100 * fraction, text
         context.workspace.status_text_set(f'{self.bl_label}: {text}, {100 * fraction:.0f} % (Esc: cancel)')
         self.redraw(context)
@@ -157,8 +161,9 @@ class Work:
     def redraw(context):
         for window in context.window_manager.windows:
             for area in window.screen.areas:
-                if area.type == 'VIEW_3D':
-                    area.tag_redraw()
+                for region in area.regions:
+                    if area.type == 'VIEW_3D' and region.type == 'UI':
+                        region.tag_redraw()
 
 
 class TREMOLO_OT_make(Work, bpy.types.Operator):
