@@ -99,9 +99,9 @@ double begins_within_margin(const ContactBody& body, std::span<const PlacedColli
   double deepest = 0.0;
   for (const PlacedCollider& collider : colliders)
     for (std::size_t i = 0; i < points.size(); ++i)
-      deepest =
-          std::max(deepest, contact->law().margin -
-                                distance_to(collider, pose * points.place(i, body.state().q)));
+      if (points.meets(i, true))
+        deepest = std::max(deepest, contact->law().margin + points.radius_of(i) -
+                                        distance_to(collider, pose * points.place(i, body.state().q)));
   return deepest;
 }
 
