@@ -171,8 +171,8 @@ ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const C
   const Vector3d point_normal = held.normal + correction.c * way.path;
   contact.limit = law.friction * s * point_normal.norm();
   if (gap.pressure != 0.0) held.limit += limits * (contact.limit - held.limit);
-  const Friction friction = friction_force(friction_law(law, time.h), held.limit, held.slip,
-                                           tangential(law, way, held));
+  const Friction friction =
+      friction_force(friction_law(law, time.h), held.limit, held.slip, tangential(law, way, held));
   // A contact that ends forgets its slip; the stored energy becomes friction loss.
   const bool ends = gap.d1 >= law.begins;
   contact.rubbed = friction.lost + (ends ? friction.energy : 0.0);

@@ -128,7 +128,7 @@ struct ContactForce {
   // Its opposite deforms the obstacle, N, world.
   Eigen::Vector3d bend_force = Eigen::Vector3d::Zero();
   Eigen::Vector3d rub = Eigen::Vector3d::Zero();  // of a round point: the part that is friction, N
-  bool acts = false;      // there is a force
+  bool acts = false;                              // there is a force
   double pressure = 0.0;  // the length of s n without restitution and friction, N
   double limit = 0.0;     // friction limit mu |s n| found in this evaluation, N
   double energy = 0.0;    // psi(d1) and that of friction, J

@@ -142,7 +142,8 @@ Status check_rigid(const SceneBody& body) {
 Status check_body(const SceneBody& body) {
   if (body.rigid)
     if (Status s = check_rigid(body); !s) return s;
-  if (!body.rigid && body.model.empty()) return content_error("its model is empty: give the path of a basis file");
+  if (!body.rigid && body.model.empty())
+    return content_error("its model is empty: give the path of a basis file");
   if (const std::string problem = pose_problem(body.pose); !problem.empty())
     return content_error(problem);
   if (!body.velocity.allFinite() || !body.spin.allFinite())
@@ -252,9 +253,8 @@ FrameKind frame_kind(const SceneBody& body) {
 bool bodies_touch(const Scene& scene) {
   const auto feels = [](const SceneBody& body) { return body.feels_contact; };
   return std::count_if(scene.bodies.begin(), scene.bodies.end(), feels) > 1 &&
-         std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const SceneBody& body) {
-           return body.feels_contact && has_shape(body);
-         });
+         std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                     [](const SceneBody& body) { return body.feels_contact && has_shape(body); });
 }
 
 bool needs_contact(const Scene& scene, const SceneBody& body) {

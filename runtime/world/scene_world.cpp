@@ -61,7 +61,8 @@ std::string key_of(const SceneBody& body) {
   const RigidSolid& solid = *body.rigid;
   std::string key = solid.mesh + "|" + std::to_string(body.contact.points);
   const auto add = [&key](std::initializer_list<double> values) {
-    for (const double& value : values) key.append(std::bit_cast<std::array<char, 8>>(value).data(), 8);
+    for (const double& value : values)
+      key.append(std::bit_cast<std::array<char, 8>>(value).data(), 8);
   };
   if (solid.shape) {
     key += shape_name(*solid.shape);

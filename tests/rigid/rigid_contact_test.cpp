@@ -72,8 +72,8 @@ TEST(RigidContact, HoldsBlocksBelowTheAngleOfFriction) {
   const double friction = 0.4, angle = std::atan(friction);
   for (const double step : kSteps) {
     const SceneBody block = rigid_body("block", BoxShape{{0.1, 0.1, 0.05}}, {0.0, 0.0, 0.05});
-    SceneWorld held = testing::make_world(
-        testing::on_slope(block, std::atan(0.95 * friction), friction, step));
+    SceneWorld held =
+        testing::make_world(testing::on_slope(block, std::atan(0.95 * friction), friction, step));
     testing::run_until(held, 1.0);
     const double before = testing::centre_of(held, 0).x();
     testing::run_until(held, 10.0);
@@ -215,11 +215,10 @@ TEST(RigidContact, LetsAStackRest) {
   double height = 0.0;
   for (int k = 0; k < 6; ++k) {
     height += 0.05;
-    scene.bodies.push_back(
-        k % 2 == 0 ? rigid_body("box-" + std::to_string(k), BoxShape{{0.1, 0.1, 0.05}},
-                                {0.0, 0.0, height})
-                   : rigid_body("drum-" + std::to_string(k), CylinderShape{0.09, 0.05},
-                                {0.0, 0.0, height}));
+    scene.bodies.push_back(k % 2 == 0 ? rigid_body("box-" + std::to_string(k),
+                                                   BoxShape{{0.1, 0.1, 0.05}}, {0.0, 0.0, height})
+                                      : rigid_body("drum-" + std::to_string(k),
+                                                   CylinderShape{0.09, 0.05}, {0.0, 0.0, height}));
     scene.bodies.back().contact.restitution = 0.0;
     height += 0.05;
   }
@@ -264,8 +263,7 @@ TEST(RigidContact, ContinuesWithTheSameBitsAfterRestoring) {
   SceneWorld other = testing::make_world(scene);
   const Status refused = other.restore(world.save());
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find("body 'a'"), std::string::npos)
-      << refused.error().message;
+  EXPECT_NE(refused.error().message.find("body 'a'"), std::string::npos) << refused.error().message;
 }
 
 // A pendulum of a pin and a box: the pin carries its weight.
@@ -284,8 +282,7 @@ TEST(RigidContact, HangsByAPin) {
   const double mass = world.body(0).model().inertia()->mass;
   // It swings about the corner from the height of the centre on.
   EXPECT_LT(growth.worst, 1e-6 * mass * kG * 0.1);
-  const Vector3d corner =
-      world.body(0).pose() * world.body(0).model().surface().rest[0];
+  const Vector3d corner = world.body(0).pose() * world.body(0).model().surface().rest[0];
   EXPECT_LT((corner - world.body(0).model().surface().rest[0]).norm(), 1e-5);
 }
 

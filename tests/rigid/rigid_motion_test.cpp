@@ -137,8 +137,8 @@ TEST(RigidBodies, FallOnAParabola) {
   SceneWorld world = testing::make_world(scene);
   testing::run_until(world, 3.0);
   const double t = world.time();
-  const Vector3d expected = ball.pose.position + t * ball.velocity +
-                            Vector3d(0.0, 0.0, -0.5 * testing::kG * t * t);
+  const Vector3d expected =
+      ball.pose.position + t * ball.velocity + Vector3d(0.0, 0.0, -0.5 * testing::kG * t * t);
   EXPECT_LT((testing::centre_of(world, 0) - expected).norm(), 1e-12);
 }
 

@@ -48,8 +48,7 @@ Model::Pointer beam(bool free) {
   data.linear_mode_count = 4;
   data.rigid_mode_count = free ? 6 : 0;
   data.lambda = Eigen::Vector4d(40.0, 200.0, 600.0, 1200.0).cwiseAbs2();
-  for (Eigen::Index k = 0; k < n; ++k)
-    data.surface.vertex_ids.push_back(static_cast<VertexId>(k));
+  for (Eigen::Index k = 0; k < n; ++k) data.surface.vertex_ids.push_back(static_cast<VertexId>(k));
   data.surface.rest = cloud.places;
   data.surface.rows = cloud.basis;
   data.interior.rows.resize(0, 4);

@@ -196,10 +196,9 @@ Result<std::shared_ptr<Model>> Model::assemble(const BasisData& data, Eigen::Ind
   if (Status s = check_load(data.load); !s) return s.error();
   const std::span<const double> cubic = data.cubic, quartic = data.quartic, none;
   Result<Potential> potential =
-      is_rigid(data)
-          ? Potential()
-          : Potential::create(data.lambda.head(modes), options.linear ? none : cubic,
-                              options.linear ? none : quartic);
+      is_rigid(data) ? Potential()
+                     : Potential::create(data.lambda.head(modes), options.linear ? none : cubic,
+                                         options.linear ? none : quartic);
   if (!potential) return potential.error();
   std::shared_ptr<Model> model(new Model(std::move(*potential), std::move(*surface)));
   if (data.render && !options.hull) {

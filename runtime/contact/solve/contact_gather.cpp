@@ -128,7 +128,8 @@ void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t ind
     for (std::size_t i = group.first; i < group.first + group.count; ++i) {
       if (!eq_.points->meets(i, true)) continue;
       const Vector3d x = poses_.start * eq_.points->place(i, q);
-      if (distance(x) - eq_.points->radius_of(i) <= reach) candidates_.push_back(make_candidate(i, index, x));
+      if (distance(x) - eq_.points->radius_of(i) <= reach)
+        candidates_.push_back(make_candidate(i, index, x));
     }
   }
 }

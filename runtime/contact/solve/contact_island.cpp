@@ -502,15 +502,15 @@ void ContactIsland::remember() {
     ContactStep& first = body(pair.a);
     if (ContactMemory memory; memory_of(pair, memory)) first.remember_pair(memory);
     if (pair.now.acts && pair.now.pressure != 0.0)
-      first.note_contact({.vertex = first.points().ids[pair.point],
-                          .on_body = true,
-                          .obstacle = members_[pair.b].number,
-                          .position = pair.law.radius > 0.0
-                                          ? Eigen::Vector3d(pair.touch_a.x1 +
-                                                            surface_arm(pair.law, pair.held))
-                                          : pair.touch_a.x1,
-                          .normal = pair.held.normal.normalized(),
-                          .impulse = h_ * pair.now.force});
+      first.note_contact(
+          {.vertex = first.points().ids[pair.point],
+           .on_body = true,
+           .obstacle = members_[pair.b].number,
+           .position = pair.law.radius > 0.0
+                           ? Eigen::Vector3d(pair.touch_a.x1 + surface_arm(pair.law, pair.held))
+                           : pair.touch_a.x1,
+           .normal = pair.held.normal.normalized(),
+           .impulse = h_ * pair.now.force});
   }
   for (const IslandMember& member : members_) member.contact->sort_pair_memories();
 }

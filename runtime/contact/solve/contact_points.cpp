@@ -130,6 +130,13 @@ std::vector<Vector3d> round_points(const Collider& shape, double& radius) {
   return places;
 }
 
+// True if all vertices lie on the shape: it is the solid, and not a stand-in for a mesh.
+bool lies_on(const std::vector<Vector3d>& boundary, const Collider& shape, double extent) {
+  return std::all_of(boundary.begin(), boundary.end(), [&](const Vector3d& x) {
+    return std::abs(signed_distance(shape, x).distance) < 1e-9 * extent;
+  });
+}
+
 // Puts the round points before the others, which have been chosen.
 void add_round_points(const Collider& shape, ContactPoints& points) {
   const std::vector<Vector3d> places = round_points(shape, points.round_radius);
@@ -182,7 +189,8 @@ ContactPoints choose_contact_points(const Model& model, std::size_t most, const 
   for (std::size_t k = 0; k < chosen.size(); ++k) area_of[chosen[k]] = areas[k];
   for (const std::size_t vertex : order) points.areas.push_back(area_of[vertex]);
   points.area = std::accumulate(areas.begin(), areas.end(), 0.0);
-  if (shape != nullptr && points.rigid()) add_round_points(*shape, points);
+  if (shape != nullptr && points.rigid() && lies_on(surface.rest, *shape, points.extent))
+    add_round_points(*shape, points);
   return points;
 }
 

@@ -80,9 +80,9 @@ std::shared_ptr<const ContactPoints> shared_contact_points(const Model::Pointer&
                                                            std::size_t most, const Collider* shape);
 
 // The distance of a position from a deformed body (docs/theory.md, section "Contact"). It uses the
-// body's shape at rest and a smooth field u through the displacements of its points; of a rigid body
-// the distance of the shape itself. The position y
-// of the body's frame is approximately the deformed X at rest: X1 = y - u(y), X = y - u(X1).
+// body's shape at rest and a smooth field u through the displacements of its points; of a rigid
+// body the distance of the shape itself. The position y of the body's frame is approximately the
+// deformed X at rest: X1 = y - u(y), X = y - u(X1).
 
 // A deformed shape. All pointers must outlive it.
 struct BentShape {

@@ -62,9 +62,11 @@ void find_changes(PairPoint& pair, const PairBodies& bodies, const ContactTime& 
       contact_slopes(pair.law, pair.gap, pair.way, time, pair.held, follows);
   find(slopes.point, scratch.change_a, scratch.change_b);
   find(slopes.bend, scratch.bend_change_a, scratch.bend_change_b);
-  scratch.rub = slopes.rub;
-  scratch.by_roll = slopes.by_roll;
-  scratch.gradient = gradient;
+  if (pair.law.radius > 0.0) {
+    scratch.rub = slopes.rub;
+    scratch.by_roll = slopes.by_roll;
+    scratch.gradient = gradient;
+  }
   scratch.link = slopes.point.by_taken;
   scratch.bend_link = slopes.bend.by_taken;
   const double growth = slopes.taken_by_distance;
@@ -92,8 +94,7 @@ void add_roll_slopes(const PairPoint& pair, const PairBodies& bodies, const Pair
   const Eigen::Matrix3Xd rub_a = lever * (turn_a + by_end * first.lever.way());
   const Eigen::Matrix3Xd rub_b =
       lever * (turn_b - scratch.rub.by_path * way_b -
-               scratch.rub.by_distance *
-                   (scratch.gradient.transpose() * second.lever.way()));
+               scratch.rub.by_distance * (scratch.gradient.transpose() * second.lever.way()));
   first.lever.add_pushed(turn_a, turn_a, 1.0, first.own_block());
   first.lever.add_pushed(turn_b, turn_b, 1.0, sides.first_by_second);
   second.lever.add_pushed(turn_b, turn_b, -1.0, second.own_block());

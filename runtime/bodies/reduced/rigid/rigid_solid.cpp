@@ -70,9 +70,9 @@ SolidMoments moments_of(const SurfaceMesh& surface) {
     const Vector3d all = a + b + c;
     sum.volume += volume;
     sum.first += volume / 4.0 * all;
-    sum.second += volume / 20.0 *
-                  (a * a.transpose() + b * b.transpose() + c * c.transpose() +
-                   all * all.transpose());
+    sum.second +=
+        volume / 20.0 *
+        (a * a.transpose() + b * b.transpose() + c * c.transpose() + all * all.transpose());
   }
   return sum;
 }
