@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <filesystem>
+#include <initializer_list>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -54,6 +56,24 @@ Momenta momenta_in_frame(const FrameInertia& inertia, const Eigen::VectorXd& q,
   return {world, pose.position.cross(world) + pose.rotation * angular};
 }
 
+// Rigid bodies with the same key share a model.
+std::string key_of(const SceneBody& body) {
+  const RigidSolid& solid = *body.rigid;
+  std::string key = solid.mesh + "|" + std::to_string(body.contact.points);
+  const auto add = [&key](std::initializer_list<double> values) {
+    for (const double& value : values)
+      key.append(std::bit_cast<std::array<char, 8>>(value).data(), 8);
+  };
+  if (solid.shape) {
+    key += shape_name(*solid.shape);
+    const BoundingBox box = bounds(*solid.shape);
+    add({box.high.x(), box.high.y(), box.high.z()});
+  }
+  add({solid.mass.value_or(-1.0), solid.density.value_or(-1.0)});
+  if (solid.inertia) add({solid.inertia->x(), solid.inertia->y(), solid.inertia->z()});
+  return key;
+}
+
 Pose unit(const Pose& pose) {
   return {pose.position, pose.rotation.normalized()};
 }
@@ -61,6 +81,7 @@ Pose unit(const Pose& pose) {
 }  // namespace
 
 Result<Model::Pointer> load_scene_model(const SceneBody& body) {
+  if (body.rigid) return make_rigid_model(*body.rigid, body.contact.points);
   std::error_code ignored;
   if (!std::filesystem::exists(body.model, ignored)) {
     const std::string usual = "tremolo-precompute MESH -o " + body.model +
@@ -77,9 +98,17 @@ Result<SceneWorld> SceneWorld::create(const Scene& scene, const ModelSource& sou
   const std::vector<Vector3d>& values = world.scene_.gravity.values;
   world.gravity_changes_ = values.size() > 1;
   std::map<std::tuple<std::string, int, bool, bool>, Model::Pointer> models;
+  std::map<std::string, Model::Pointer> rigid_models;
   for (SceneBody& wanted : world.scene_.bodies) {
     const ModelOptions& options = wanted.model_options;
-    Model::Pointer& model = models[{wanted.model, options.modes, options.linear, options.hull}];
+    Model::Pointer& model =
+        wanted.rigid ? rigid_models[key_of(wanted)]
+                     : models[{wanted.model, options.modes, options.linear, options.hull}];
+    if (wanted.rigid && wanted.rigid->shape) wanted.contact.shape = wanted.rigid->shape;
+    if (!model && wanted.rigid) {
+      if (Status s = take(model, load_scene_model(wanted)); !s)
+        return error_of_body(wanted, s.error());
+    }
     if (!model)
       if (Status s = take(model, source(wanted)); !s) return error_of_body(wanted, s.error());
     if (wanted.rig)

@@ -36,6 +36,8 @@ void add_response(const BasisRows& response, const Eigen::VectorXd& forces, std:
 }
 
 Status check_frame(const Model& model, std::string_view method, FrameKind frame) {
+  if (model.modes() == 0 && frame != FrameKind::kFree)
+    return usage_error("a rigid body is free: hold it by pins, or use a collider that moves");
   if (frame == FrameKind::kFixed) return Success{};
   if (!kHasFrames)
     return usage_error("driven and free bodies are not in this module but in engine-full.wasm");

@@ -89,6 +89,7 @@ ContactLaw ContactStep::law_of(std::size_t point, double friction, double restit
   law.stiffness *= eq_.points->areas[point];
   law.shear = law.stiffness * std::min(law.margin, 2.0 * law.linear_from);
   law.shear_damping = dampers_[point] * std::sqrt(law.shear);
+  law.radius = eq_.points->radius_of(point);
   return law;
 }
 
@@ -144,6 +145,10 @@ void ContactStep::settle_account() {
     record_.account.lost += now.lost;
     record_.account.rubbed += now.rubbed;
     record_.account.work += now.force.dot(candidate.touch.x1 - candidate.touch.x0);
+    Vector3d surface = Vector3d::Zero();  // from the point, world
+    const bool round = candidate.law.radius > 0.0;
+    if (round)
+      record_.account.work += now.rub.dot(eq_.motion.turn_in_step().cross(surface_of(candidate)));
     record_.account.penetration = std::max(record_.account.penetration, -now.distance);
     bool through = false;
     const double way =
@@ -155,11 +160,13 @@ void ContactStep::settle_account() {
     record_.impulses[candidate.collider] += impulse;
     record_.collider_impulses[candidate.collider] -= options_.step * now.force;
     const Pose& frame = colliders_[candidate.collider].end;
-    record_.contacted.push_back({.vertex = eq_.points->ids[candidate.point],
-                                 .obstacle = candidate.collider,
-                                 .position = candidate.touch.x1,
-                                 .normal = frame.rotation * candidate.held.normal.normalized(),
-                                 .impulse = options_.step * now.force});
+    record_.contacted.push_back(
+        {.vertex = eq_.points->ids[candidate.point],
+         .obstacle = candidate.collider,
+         .position =
+             round ? Vector3d(candidate.touch.x1 + surface_of(candidate)) : candidate.touch.x1,
+         .normal = frame.rotation * candidate.held.normal.normalized(),
+         .impulse = options_.step * now.force});
     record_.account.impulse += impulse;
     record_.account.impulse_vector += options_.step * now.force;
     ++record_.account.active;
