@@ -29,8 +29,7 @@ const char* name_of(FrameKind frame) {
 }
 
 SplitOptions split_of(py::handle split, double safety) {
-  SplitOptions options =
-      unwrap(parse_split(text_of(split)));
+  SplitOptions options = unwrap(parse_split(text_of(split)));
   options.safety = safety;
   return options;
 }
@@ -48,8 +47,7 @@ BodyPointer body_of_model(const PyModelPointer& model, const std::string& integr
   if (!damping_ratio.is_none()) {
     if (alpha != 0.0 || beta != 0.0)
       raise(usage_error("damping_ratio gives alpha and beta: leave them out"));
-    const RayleighDamping damping =
-        unwrap(parse_damping_ratios(text_of(damping_ratio)));
+    const RayleighDamping damping = unwrap(parse_damping_ratios(text_of(damping_ratio)));
     options.method.alpha = damping.alpha;
     options.method.beta = damping.beta;
   }
@@ -82,8 +80,7 @@ void step(BodyHandle& self, std::int64_t count) {
   }
   self.last_report = report;
   self.pull_state();
-  if (!report.converged)
-    raise({error_kind(report.failure), why_not_made(report, body.time())});
+  if (!report.converged) raise({error_kind(report.failure), why_not_made(report, body.time())});
 }
 
 // Surfaces. The array `out` has 3 numbers a vertex; it decides between double and float.
@@ -124,7 +121,7 @@ py::array positions(BodyHandle& self, py::handle out, py::handle dtype) {
   const ContactBody& body = self.body();
   return write_places(
       body.model().drawn().rest.size(), out, dtype,
-      [&](std::span<float> places) { return body.surface_positions(places); },
+      [&](std::span<float> places) { return body.surface(places); },
       [&](std::span<double> places) { return body.surface_positions(places); });
 }
 
@@ -136,7 +133,9 @@ py::array boundary_positions(BodyHandle& self, py::handle out) {
   return write_places(
       body.model().surface().rest.size(), out, py::dtype::of<double>(),
       [](std::span<float>) -> Status { return Success{}; },
-      [&](std::span<double> places) { return body.boundary_positions(places); });
+      [&](std::span<double> places) {
+        return body.surface_positions(places, tremolo::SurfaceKind::kBoundary);
+      });
 }
 
 py::tuple positions_and_normals(BodyHandle& self) {
@@ -158,8 +157,9 @@ py::array_t<double> velocities(BodyHandle& self) {
   const DrawnSurface surface = body.model().drawn();
   const auto s = static_cast<py::ssize_t>(surface.rest.size());
   if (body.bones() > 0 || body.frame() == FrameKind::kDriven)
-    raise(usage_error("velocities are those of a fixed or a free body: a driven frame has poses "
-                      "instead of a velocity"));
+    raise(
+        usage_error("velocities are those of a fixed or a free body: a driven frame has poses "
+                    "instead of a velocity"));
   const State& state = body.state();
   py::array_t<double> made(Shape{s, 3});
   Eigen::Map<Eigen::VectorXd> out(made.mutable_data(), 3 * s);
@@ -187,10 +187,10 @@ py::dict energy(BodyHandle& self) {
   dict["potential"] = now.potential;
   dict["total"] = now.total();
   dict["high_band"] = now.high_band;
-  dict["work"] = body.work();
-  dict["dissipated"] = body.dissipated();
-  dict["support"] = body.support_work();
-  dict["gravity"] = body.gravity_work();
+  dict["work"] = body.sums().work;
+  dict["dissipated"] = body.sums().dissipated;
+  dict["support"] = body.sums().support;
+  dict["gravity"] = body.sums().gravity;
   const ContactSums& sums = body.contact_sums();
   dict["contact"] = sums.work;
   dict["restitution"] = -sums.lost;
@@ -236,9 +236,9 @@ py::tuple pickled(BodyHandle& self) {
   py::list loads;
   for (const BodyLoad& load : self.loads()) loads.append(tuple_of_load(load));
   const py::tuple method = py::make_tuple(
-      std::string(body.integrator().name()), body.step_size(), body.alpha(), body.beta(),
-      m.newmark_beta, m.newmark_gamma, static_cast<int>(m.split.rule), m.split.count,
-      m.split.safety, m.tolerance, m.max_iterations, m.halvings);
+      std::string(body.integrator().name()), body.options().step, body.options().alpha,
+      body.options().beta, m.newmark_beta, m.newmark_gamma, static_cast<int>(m.split.rule),
+      m.split.count, m.split.safety, m.tolerance, m.max_iterations, m.halvings);
   return py::make_tuple(kPickleName, kPickleVersion, self.model(), method,
                         static_cast<int>(body.frame()), self.has_grabs_enabled(), loads, saved);
 }
@@ -342,14 +342,16 @@ void add_state(BodyClass& c) {
         "time. A failed step raises SolverError or BoundError and leaves the state of the last "
         "valid step. Ctrl-C ends the call between two steps.");
   property(c, "time", "steps times step_size, s.", [](ContactBody& b) { return b.time(); });
-  property(c, "steps", "Number of steps taken.", [](ContactBody& b) { return b.steps(); });
-  property(c, "step_size", "h, s.", [](ContactBody& b) { return b.step_size(); });
+  property(c, "steps", "Number of steps taken.", [](ContactBody& b) { return b.counts().steps; });
+  property(c, "step_size", "h, s.", [](ContactBody& b) { return b.options().step; });
   property(c, "integrator", "Name of the method.",
            [](ContactBody& b) { return std::string(b.integrator().name()); });
-  property(c, "alpha", "Rayleigh damping by mass, 1/s.", [](ContactBody& b) { return b.alpha(); });
-  property(c, "beta", "Rayleigh damping by stiffness, s.", [](ContactBody& b) { return b.beta(); });
+  property(c, "alpha", "Rayleigh damping by mass, 1/s.",
+           [](ContactBody& b) { return b.options().alpha; });
+  property(c, "beta", "Rayleigh damping by stiffness, s.",
+           [](ContactBody& b) { return b.options().beta; });
   property(c, "iterations", "Linear systems solved in all steps.",
-           [](ContactBody& b) { return b.iterations(); });
+           [](ContactBody& b) { return b.counts().iterations; });
   c.def_property_readonly(
       "report", [](BodyHandle& self) { return report_dict(self.last_report); },
       "The last step: iterations, residual, converged, dissipated (J), parts. A dict.");
@@ -398,8 +400,9 @@ void add_surface(BodyClass& c) {
 void add_frame(BodyClass& c) {
   property(c, "frame", "\"fixed\", \"driven\" or \"free\".",
            [](ContactBody& b) { return std::string(name_of(b.frame())); });
-  property(c, "pose", "(position (3,), m; rotation (4,), w x y z) of the frame: vertices are at "
-                      "position + rotation (X + U q).",
+  property(c, "pose",
+           "(position (3,), m; rotation (4,), w x y z) of the frame: vertices are at "
+           "position + rotation (X + U q).",
            [](ContactBody& b) { return tuple_of(b.pose()); });
   const auto no_turn = py::make_tuple(1.0, 0.0, 0.0, 0.0);
   c.def("set_pose", &set_pose, py::arg("position"), py::arg("rotation") = no_turn,
@@ -416,9 +419,9 @@ void add_frame(BodyClass& c) {
   property(c, "spin", "Of a free body, (3,), rad/s, along its axes; else zeros.",
            [](ContactBody& b) { return array_of<3>(b.rigid_state().spin); });
   property(c, "linear_momentum", "(3,), kg m/s.",
-           [](ContactBody& b) { return array_of<3>(b.linear_momentum()); });
+           [](ContactBody& b) { return array_of<3>(b.momentum().linear); });
   property(c, "angular_momentum", "About the world's origin, (3,), N m s.",
-           [](ContactBody& b) { return array_of<3>(b.angular_momentum()); });
+           [](ContactBody& b) { return array_of<3>(b.momentum().angular); });
   c.def_property(
       "gravity",
       [](BodyHandle& self) {
