@@ -89,6 +89,11 @@ Result<CurveState> curve_state(CurveEquations& equations, Eigen::VectorXd y,
     return Error{ErrorKind::kSolver, "the equations are singular there"};
   state.tangent /= length;
   state.sign = sign_of(state.factor);
+  // One correction with the new factor takes what the corrector has left.
+  Eigen::VectorXd residual, right = Eigen::VectorXd::Zero(n);
+  equations.residual(state.y, residual);
+  right.head(n - 1) = -residual;
+  state.y += state.factor.solve(right);
   return state;
 }
 

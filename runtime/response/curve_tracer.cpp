@@ -10,7 +10,7 @@ namespace {
 constexpr double kFirstStep = 0.01;
 constexpr double kShortestStep = 1e-7;
 constexpr double kLeastCosine = 0.87;  // between the tangents of neighbours: 30 degrees
-constexpr int kFewCorrections = 6, kManyCorrections = 10;
+constexpr int kFewFactorizations = 2, kManyFactorizations = 3;
 // Distance of a multiplier from the unit circle that counts: above the errors of its computation.
 constexpr double kOutside = 1e-7, kOutsideConservative = 1e-5;
 
@@ -138,9 +138,11 @@ class Tracer {
     if (!raise_harmonics()) return add_point(std::move(point)), false;
     if (equations_.harmonics() != before) point = point_of(state_);
     add_point(std::move(point));
-    if (report.factorizations == 0 && report.corrections <= kFewCorrections)
-      ds_ = std::min(1.4 * ds_, options_.longest_step);
-    else if (report.factorizations > 1 || report.corrections > kManyCorrections)
+    // The coupling of soft and stiff coordinates makes old factors contract slowly, at steps that
+    // Newton's method itself takes easily: factorizations are what limits a step.
+    if (report.factorizations <= kFewFactorizations)
+      ds_ = std::min(1.5 * ds_, options_.longest_step);
+    else if (report.factorizations > kManyFactorizations)
       ds_ *= 0.6;
     return true;
   }

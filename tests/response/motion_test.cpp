@@ -210,7 +210,10 @@ TEST(Response, SteppingInTimeStaysOnBothStableBranchesAndLeavesTheUnstableOne) {
 
 TEST(Backbone, ItsMotionsReturnAfterTheirPeriodUnderEp4) {
   const Sample s = sample(spread_omega(3, 1.0, 5.0), 0.6, 0.0, 0.0);
-  const Result<MotionCurve> curve = backbone_curve(s.system, {0, {}, 0.4}, plain_options(15));
+  CurveOptions options = plain_options(5);
+  options.most_harmonics = 45;
+  options.harmonic_share = 1e-9;
+  const Result<MotionCurve> curve = backbone_curve(s.system, {0, {}, 0.3}, options);
   ASSERT_TRUE(curve) << curve.error().message;
   ASSERT_EQ(curve->end, CurveEnd::kDone);
   for (std::size_t i = 0; i < curve->points.size(); i += 8) {
@@ -245,7 +248,7 @@ Eigen::MatrixXd stepped_monodromy(const Sample& s, const CurvePoint& point, doub
     const Eigen::VectorXd v = point.omega * point.motion * fourier_slope_row(H, theta);
     Eigen::MatrixXd out(2 * r, 2 * r);
     out.topRows(r) = y.bottomRows(r);
-    const double e = 1e-3;
+    const double e = 1e-5;
     for (Eigen::Index j = 0; j < 2 * r; ++j) {
       const Eigen::VectorXd dq = y.col(j).head(r), dv = y.col(j).tail(r);
       // Exact up to the cubic part, whose difference has an error of e^2.
