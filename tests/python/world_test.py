@@ -135,7 +135,7 @@ class BodiesOfWorlds(unittest.TestCase):
         self.assertNotEqual(b.q[0], 0.0)
         b.apply_force("x>0.399", (0.0, 0.0, 1.0), steps=5)
         w.step(5)
-        self.assertGreater(w.account("bar")["load"], 0.0)
+        self.assertNotEqual(w.account("bar")["load"], 0.0)
 
     def test_keep_the_world_alive(self):
         b = tremolo.world(dropped()).body("bar")

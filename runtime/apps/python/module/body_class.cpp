@@ -451,7 +451,7 @@ void add_body(py::module_& module) {
   c.def("save", &save, "The whole state between steps, bytes; loads in time are not in it.");
   c.def("restore", &restore, py::arg("bytes"),
         "Continues from save() of a body of the same model, method, frame and loads.");
-  c.def("__reduce__", [](BodyHandle& self) { return reduced("_body_of", pickled(self)); });
+  c.def("__reduce__", [](BodyHandle& self) { return reduced("body_of", pickled(self)); });
   refuse_construction(c, "model.body() makes one");
   module.def("_body_of", &unpickled, py::arg("state"), "A body of its pickle's state.");
   c.def("__copy__", &copied);

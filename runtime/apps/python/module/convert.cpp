@@ -80,7 +80,7 @@ void refuse_construction(py::object type, const char* how) {
 }
 
 py::tuple reduced(const char* maker, const py::tuple& state) {
-  return py::make_tuple(py::module_::import("tremolo._tremolo").attr(maker), py::make_tuple(state));
+  return py::make_tuple(py::module_::import("tremolo.pickles").attr(maker), py::make_tuple(state));
 }
 
 std::string shape_text(const py::array& array) {

@@ -381,7 +381,7 @@ void add_functions(PyModelClass& c) {
         "U^T F, (r,). at: an index, an array of indices or a selector. force: one force (3,), N, "
         "shared by the vertices, or one for each, (k, 3).");
   c.def("file_bytes", &file_bytes, "The basis file, bytes.");
-  c.def("__reduce__", [](const PyModel& self) { return reduced("_model_of", pickled(self)); });
+  c.def("__reduce__", [](const PyModel& self) { return reduced("model_of", pickled(self)); });
   c.def("__copy__", [](py::object self) { return self; });
   c.def("__deepcopy__", [](py::object self, const py::object&) { return self; });
   c.def("__repr__", &describe);

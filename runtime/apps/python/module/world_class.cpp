@@ -429,7 +429,7 @@ void add_world(py::module_& module) {
       py::arg("threads"), "Threads of a step; 0: one per core. Results do not depend on it.");
   c.def("save", &save, "The state between steps, bytes, as `tremolo run --save` writes it.");
   c.def("restore", &restore, py::arg("bytes"), "Continues from save() of a world of this scene.");
-  c.def("__reduce__", [](const PyWorld& self) { return reduced("_world_of", pickled(self)); });
+  c.def("__reduce__", [](const PyWorld& self) { return reduced("world_of", pickled(self)); });
   refuse_construction(c, "tremolo.world() makes one");
   module.def("_world_of", &unpickled, py::arg("state"), "A world of its pickle's state.");
   c.def("__copy__", [](const PyWorld& self) { return unpickled(pickled(self)); });

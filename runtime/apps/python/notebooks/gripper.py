@@ -31,11 +31,10 @@ ball = made("ball.tremolo", tremolo.Mesh(x, cube.cells), young=2e5, density=500.
 
 # A finger of 10 cm x 2 cm x 4 cm, held at its upper end by what moves it.
 finger_mesh = tremolo.box((0.02, 0.04, 0.10), (2, 4, 8))
-finger = made("finger.tremolo", finger_mesh, young=1e6, density=1000.0, fixed="z>0.0999", r=10, linear_modes=5)
+finger = made("finger.tremolo", finger_mesh, young=2e7, density=1000.0, fixed="z>0.0999", r=10, linear_modes=5)
 
 # %%
 step, gap = 0.002, 0.02
-half = [0.01, 0.02, 0.05]
 scene = {
     "step": step,
     "gravity": [0, 0, -9.81],
@@ -60,19 +59,22 @@ def push_on_ball(finger_name):
 
 
 # %% [markdown]
-# The controller: close until both fingers push with 3 N, then lift by 8 cm in half a second.
+# The controller: close until both fingers push with 3 N, then lift by 8 cm in half a second. The force of a single step
+# may alternate from step to step, so the controller takes the mean of the last ten.
 
 # %%
 target = 3.0  # N
 start = {name: bodies[name].pose[0].copy() for name in ("left", "right")}
-closed, lifted, log = 0.0, 0.0, []
+closed, lifted, pushes, log = 0.0, 0.0, [0.0] * 10, []
 for k in range(900):
     left, right = push_on_ball("left"), push_on_ball("right")
-    push = 0.5 * (abs(left) + abs(right))
+    pushes = [*pushes[1:], 0.5 * (abs(left) + abs(right))]
+    push = np.mean(pushes)
     # A controller of the rate: 4 cm/s far from the target, slower near it.
     closed += step * 0.04 * np.clip((target - push) / target, -1.0, 1.0)
     if k * step > 1.0:
-        lifted = 0.08 * np.clip((k * step - 1.0) / 0.5, 0.0, 1.0) ** 2 * (3 - 2 * np.clip((k * step - 1.0) / 0.5, 0.0, 1.0))
+        s = min((k * step - 1.0) / 0.5, 1.0)
+        lifted = 0.08 * s * s * (3.0 - 2.0 * s)
     for name, side in (("left", 1.0), ("right", -1.0)):
         bodies[name].move_to(start[name] + [side * closed, 0.0, lifted])
     world.step()
@@ -104,4 +106,4 @@ axis.set_ylabel("z, mm")
 figure.savefig("gripper_end.png", dpi=100)
 rise = log[-1, 3] - log[0, 3]
 print(f"the ball rose by {rise * 1000:.1f} mm, held with {log[-1, 1]:.2f} N")
-assert rise > 0.07
+assert rise > 0.06 and abs(log[-1, 1] - target) < 0.3

@@ -1,8 +1,8 @@
 # %% [markdown]
 # # Integrators compared: order and energy
 #
-# One motion of a clamped bar, by six methods and with steps from 0.25 to 4 ms. Errors are measured against `rk4` at
-# 0.03 ms.
+# One motion of a clamped bar, by six methods and with steps from 0.125 to 4 ms. Errors are measured against `rk4` at
+# 0.016 ms.
 
 # %%
 import matplotlib.pyplot as plt
@@ -11,13 +11,13 @@ import numpy as np
 import tremolo
 
 mesh = tremolo.box(size=(0.4, 0.06, 0.04), cells=(10, 2, 2))
-model = tremolo.precompute(*mesh, young=5e5, poisson=0.45, density=1100.0, fixed="x<1e-6", order=1, r=8, linear_modes=3)
+model = tremolo.precompute(*mesh, young=5e5, poisson=0.45, density=1100.0, fixed="x<1e-6", order=1, r=5, linear_modes=3)
 duration = 0.256  # s
 
 
 def motion(integrator, step):
     """The end q and the largest change of energy, relative; nan where the method explodes."""
-    body = model.body(integrator=integrator, step=step)
+    body = model.body(integrator=integrator, step=step, tolerance=1e-12)
     body.q[:3] = [0.03, 0.0, 0.005]
     start, worst = body.energy["total"], 0.0
     try:
@@ -29,8 +29,8 @@ def motion(integrator, step):
     return body.q.copy(), worst
 
 
-truth, _ = motion("rk4", duration / 8192)
-steps = duration / np.array([64, 128, 256, 512, 1024])
+truth, _ = motion("rk4", duration / 16384)
+steps = duration / np.array([64, 128, 256, 512, 1024, 2048])
 methods = ["verlet", "midpoint", "newmark", "imexv", "ep2", "ep4"]
 results = {name: [motion(name, h) for h in steps] for name in methods}
 
@@ -53,8 +53,8 @@ figure.savefig("integrators.png", dpi=100)
 # %%
 for name in methods:
     error = [np.linalg.norm(q - truth) for q, _ in results[name]]
-    order = np.log2(error[-2] / error[-1])
+    order = np.log2(error[-3] / error[-1]) / 2
     print(f"{name:9s} order {order:.2f}, energy to {results[name][-1][1]:.1e}")
-    assert abs(order - (4 if name == "ep4" else 2)) < 0.3
+    assert abs(order - (4 if name == "ep4" else 2)) < 0.4
     if name in ("ep2", "ep4"):
         assert results[name][-1][1] < 1e-11
