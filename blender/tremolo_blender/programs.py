@@ -18,7 +18,7 @@ kGrace = 2.0  # s that a program has to end by itself after a signal
 
 # Part of a precompute that is done when a stage has printed its line, and the work that follows. Fractions were
 # measured on a ball of 20 000 triangles and on a small one; the order is that of tremolo-precompute.
-kStages = {'': (0.0, 'filling the surface with tetrahedra'), 'mesh': (0.08, 'stiffness and mass'),
+kStages = {'': (0.0, 'making tetrahedra'), 'mesh': (0.08, 'stiffness and mass'),
            'matrices': (0.12, 'vibrations'), 'modes': (0.45, 'how they bend each other'),
            'derivatives': (0.62, 'checking the vibrations'), 'certificate': (0.75, 'choosing shapes'),
            'basis': (0.80, 'choosing shapes'), 'inertia': (0.81, 'forces'), 'coefficients': (0.98, 'writing'),

@@ -16,9 +16,6 @@ import support  # noqa: E402
 from bake import limb  # noqa: E402
 from read_exports import read_run  # noqa: E402
 
-# Debian's Blender 3.4 asks its glTF exporter and importer for a name that Debian's numpy 1.24 has dropped.
-numpy.bool = bool
-
 kFloats = 1e-6  # of the size
 
 
