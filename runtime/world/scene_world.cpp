@@ -104,7 +104,6 @@ Result<SceneWorld> SceneWorld::create(const Scene& scene, const ModelSource& sou
     Model::Pointer& model =
         wanted.rigid ? rigid_models[key_of(wanted)]
                      : models[{wanted.model, options.modes, options.linear, options.hull}];
-    if (wanted.rigid && wanted.rigid->shape) wanted.contact.shape = wanted.rigid->shape;
     if (!model && wanted.rigid) {
       if (Status s = take(model, load_scene_model(wanted)); !s)
         return error_of_body(wanted, s.error());
@@ -201,6 +200,7 @@ std::span<const PlacedCollider> SceneWorld::felt_by(std::size_t i) const {
 Result<ContactOptions> SceneWorld::contact_of(const SceneBody& wanted) {
   ContactOptions contact = wanted.contact;
   contact.colliders = wanted.feels_contact;
+  if (wanted.rigid && wanted.rigid->shape) contact.shape = wanted.rigid->shape;
   if (wanted.shape_file.empty()) return contact;
   auto found = shapes_.find(wanted.shape_file);
   if (found == shapes_.end()) {

@@ -56,7 +56,7 @@ template <class Look>
 void run_until(SceneWorld& world, double time, const Look& look) {
   while (world.time() < time - 0.5 * world.step_size()) {
     const auto failed = world.step();
-    ASSERT_TRUE(failed.empty()) << why_not_made(failed[0].report, world.time());
+    if (!failed.empty()) FAIL() << why_not_made(failed[0].report, world.time());
     look();
   }
 }
@@ -67,9 +67,9 @@ inline void run_until(SceneWorld& world, double time) {
 // The acceleration of the centre along x between the times, from its velocities, m/s^2.
 inline double acceleration(SceneWorld& world, double from, double to) {
   run_until(world, from);
-  const double before = world.body(0).rigid_state().velocity.x();
+  const double before = world.body(0).rigid_state().velocity.x(), begin = world.time();
   run_until(world, to);
-  return (world.body(0).rigid_state().velocity.x() - before) / (to - from);
+  return (world.body(0).rigid_state().velocity.x() - before) / (world.time() - begin);
 }
 
 inline Eigen::Vector3d centre_of(const SceneWorld& world, std::size_t i) {
