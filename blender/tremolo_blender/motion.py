@@ -104,8 +104,8 @@ def scaled(matrix, unit, origin):
 def bone_maps(track, armature, rig, names, first, rest, origin, unit):
     """Of each bone (None: the object itself) its maps of the body's rest, (k, 4, 4), in the body's frame.
 
-    track: of the object; rig: of the armature; first: the frame of rest; rest: the pose of the body's frame, in metres. Blender moves
-    a vertex by A⁻¹ W P B⁻¹ W⁻¹ A: W the armature, P and B its bone posed and at rest, A the object."""
+    track: of the object; rig: of the armature; first: the frame of rest; rest: the pose of the body's frame, in
+    metres. Blender moves a vertex by A⁻¹ W P B⁻¹ W⁻¹ A: W the armature, P and B its bone posed and at rest, A the object."""
     start = numpy.linalg.inv(track.at(first))
     back = numpy.linalg.inv(rest)
     maps = {}
