@@ -11,10 +11,14 @@ kMargin = 2  # frames before and after the range: they give the speeds at its en
 
 
 class Track:
-    """An object's matrices: frames (k,), matrices (k, 4, 4). Of an armature also bones: name -> (k, 4, 4)."""
+    """The motion of an object: k samples."""
 
     def __init__(self, name):
-        self.name, self.frames, self.matrices, self.bones, self.pins = name, [], [], {}, []
+        self.name = name
+        self.frames = []  # k
+        self.matrices = []  # k of 4 x 4: to the world
+        self.bones = {}  # of an armature: a bone's name -> k of 4 x 4, to the armature
+        self.pins = []  # k of (n, 3): places of vertices in the world, if asked for
 
     def index(self, frame):
         """Of the sample at a whole frame."""

@@ -6,7 +6,7 @@ import numpy
 import support
 from case import Case, kFloats, limb, ops, shaken
 from support import animate, ball, fresh, hold, own_positions, positions, prepare, refusal, size
-from tremolo_blender import point_cache
+from tremolo_blender import point_cache, simulate
 
 
 class Baking(Case):
@@ -127,6 +127,10 @@ class Baking(Case):
         # Three a second; a crossing is known to a frame, of 24, and the motion is a little nonlinear.
         seconds = (crossings[-1] - crossings[0]) / 24
         self.assertAlmostEqual((len(crossings) - 1) / seconds, 3, delta=0.15)
+
+    def test_a_step_too_long_for_the_slowest_shape_is_warned_of_with_the_number_that_suffices(self):
+        self.assertEqual(simulate.too_few_steps(3.0, 24, 3), [])  # 24 steps in a period
+        self.assertIn('set Sub-steps to 3 or more', simulate.too_few_steps(3.0, 24, 2)[0])
 
 
 class Stack(Case):
