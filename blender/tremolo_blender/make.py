@@ -156,4 +156,5 @@ def make_job(scene, thing):
     held = 'held' if keys['fix'] != ['none'] else 'free'
     summary = f"{report['elements']} tetrahedra, {held}"
     return {'model': bpy.path.relpath(out) if bpy.data.filepath else out, 'made_of': digest(shape, thing),
-            'made_stretch': (metres(scene) * shape.stretch).ravel(), 'frequency': first, 'summary': summary, 'warnings': done.warnings()}
+            'made_stretch': (metres(scene) * shape.stretch).ravel(), 'frequency': first,
+            'summary': summary, 'warnings': done.warnings()}

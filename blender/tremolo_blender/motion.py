@@ -11,10 +11,14 @@ kMargin = 2  # frames before and after the range: they give the speeds at its en
 
 
 class Track:
-    """An object's matrices: frames (k,), matrices (k, 4, 4). Of an armature also bones: name -> (k, 4, 4)."""
+    """The motion of an object: k samples."""
 
     def __init__(self, name):
-        self.name, self.frames, self.matrices, self.bones, self.pins = name, [], [], {}, []
+        self.name = name
+        self.frames = []  # k
+        self.matrices = []  # k of 4 x 4: to the world
+        self.bones = {}  # of an armature: a bone's name -> k of 4 x 4, to the armature
+        self.pins = []  # k of (n, 3): places of vertices in the world, if asked for
 
     def index(self, frame):
         """Of the sample at a whole frame."""
@@ -104,8 +108,8 @@ def scaled(matrix, unit, origin):
 def bone_maps(track, armature, rig, names, first, rest, origin, unit):
     """Of each bone (None: the object itself) its maps of the body's rest, (k, 4, 4), in the body's frame.
 
-    track: of the object; rig: of the armature; first: the frame of rest; rest: the pose of the body's frame, in metres. Blender moves
-    a vertex by A⁻¹ W P B⁻¹ W⁻¹ A: W the armature, P and B its bone posed and at rest, A the object."""
+    track: of the object; rig: of the armature; first: the frame of rest; rest: the pose of the body's frame, in
+    metres. Blender moves a vertex by A⁻¹ W P B⁻¹ W⁻¹ A: W the armature, P and B its bone posed and at rest, A the object."""
     start = numpy.linalg.inv(track.at(first))
     back = numpy.linalg.inv(rest)
     maps = {}

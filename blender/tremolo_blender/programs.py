@@ -120,8 +120,9 @@ class Program:
         return '\n'.join(words) if words else f'{self.name} ended with {ended} and no message'
 
     def warnings(self):
-        """Texts after "warning:", and the notes of a surface that was repaired."""
-        return [line.split('warning:', 1)[1].strip() for line in self.errors if 'warning:' in line]
+        """Texts after "warning:"; those of CGAL are for programmers."""
+        return [line.split('warning:', 1)[1].strip() for line in self.errors
+                if 'warning:' in line and not line.startswith('CGAL')]
 
 
 def run(command, folder, stages=None):

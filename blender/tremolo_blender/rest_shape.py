@@ -21,9 +21,15 @@ kRigid = 1e-4  # largest departure of RᵀR from 1 that counts as a rotation: Bl
 
 
 class Shape:
-    """local: (n, 3), the vertices in the object's own space; vertices: (n, 3), m, in the body's frame; faces: lists of vertices, facing outwards;
-    held: (n,) bool; stretch: S, (3, 3); weights: bone's name -> (n,), of an armature; place: the index of
-    the cache in the stack of modifiers; base: whether the vertices are those of the mesh itself."""
+    """The body of an object at one frame, n vertices."""
+    local: numpy.ndarray  # (n, 3): the vertices in the object's own space
+    vertices: numpy.ndarray  # (n, 3), m, in the body's frame
+    faces: list  # of lists of vertices, facing outwards
+    held: numpy.ndarray  # (n,), bool
+    stretch: numpy.ndarray  # S, (3, 3)
+    weights: dict  # of the armature: a bone's name -> (n,)
+    place: int  # of the cache in the stack of modifiers
+    base: bool  # the vertices are those of the mesh itself
 
 
 def cache_of(thing):

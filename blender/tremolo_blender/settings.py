@@ -33,7 +33,8 @@ class TremoloObject(bpy.types.PropertyGroup):
     wobble: FloatProperty(name='Frequency', default=3.0, min=0.0, precision=2,
                           description='Vibrations per second of the slowest shape, whatever the stiffness; '
                           '0: that of the stiffness. The model need not be made again')
-    gravity: BoolProperty(name='Gravity', default=True, description="The scene's gravity; a held body begins at rest in it")
+    gravity: BoolProperty(name='Gravity', default=True,
+                          description="The scene's gravity; a held body begins at rest in it")
     # Of cloth.
     area_density: FloatProperty(name='Weight', default=0.2, min=1e-4, precision=3, description='kg/m²')
     stretch: FloatProperty(name='Stretch', default=1000.0, min=0.0, description='Stiffness along edges, N/m')

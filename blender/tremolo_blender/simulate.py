@@ -9,15 +9,29 @@ from .make import bone_ends, file_stem, is_of_this_shape, metres, work_folder
 from .obstacles import obstacle_job, obstacles_of
 from .point_cache import read_pc2, write_ply
 from .programs import Refused, find_program, run
-from .rest_shape import armature_of, only, rest_shape, split_stack
+from .rest_shape import Shape, armature_of, only, rest_shape, split_stack
 from .settings import programs_folder
 
+kStepsOfPeriod = 20  # of the slowest shape; fewer do not follow its vibration
 kSamples = 4  # poses of each frame, at most; between them the engine's splines
 
 
 class Plan:
-    """One run. scene, thing; shape: at the first frame; origin: of the engine's world, Blender's units;
-    rate: frames a second; folder, stem: of the files; track: of the object; rest: its pose, 4 x 4, m."""
+    """One run of an object through the frames of a scene."""
+    scene: bpy.types.Scene
+    thing: bpy.types.Object
+    unit: float  # metres of a Blender unit
+    first: int  # frame
+    last: int  # frame
+    rate: float  # frames a second
+    folder: str  # of the files
+    stem: str  # of their names
+    shape: Shape  # at the first frame
+    origin: numpy.ndarray  # of the engine's world, in Blender's: floats are finest there
+    track: motion.Track  # of the object
+    ends: dict  # of the bones: name -> head and tail, m, in the body's frame
+    positions: numpy.ndarray  # float32 (frames, n, 3), in the object's own space at each frame
+    warnings: list  # texts
 
 
 def frame_rate(scene):
@@ -33,6 +47,7 @@ def begin(scene, thing):
         raise Refused(f'the range of frames, {plan.first} to {plan.last}, is empty')
     plan.folder, plan.stem = work_folder(scene), file_stem(thing)
     plan.shape = rest_shape(thing, plan.unit, thing.tremolo.hold, posed=thing.tremolo.kind == 'CLOTH')
+    plan.warnings = []
     plan.origin = numpy.array(thing.matrix_world.translation, float)
     return plan
 
@@ -173,6 +188,15 @@ def sampled_job(plan, things):
     return tracks[0], rig, tracks[1:]
 
 
+def too_few_steps(frequency, rate, substeps):
+    """The warning, if any, that the steps do not follow the slowest shape."""
+    if frequency <= 0 or rate * substeps >= kStepsOfPeriod * frequency:
+        return []
+    needed = int(numpy.ceil(kStepsOfPeriod * frequency / rate))
+    return [f'the slowest shape, {frequency:.3g} Hz, has {rate * substeps / frequency:.2g} steps in a period: '
+            f'set Sub-steps to {needed} or more']
+
+
 def scene_job(plan):
     """Job: writes the scene; its value is the path."""
     thing, scene = plan.thing, plan.scene
@@ -198,6 +222,7 @@ def scene_job(plan):
     else:
         model, frequency = yield from rescaled_job(plan, model)
         keys['bodies'] = [body_keys(plan, model, frequency, rig)]
+        plan.warnings += too_few_steps(frequency, plan.rate, scene.tremolo.substeps)
     if things:
         keys['colliders'] = collider_keys(plan, things, made, others)
     path = os.path.join(plan.folder, plan.stem + '.toml')
@@ -227,5 +252,5 @@ def simulate_job(scene, thing):
         raise Refused(f'{program} wrote {world.shape[0]} frames of {world.shape[1]} vertices; '
                       f'{frames} of {len(plan.shape.vertices)} are needed')
     plan.positions = motion.to_local(world, plan.track, plan.first, plan.origin, plan.unit)
-    plan.warnings = done.warnings()
+    plan.warnings += done.warnings()
     return plan

@@ -5,7 +5,6 @@ writes it, and point caches of `tremolo export` in Blender's Mesh Cache modifier
 
 TREMOLO_PROGRAMS: the folder of the programs; build/bin by default."""
 import os
-import subprocess
 import sys
 import unittest
 
@@ -13,18 +12,11 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import bpy  # noqa: E402
 import numpy  # noqa: E402
 import support  # noqa: E402
-from bake import limb  # noqa: E402
+from case import limb  # noqa: E402
 from read_exports import read_run  # noqa: E402
+from support import program  # noqa: E402
 
 kFloats = 1e-6  # of the size
-
-
-def program(name, *arguments, folder):
-    path = os.path.join(os.environ['TREMOLO_PROGRAMS'], name)
-    done = subprocess.run([path, *arguments], cwd=folder, capture_output=True, text=True)
-    if done.returncode:
-        raise AssertionError(f'{name} {" ".join(arguments)}: {done.returncode}\n{done.stderr}')
-    return done.stderr + done.stdout
 
 
 def obj_vertices(path):
@@ -67,8 +59,8 @@ class Exchange(unittest.TestCase):
 
     def test_a_glb_with_morph_targets_is_meshed_in_its_rest_shape_and_that_is_said(self):
         wanted = self.morphing_ball()
-        log = program('tremolo-precompute', 'morphs.glb', '-o', 'm.tremolo', '--up', 'y', '--fix', 'z<10%', '--tets', '500',
-                      '--modes', '8', folder=self.folder)
+        log = program('tremolo-precompute', 'morphs.glb', '-o', 'm.tremolo', '--up', 'y', '--fix', 'z<10%',
+                      '--tets', '500', '--modes', '8', folder=self.folder)
         self.assertIn('shapes that morph: taken in their rest shape', log)
         program('tremolo', 'export', 'm.tremolo', '--load', 'none', '--duration', '0.1', '--step', '0.01', '--pc2',
                 'm.pc2', folder=self.folder)
@@ -80,8 +72,8 @@ class Exchange(unittest.TestCase):
         log = program('tremolo-precompute', 'm.msh', '--render', 'morphs.glb', '-o', 'm.tremolo', '--up', 'y', '--fix',
                       'z<10%', '--modes', '8', folder=self.folder)
         self.assertIn('render surface', log)
-        program('tremolo', 'run', 'm.tremolo', '--load', 'none', '--duration', '0.1', '--step', '0.01', '--surfaces', '1',
-                '--out', 'run', folder=self.folder)
+        program('tremolo', 'run', 'm.tremolo', '--load', 'none', '--duration', '0.1', '--step', '0.01',
+                '--surfaces', '1', '--out', 'run', folder=self.folder)
         points = numpy.array(list(read_run(self.path('run')))[-1][1])
         self.assertLess(same_points(points, wanted), kFloats)
 
@@ -121,8 +113,8 @@ class Exchange(unittest.TestCase):
         bpy.ops.object.select_all(action='DESELECT')
         thing.select_set(True)
         bpy.ops.wm.obj_export(filepath=self.path('ball.obj'), forward_axis='Y', up_axis='Z')
-        program('tremolo-precompute', 'ball.obj', '-o', 'ball.tremolo', '--fix', 'z<10%', '--tets', '500', '--modes', '8',
-                '--young', '3e4', '--load-at', 'near:0,0,1', '--load-force', '600,300,0', folder=self.folder)
+        program('tremolo-precompute', 'ball.obj', '-o', 'ball.tremolo', '--fix', 'z<10%', '--tets', '500',
+                '--modes', '8', '--young', '3e4', '--load-at', 'near:0,0,1', '--load-force', '600,300,0', folder=self.folder)
         run = ['--step', '0.0041666666666666666', '--duration', '1']
         program('tremolo', 'export', 'ball.tremolo', *run, '--rate', '24', '--pc2', 'a.pc2', '--mdd', 'b.mdd',
                 folder=self.folder)

@@ -36,7 +36,7 @@ try:
         assert hasattr(bpy.types.Object, 'tremolo')
         bpy.ops.preferences.addon_disable(module='tremolo_blender')
     print('installed, enabled, disabled and enabled again')
-except BaseException as error:  # Blender would end with 0
+except BaseException:  # Blender would end with 0
     import traceback
     traceback.print_exc()
     sys.exit(1)

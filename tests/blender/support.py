@@ -120,6 +120,14 @@ def own_positions(scene, thing, body='body'):
     return found
 
 
+def program(name, *arguments, folder):
+    path = os.path.join(os.environ['TREMOLO_PROGRAMS'], name)
+    done = subprocess.run([path, *arguments], cwd=folder, capture_output=True, text=True)
+    if done.returncode:
+        raise AssertionError(f'{name} {" ".join(arguments)}: {done.returncode}\n{done.stderr}')
+    return done.stderr + done.stdout
+
+
 def blender(path, code):
     """Opens a .blend in a Blender without the add-on and runs code; returns the JSON that it prints last."""
     done = subprocess.run([bpy.app.binary_path, '-b', '--factory-startup', path, '--python-exit-code', '1',
