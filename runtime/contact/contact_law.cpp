@@ -55,7 +55,9 @@ Correction correct(const ContactLaw& law, const ContactGap& gap, const ContactWa
   const double length2 = way.path.squaredNorm() + way.bend.squaredNorm();
   if (!(length2 > 1e-18 * law.margin * law.margin)) return {};
   const double shorter2 = 1.0 / length2;
-  return {(gap.d1 - gap.d0 - normal.dot(way.path - way.bend)) * shorter2, shorter2};
+  double missed = gap.d1 - gap.d0 - normal.dot(way.path - way.bend);
+  if (law.rounding > 0.0) missed -= std::clamp(missed, -law.rounding, law.rounding);
+  return {missed * shorter2, shorter2};
 }
 
 // The fraction of restitution by the point's own rate, and the fraction of rebound_speed from which

@@ -60,6 +60,9 @@ struct ContactLaw {
   double shear = 0.0;          // k of friction.h, N/m
   double shear_damping = 0.0;  // c of friction.h, N s/m
   double radius = 0.0;         // rho of a round point, m
+  // Of a contact with a rigid body, which comes to rest entirely: changes of distance below this
+  // are rounding errors, and the normal is not corrected for them, m.
+  double rounding = 0.0;
 
   double energy(double distance) const;
 };

@@ -80,6 +80,13 @@ void ContactStep::settle_grips() {
   }
 }
 
+// Bound of the rounding error of a distance, and of its change, near the body, m.
+double ContactStep::distance_rounding() const {
+  constexpr double kRoundings = 32.0;
+  return kRoundings * std::numeric_limits<double>::epsilon() *
+         (eq_.points->extent + ball_.centre.norm());
+}
+
 // The law of a point, scaled by its area. The friction spring is as stiff as the contact at half
 // the margin, or where it is linear.
 ContactLaw ContactStep::law_of(std::size_t point, double friction, double restitution) const {
@@ -90,6 +97,7 @@ ContactLaw ContactStep::law_of(std::size_t point, double friction, double restit
   law.shear = law.stiffness * std::min(law.margin, 2.0 * law.linear_from);
   law.shear_damping = dampers_[point] * std::sqrt(law.shear);
   law.radius = eq_.points->radius_of(point);
+  if (eq_.points->rigid()) law.rounding = distance_rounding();
   return law;
 }
 
@@ -113,6 +121,8 @@ ContactLaw ContactStep::law_of(std::size_t point, const ContactStep& other) cons
   law.stiffness = eq_.points->areas[point] * own * other_slope / (own + other_slope);
   law.shear = law.stiffness * std::min(law.margin, 2.0 * law.linear_from);
   if (before > 0.0) law.shear_damping *= std::sqrt(law.shear / before);
+  if (eq_.points->rigid() || other.points().rigid())
+    law.rounding = distance_rounding() + other.distance_rounding();
   return law;
 }
 

@@ -201,6 +201,7 @@ class ContactStep {
   Pose end_pose() const;
   double size_of_motion() const;
   double way_of_move() const;
+  double distance_rounding() const;
   double held_rounding(const VertexRows& place, double stiffness, double far) const;
   double grips_rounding() const;
   bool solve(double heavier, bool hold, StepReport& report);
