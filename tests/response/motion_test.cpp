@@ -138,7 +138,8 @@ TEST(Response, OfALinearModelIsItsTransferFunction) {
       // The matrix's condition is some hundred.
       EXPECT_LE((point.motion - exact).norm(), 1e-12 * exact.norm()) << point.omega;
     }
-    EXPECT_NEAR(curve->points.back().omega, request.omega_to, 1e-12 * request.omega_to);
+    // The last point is sought until it is within 1e-11 of the end.
+    EXPECT_NEAR(curve->points.back().omega, request.omega_to, 2e-11 * request.omega_to);
   }
 }
 
@@ -176,14 +177,21 @@ double distance_after(const Sample& s, const CurvePoint& point, double load, dou
 }
 
 TEST(Response, SteppingInTimeStaysOnBothStableBranchesAndLeavesTheUnstableOne) {
-  const double alpha = 0.03, beta = 0.02, load = 0.06;
-  const Sample s = sample(spread_omega(3, 1.0, 5.0), 0.6, alpha, beta);
-  const Eigen::VectorXd f = *reduce_force(*s.model, 3, {0.0, 0.0, load});
-  FourierSeries force = FourierSeries::Zero(3, 3);
-  force.col(2) = f;
+  // The strain q + 0.3 q^2 of coordinate 1 softens it by 3 (0.3 A)^2: at A = 0.6 by 0.1, five times
+  // the damping ratio.
+  const double alpha = 0.02, beta = 0.02;
+  StrainModel strains{Eigen::Vector2d(1.0, 4.0), {Eigen::Matrix2d(), Eigen::Matrix2d()}};
+  strains.b[0] << 0.3, 0.1, 0.1, 0.05;
+  strains.b[1] << 0.2, 0.1, 0.1, 0.1;
+  const Model::Pointer model = *Model::from_data(sample_basis(strains));
+  const Sample s{strains, model, *vibrating_system(*model, alpha, beta)};
+  const double unit = (*reduce_force(*model, 3, {0.0, 0.0, 1.0}))[0];
+  const double load = 0.6 * (alpha + beta) / unit;
+  FourierSeries force = FourierSeries::Zero(2, 3);
+  force.col(2) = *reduce_force(*model, 3, {0.0, 0.0, load});
   CurveOptions options = plain_options(12);
   options.longest_step = 0.2;
-  const Result<MotionCurve> curve = response_curve(s.system, {force, 1.3, 0.5}, options);
+  const Result<MotionCurve> curve = response_curve(s.system, {force, 1.3, 0.6}, options);
   ASSERT_TRUE(curve) << curve.error().message;
   ASSERT_EQ(curve->end, CurveEnd::kDone);
   std::vector<double> folds;
@@ -281,7 +289,7 @@ TEST(Floquet, MultipliersAreThoseOfStepping) {
   const Eigen::MatrixXd stepped = stepped_monodromy(s, point, alpha, beta, 2000);
   const Eigen::VectorXcd exact = stepped.eigenvalues();
   double before = 0.0;
-  for (const int steps : {16, 32, 64}) {
+  for (const int steps : {32, 64, 128}) {
     double worst = 0.0;
     for (const auto& value : floquet_multipliers(s.system, point.motion, point.omega, steps)) {
       double nearest = 1e300;
