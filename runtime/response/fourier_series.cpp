@@ -48,8 +48,8 @@ FourierSeries shifted(const FourierSeries& series, double shift) {
 
 double harmonic_size(const FourierSeries& series, Eigen::Index k) {
   if (k == 0) return series.col(0).norm();
-  return std::sqrt(
-      0.5 * (series.col(cosine_column(k)).squaredNorm() + series.col(sine_column(k)).squaredNorm()));
+  return std::sqrt(0.5 * (series.col(cosine_column(k)).squaredNorm() +
+                          series.col(sine_column(k)).squaredNorm()));
 }
 
 double last_share(const FourierSeries& series) {

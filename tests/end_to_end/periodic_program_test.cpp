@@ -80,9 +80,9 @@ TEST_F(PeriodicProgram, OfALinearModelPhaseAndAmplitudeAreThoseOfOneOscillatorNe
 }
 
 TEST_F(PeriodicProgram, SeveralLevelsAreACurveEachAndFilesHoldThem) {
-  const Json json =
-      json_of("response small.tremolo --load-scale 0.05,0.1,0.2 --damping-ratio 3% --from 0.6 --to "
-              "1.5 --out made --csv table.csv");
+  const Json json = json_of(
+      "response small.tremolo --load-scale 0.05,0.1,0.2 --damping-ratio 3% --from 0.6 --to "
+      "1.5 --out made --csv table.csv");
   ASSERT_EQ(json["curves"].size(), 3U);
   double before = 0.0;
   std::size_t points = 0;
@@ -107,8 +107,8 @@ TEST_F(PeriodicProgram, ABackboneBeginsAtTheModesFrequencyAndEndsAtTheAmplitude)
     EXPECT_EQ(json["end"], "done");
     const double linear = json["linear_frequency_hz"];
     EXPECT_NEAR(json["points"].front()["frequency_hz"].get<double>(), linear, 1e-5 * linear);
-    EXPECT_NEAR(json["points"].back()["amplitude"].get<double>(),
-                0.05 * json["size"].get<double>(), 1e-9);
+    EXPECT_NEAR(json["points"].back()["amplitude"].get<double>(), 0.05 * json["size"].get<double>(),
+                1e-9);
     for (const Json& point : json["points"]) EXPECT_GT(point["energy"].get<double>(), 0.0);
   }
 }

@@ -15,7 +15,9 @@ TEST(InternalResonance, TheLoopOfABackboneAtOneToThreeCloses) {
   const double w2 = 3.05;
   const std::vector<double> cubic(4, 0.0), quartic{0.25, 0.5 / 4.0, 0.5 / 6.0, 0.0, 0.0};
   const VibratingSystem system{*Potential::create(Eigen::Vector2d(1.0, w2 * w2), cubic, quartic),
-                               Eigen::Vector2d::Zero(), 0.0, {}};
+                               Eigen::Vector2d::Zero(),
+                               0.0,
+                               {}};
   CurveOptions options = plain_options(9);
   options.longest_step = 0.05;
   const Result<MotionCurve> curve = backbone_curve(system, {0, {}, 1.0}, options);

@@ -42,8 +42,7 @@ Sample sample(const Eigen::VectorXd& omega, double nonlinearity, double alpha, d
 }
 
 FourierSeries random_series(Eigen::Index r, Eigen::Index harmonics, double scale) {
-  return testing::random_vector(r * (2 * harmonics + 1), scale, 11)
-      .reshaped(r, 2 * harmonics + 1);
+  return testing::random_vector(r * (2 * harmonics + 1), scale, 11).reshaped(r, 2 * harmonics + 1);
 }
 
 TEST(HarmonicBalance, ItsForceIsExactWithTheFewestSamples) {
@@ -130,8 +129,8 @@ TEST(Response, OfALinearModelIsItsTransferFunction) {
           const double speed = k * point.omega;
           const std::complex<double> f(force(i, 2 * k - 1), -force(i, 2 * k));
           const std::complex<double> u =
-              f / std::complex<double>(model->lambda()[i] - speed * speed,
-                                       speed * system.damping[i]);
+              f /
+              std::complex<double>(model->lambda()[i] - speed * speed, speed * system.damping[i]);
           exact(i, 2 * k - 1) = u.real();
           exact(i, 2 * k) = -u.imag();
         }
@@ -229,8 +228,7 @@ TEST(Backbone, ItsMotionsReturnAfterTheirPeriodUnderEp4) {
     // ep4 with 4000 steps a period is converged to 1e-9.
     EXPECT_LE(distance_after(s, point, 0.0, 0.0, 0.0, 0.0, 1, 4000), 1e-6) << point.amplitude;
     const State start = state_of(point);
-    const double energy =
-        testing::strain_energy(s.strains, start.q) + 0.5 * start.p.squaredNorm();
+    const double energy = testing::strain_energy(s.strains, start.q) + 0.5 * start.p.squaredNorm();
     EXPECT_NEAR(mean_energy(s.system, point.motion, point.omega), energy, 1e-7 * energy);
   }
 }
@@ -261,9 +259,9 @@ Eigen::MatrixXd stepped_monodromy(const Sample& s, const CurvePoint& point, doub
       const Eigen::VectorXd dq = y.col(j).head(r), dv = y.col(j).tail(r);
       // Exact up to the cubic part, whose difference has an error of e^2.
       const auto force = [&](double sign) {
-        return Eigen::VectorXd(testing::strain_force(s.strains, q + sign * e * dq) +
-                               beta * testing::strain_damping_force(s.strains, q + sign * e * dq,
-                                                                    v + sign * e * dv));
+        return Eigen::VectorXd(
+            testing::strain_force(s.strains, q + sign * e * dq) +
+            beta * testing::strain_damping_force(s.strains, q + sign * e * dq, v + sign * e * dv));
       };
       out.col(j).tail(r) = -(force(1.0) - force(-1.0)) / (2.0 * e) - alpha * dv;
     }
@@ -308,8 +306,7 @@ TEST(Floquet, MultipliersAreThoseOfStepping) {
 TEST(StaticState, BeyondBucklingIsRefusedWithTheFractionOfTheForce) {
   // x + 3 c x^2 + 2 q x^3 with a limit point: no state at rest beyond it near the first.
   const std::vector<double> cubic{-1.0}, quartic{0.6};
-  const Potential potential =
-      *Potential::create(Eigen::VectorXd::Constant(1, 1.0), cubic, quartic);
+  const Potential potential = *Potential::create(Eigen::VectorXd::Constant(1, 1.0), cubic, quartic);
   // R = x - 3 x^2 + 2.4 x^3, R' = 0 at x = (6 - sqrt(36 - 28.8))/14.4.
   const double limit = (6.0 - std::sqrt(36.0 - 28.8)) / 14.4;
   const double most = limit - 3.0 * limit * limit + 2.4 * std::pow(limit, 3);
@@ -339,7 +336,10 @@ TEST(Response, WithoutDampingItIsUnboundedAtResonance) {
 TEST(Response, WrongRequestsAreRefused) {
   const VibratingSystem system = system_of({1.0, 1.0, 0.02});
   const FourierSeries force = cosine_force(Eigen::VectorXd::Constant(1, 0.1));
-  for (const auto& [from, to] : {std::pair(0.0, 1.0), {1.0, 0.0}, {-1.0, 2.0}, {1.0, 1.0},
+  for (const auto& [from, to] : {std::pair(0.0, 1.0),
+                                 {1.0, 0.0},
+                                 {-1.0, 2.0},
+                                 {1.0, 1.0},
                                  {1.0, std::numeric_limits<double>::infinity()}}) {
     const Result<MotionCurve> curve = response_curve(system, {force, from, to}, plain_options(3));
     ASSERT_FALSE(curve);
