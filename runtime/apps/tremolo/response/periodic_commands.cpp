@@ -220,6 +220,14 @@ void limit_undamped(CurveOptions& options) {
   options.most_points = std::min(options.most_points, kMostPoints);
 }
 
+// True if the range of the sweep has a mode's frequency in it.
+bool crosses_mode(const ResponseOptions& options, const Model& model) {
+  const double low = std::min(options.from, options.to), high = std::max(options.from, options.to);
+  const Eigen::VectorXd frequencies = model.frequencies_hz();
+  return std::any_of(frequencies.begin(), frequencies.end(),
+                     [&](double frequency) { return frequency >= low && frequency <= high; });
+}
+
 // One curve, with its ending and its seconds.
 template <class Trace>
 Result<CurveResult> timed(const Trace& trace) {
@@ -269,6 +277,10 @@ int response_command(const ResponseOptions& options) {
     if (!result) return report_error(result.error());
     result->label = fmt::format("load x {:g}", scale);
     result->load_scale = scale;
+    // The truncated equations may pass a resonance that nothing bounds.
+    if (!system->damped() && crosses_mode(options, *made->model) &&
+        result->curve.end != CurveEnd::kStopped)
+      result->curve.end = CurveEnd::kUnbounded;
     set_ending(*made, system->damped(), fmt::format("{:g} Hz", options.to), *curve, *result);
     note_signal(interruption, *result);
     results.push_back(std::move(*result));
