@@ -56,6 +56,7 @@ double last_share(const FourierSeries& series) {
   const Eigen::Index H = harmonics_of(series);
   const double all = series.rightCols(2 * H).norm();
   if (!(all > 0.0)) return 0.0;
+  if (H == 1) return 1.0;
   return series.rightCols(std::min<Eigen::Index>(4, 2 * (H - 1))).norm() / all;
 }
 
