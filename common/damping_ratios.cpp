@@ -57,13 +57,11 @@ Result<DampingRatios> parse_damping(std::string_view text) {
   if ((pairs != 0 && pairs != items.size()) || pairs == 1) return wrong;
   for (const RatioAt& item : items)
     if (!(item.ratio >= 0.0) || !(item.ratio < 1.0))
-      return content_error(shown +
-                           "a ratio is a fraction of critical damping, from 0 to below 1");
+      return content_error(shown + "a ratio is a fraction of critical damping, from 0 to below 1");
   DampingRatios ratios;
   if (pairs == 2) {
-    Status s = take(ratios.rayleigh,
-                    rayleigh_damping(items[0].frequency, items[0].ratio, items[1].frequency,
-                                     items[1].ratio, text));
+    Status s = take(ratios.rayleigh, rayleigh_damping(items[0].frequency, items[0].ratio,
+                                                      items[1].frequency, items[1].ratio, text));
     if (!s) return s.error();
   } else if (pairs > 2) {
     if (Status s = check_table(items, shown); !s) return s.error();
@@ -75,15 +73,14 @@ Result<DampingRatios> parse_damping(std::string_view text) {
 }
 
 double ratio_of(const DampingRatios& ratios, std::size_t mode, double frequency) {
-  if (!ratios.of_modes.empty())
-    return ratios.of_modes[std::min(mode, ratios.of_modes.size() - 1)];
+  if (!ratios.of_modes.empty()) return ratios.of_modes[std::min(mode, ratios.of_modes.size() - 1)];
   const std::vector<RatioAt>& table = ratios.table;
   if (table.empty()) return 0.0;
   if (frequency <= table.front().frequency) return table.front().ratio;
   if (frequency >= table.back().frequency) return table.back().ratio;
-  const auto above = std::upper_bound(
-      table.begin(), table.end(), frequency,
-      [](double f, const RatioAt& row) { return f < row.frequency; });
+  const auto above =
+      std::upper_bound(table.begin(), table.end(), frequency,
+                       [](double f, const RatioAt& row) { return f < row.frequency; });
   const RatioAt &a = *(above - 1), &b = *above;
   return a.ratio + (b.ratio - a.ratio) * (frequency - a.frequency) / (b.frequency - a.frequency);
 }

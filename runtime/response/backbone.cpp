@@ -33,8 +33,8 @@ SmallVibration small_vibration(const Potential& potential, const Eigen::VectorXd
 
 Status check(const VibratingSystem& system, const BackboneRequest& request) {
   if (request.mode < 0 || request.mode >= system.size())
-    return content_error("mode " + std::to_string(request.mode + 1) + ": the model has modes 1 to " +
-                         std::to_string(system.size()));
+    return content_error("mode " + std::to_string(request.mode + 1) +
+                         ": the model has modes 1 to " + std::to_string(system.size()));
   if (!(request.to_amplitude > 0.0) || !std::isfinite(request.to_amplitude))
     return content_error("the amplitude must be positive and finite");
   return Success{};
@@ -61,8 +61,8 @@ double mean_energy(const VibratingSystem& system, const FourierSeries& motion, d
   Evaluation at = system.potential.make_evaluation();
   double sum = 0.0;
   for (Eigen::Index n = 0; n < samples; ++n) {
-    const double theta = 2.0 * 3.14159265358979323846 * static_cast<double>(n) /
-                         static_cast<double>(samples);
+    const double theta =
+        2.0 * 3.14159265358979323846 * static_cast<double>(n) / static_cast<double>(samples);
     const Eigen::VectorXd q = motion * fourier_row(H, theta);
     system.potential.evaluate(q, kWantEnergy, workspace, at);
     sum += at.energy + 0.5 * omega * omega * (motion * fourier_slope_row(H, theta)).squaredNorm();
@@ -75,9 +75,9 @@ HarmonicPart largest_part(const FourierSeries& motion) {
   double all = 0.0, largest = 0.0;
   for (Eigen::Index k = 1; k <= harmonics_of(motion); ++k) {
     const auto order = static_cast<double>(k);
-    const Eigen::VectorXd energies =
-        order * order * (motion.col(cosine_column(k)).array().square() +
-                         motion.col(sine_column(k)).array().square());
+    const Eigen::VectorXd energies = order * order *
+                                     (motion.col(cosine_column(k)).array().square() +
+                                      motion.col(sine_column(k)).array().square());
     all += energies.sum();
     Eigen::Index coordinate = 0;
     const double most = energies.maxCoeff(&coordinate);
@@ -91,7 +91,7 @@ HarmonicPart largest_part(const FourierSeries& motion) {
 }
 
 Result<MotionCurve> backbone_curve(const VibratingSystem& system, const BackboneRequest& request,
-                             const CurveOptions& options) {
+                                   const CurveOptions& options) {
   if (Status s = check(system, request); !s) return s.error();
   VibratingSystem undamped = system;
   undamped.damping.setZero();
@@ -107,7 +107,8 @@ Result<MotionCurve> backbone_curve(const VibratingSystem& system, const Backbone
   start.col(0).setZero();
   start.col(cosine_column(1)) = mode.shape;
   const double unit = options.amplitude(start);
-  if (!(unit > 0.0)) return content_error("the mode does not move the point whose amplitude is asked");
+  if (!(unit > 0.0))
+    return content_error("the mode does not move the point whose amplitude is asked");
   const double size = kFirstAmplitude * request.to_amplitude / unit;
   start.col(cosine_column(1)) *= size;
   start.col(0) = *rest;

@@ -7,9 +7,9 @@
 namespace tremolo {
 
 struct BackboneRequest {
-  Eigen::Index mode = 0;     // coordinate, or mode about the constant force's state, from 0
-  Eigen::VectorXd constant;  // a constant force, r; empty: none
-  double to_amplitude = 0.0; // in the unit of options.amplitude; the curve's end
+  Eigen::Index mode = 0;      // coordinate, or mode about the constant force's state, from 0
+  Eigen::VectorXd constant;   // a constant force, r; empty: none
+  double to_amplitude = 0.0;  // in the unit of options.amplitude; the curve's end
 };
 
 // The energy of the motion, J: V + q'^2/2, of which a free motion keeps all. The mean over a
@@ -29,6 +29,6 @@ HarmonicPart largest_part(const FourierSeries& motion);
 // mode that does not exist, an amplitude that is not positive, or a constant force beyond a static
 // instability; kSolver if no motion is found near rest, as where two frequencies are equal.
 Result<MotionCurve> backbone_curve(const VibratingSystem& system, const BackboneRequest& request,
-                             const CurveOptions& options);
+                                   const CurveOptions& options);
 
 }  // namespace tremolo

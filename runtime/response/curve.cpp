@@ -116,8 +116,7 @@ Result<CurveState> find_zero(CurveEquations& equations, const CurveState& from, 
                              double at_start, double at_end, const CurveFunction& function) {
   double low = 0.0, high = ds, f_low = at_start, f_high = at_end;
   Result<CurveState> state = from;
-  const Eigen::VectorXd direction =
-      (from.weights.array().square() * from.tangent.array()).matrix();
+  const Eigen::VectorXd direction = (from.weights.array().square() * from.tangent.array()).matrix();
   for (int i = 0; i < kMostEvaluations; ++i) {
     // The secant's zero, kept off the ends so that the bracket shrinks (the Illinois rule below).
     double s = (low * f_high - high * f_low) / (f_high - f_low);

@@ -63,8 +63,8 @@ class Tracer {
     point.amplitude = options_.amplitude(point.motion);
     point.length = length_;
     if (!options_.stability) return point;
-    point.multipliers = floquet_multipliers(system_, point.motion, point.omega,
-                                            floquet_steps(point.harmonics()));
+    point.multipliers =
+        floquet_multipliers(system_, point.motion, point.omega, floquet_steps(point.harmonics()));
     for (const auto& multiplier : deciding(point.multipliers))
       if (!(std::abs(multiplier) <= circle())) ++point.unstable;
     point.stable = point.unstable == 0;
@@ -118,8 +118,7 @@ class Tracer {
       Eigen::VectorXd y;
       const CorrectorReport report = advance(equations_, state_, ds_, false, y);
       if (report.converged) {
-        const Eigen::VectorXd direction =
-            state_.weights.array().square() * state_.tangent.array();
+        const Eigen::VectorXd direction = state_.weights.array().square() * state_.tangent.array();
         Result<CurveState> next = curve_state(equations_, std::move(y), direction);
         if (next && tangent_cosine(state_, *next) > kLeastCosine) return accept(*next, report);
       }
@@ -150,8 +149,8 @@ class Tracer {
   // The last point is at the goal itself.
   bool arrive(const CurveState& next, const CurvePoint& behind) {
     const auto beyond = [&](const CurveState& state) { return goal_.beyond(bare_point(state)); };
-    const Result<CurveState> last = find_zero(equations_, state_, ds_, beyond(state_),
-                                              goal_.beyond(behind), beyond);
+    const Result<CurveState> last =
+        find_zero(equations_, state_, ds_, beyond(state_), goal_.beyond(behind), beyond);
     if (!last) return false;
     CurvePoint point = point_of(*last);
     find_events(*last, point);
@@ -175,8 +174,8 @@ class Tracer {
     const std::size_t known = curve_.bifurcations.size();
     if (turned) {
       const auto slope = [](const CurveState& state) { return state.omega_slope(); };
-      const Result<CurveState> fold = find_zero(equations_, state_, span, state_.omega_slope(),
-                                                next.omega_slope(), slope);
+      const Result<CurveState> fold =
+          find_zero(equations_, state_, span, state_.omega_slope(), next.omega_slope(), slope);
       if (fold) curve_.bifurcations.push_back({BifurcationKind::kFold, point_of(*fold), 1.0});
     }
     if (options_.stability && curve_.points.back().unstable != point.unstable)
@@ -228,8 +227,9 @@ class Tracer {
 }  // namespace
 
 Result<MotionCurve> trace_curve(MotionEquations& equations, const VibratingSystem& system,
-                          Eigen::VectorXd first, const Eigen::VectorXd& direction,
-                          const CurveGoal& goal, bool conservative, const CurveOptions& options) {
+                                Eigen::VectorXd first, const Eigen::VectorXd& direction,
+                                const CurveGoal& goal, bool conservative,
+                                const CurveOptions& options) {
   Tracer tracer(equations, system, goal, conservative, options);
   return tracer.trace(std::move(first), direction);
 }

@@ -20,7 +20,8 @@ struct CurveGoal {
 // first: the unknowns of a solution; direction: where to go, in the unknowns (curve_state).
 // conservative: a free motion without damping, which has two multipliers at +1.
 Result<MotionCurve> trace_curve(MotionEquations& equations, const VibratingSystem& system,
-                          Eigen::VectorXd first, const Eigen::VectorXd& direction,
-                          const CurveGoal& goal, bool conservative, const CurveOptions& options);
+                                Eigen::VectorXd first, const Eigen::VectorXd& direction,
+                                const CurveGoal& goal, bool conservative,
+                                const CurveOptions& options);
 
 }  // namespace tremolo

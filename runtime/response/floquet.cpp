@@ -77,8 +77,8 @@ class AlongMotion {
   Eigen::MatrixXd by_q_, by_v_;
 };
 
-// One step of length h: the deviation's rows d and v advance in place, each r x 2r. The unknowns are
-// the accelerations a_i of the stages,
+// One step of length h: the deviation's rows d and v advance in place, each r x 2r. The unknowns
+// are the accelerations a_i of the stages,
 //
 //     a_i + h sum_j A_ij R_i a_j + h^2 sum_j (A^2)_ij K_i a_j = -R_i v - K_i (d + c_i h v).
 void gauss_step(const std::array<Coefficients, kStages>& at, double h, Eigen::MatrixXd& d,

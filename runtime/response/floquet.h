@@ -1,9 +1,9 @@
 // Stability of a periodic motion by its Floquet multipliers.
 //
 // A small deviation obeys d'' + (D + beta M(q)) d' + (K(q) + beta d(M q')/dq) d = 0 with the
-// motion's own period. Its monodromy, 2r x 2r, is found with the Gauss method of three stages (order
-// six), which is symplectic without damping and stable for stiff coordinates at any step. The
-// multipliers are its eigenvalues: the motion is stable if all are inside the unit circle.
+// motion's own period. Its monodromy, 2r x 2r, is found with the Gauss method of three stages
+// (order six), which is symplectic without damping and stable for stiff coordinates at any step.
+// The multipliers are its eigenvalues: the motion is stable if all are inside the unit circle.
 #pragma once
 
 #include <vector>

@@ -48,14 +48,15 @@ FourierSeries shifted(const FourierSeries& series, double shift) {
 
 double harmonic_size(const FourierSeries& series, Eigen::Index k) {
   if (k == 0) return series.col(0).norm();
-  return std::sqrt(
-      0.5 * (series.col(cosine_column(k)).squaredNorm() + series.col(sine_column(k)).squaredNorm()));
+  return std::sqrt(0.5 * (series.col(cosine_column(k)).squaredNorm() +
+                          series.col(sine_column(k)).squaredNorm()));
 }
 
 double last_share(const FourierSeries& series) {
   const Eigen::Index H = harmonics_of(series);
   const double all = series.rightCols(2 * H).norm();
   if (!(all > 0.0)) return 0.0;
+  if (H == 1) return 1.0;
   return series.rightCols(std::min<Eigen::Index>(4, 2 * (H - 1))).norm() / all;
 }
 

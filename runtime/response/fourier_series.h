@@ -34,7 +34,7 @@ FourierSeries shifted(const FourierSeries& series, double shift);
 double harmonic_size(const FourierSeries& series, Eigen::Index k);
 
 // The share of the two highest harmonics in all that move, 0 to 1. Two, since a symmetric body has
-// odd harmonics only.
+// odd harmonics only. The first is one of them only if there is no other.
 double last_share(const FourierSeries& series);
 
 // The largest |rows x(t) + offset| over a period, found to rounding. rows: p x r.

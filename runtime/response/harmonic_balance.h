@@ -47,10 +47,10 @@ class HarmonicBalance {
                   Eigen::Ref<Eigen::MatrixXd> out);
 
   const VibratingSystem& system_;
-  Eigen::Index size_;       // r
-  Eigen::Index harmonics_;  // H
-  Eigen::Index columns_;    // 2H + 1
-  Eigen::Index samples_;    // N
+  Eigen::Index size_;                 // r
+  Eigen::Index harmonics_;            // H
+  Eigen::Index columns_;              // 2H + 1
+  Eigen::Index samples_;              // N
   Eigen::MatrixXd to_samples_;        // Gamma^T, (2H + 1) x N
   Eigen::MatrixXd slope_to_samples_;  // of the derivative by theta
   Eigen::MatrixXd to_coefficients_;   // P^T, N x (2H + 1)

@@ -42,8 +42,8 @@ class MotionEquations : public CurveEquations {
 class ForcedEquations : public MotionEquations {
  public:
   // force: r x (2K + 1), kept by reference.
-  ForcedEquations(const VibratingSystem& system, const FourierSeries& force,
-                  Eigen::Index harmonics, double least_size, double omega_scale);
+  ForcedEquations(const VibratingSystem& system, const FourierSeries& force, Eigen::Index harmonics,
+                  double least_size, double omega_scale);
 
   void set_harmonics(Eigen::Index harmonics) override;
   void residual(const Eigen::VectorXd& y, Eigen::VectorXd& out) override;
@@ -54,9 +54,10 @@ class ForcedEquations : public MotionEquations {
   FourierSeries resized_force_;
 };
 
-// g = the residual without damping and force but a constant one, and the condition that the phase is
-// that of the reference: sum_k k (a_k' . b_k - b_k' . a_k) = 0 for the reference's a', b'. xi makes
-// the equations as many as the unknowns; it is zero at a solution, since nothing else takes energy.
+// g = the residual without damping and force but a constant one, and the condition that the phase
+// is that of the reference: sum_k k (a_k' . b_k - b_k' . a_k) = 0 for the reference's a', b'. xi
+// makes the equations as many as the unknowns; it is zero at a solution, since nothing else takes
+// energy.
 class FreeEquations : public MotionEquations {
  public:
   // The system must have no damping. constant: r.

@@ -52,9 +52,10 @@ Status check(const VibratingSystem& system, const ResponseRequest& request,
   if (request.omega_from == request.omega_to)
     return content_error("the first and the last frequency are the same");
   if (harmonics_of(request.force) > options.most_harmonics)
-    return content_error("the force has harmonic " +
-                         std::to_string(harmonics_of(request.force)) + ", but the motion has at "
-                         "most " + std::to_string(options.most_harmonics));
+    return content_error("the force has harmonic " + std::to_string(harmonics_of(request.force)) +
+                         ", but the motion has at "
+                         "most " +
+                         std::to_string(options.most_harmonics));
   if (!request.force.allFinite() || request.force.rows() != system.size())
     return content_error("the force is not finite");
   return Success{};
@@ -90,15 +91,15 @@ Result<FourierSeries> linear_motion(const VibratingSystem& system, const Eigen::
 }
 
 Result<MotionCurve> response_curve(const VibratingSystem& system, const ResponseRequest& request,
-                             const CurveOptions& options) {
+                                   const CurveOptions& options) {
   if (Status s = check(system, request, options); !s) return s.error();
   const Result<Eigen::VectorXd> rest = static_state(system.potential, request.force.col(0));
   if (!rest) return rest.error();
-  const Eigen::Index harmonics = std::min(
-      options.most_harmonics, std::max(options.harmonics, harmonics_of(request.force)));
+  const Eigen::Index harmonics =
+      std::min(options.most_harmonics, std::max(options.harmonics, harmonics_of(request.force)));
   const double omega_scale = std::max(request.omega_from, request.omega_to);
-  const Result<Eigen::VectorXd> first = first_motion(system, request.force, *rest,
-                                                     request.omega_from, harmonics, omega_scale);
+  const Result<Eigen::VectorXd> first =
+      first_motion(system, request.force, *rest, request.omega_from, harmonics, omega_scale);
   if (!first) return first.error();
   const double upwards = request.omega_to > request.omega_from ? 1.0 : -1.0;
   const double least_size = first->head(first->size() - 1).norm();

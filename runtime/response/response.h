@@ -21,9 +21,9 @@ struct CurveOptions {
   Eigen::Index most_harmonics = 15;  // H grows up to this
   // H grows by two where the two highest harmonics hold more than this share of the motion.
   double harmonic_share = 1e-3;
-  bool stability = true;     // compute Floquet multipliers and bifurcations
-  int most_points = 4000;    // of a curve
-  double longest_step = 0.1; // along the curve, relative to the motion's size and the frequency
+  bool stability = true;      // compute Floquet multipliers and bifurcations
+  int most_points = 4000;     // of a curve
+  double longest_step = 0.1;  // along the curve, relative to the motion's size and the frequency
   // The size of a motion, in the unit of largest_amplitude: m in the programs.
   std::function<double(const FourierSeries&)> amplitude;
   double largest_amplitude = 0.0;  // a curve ends there
@@ -34,11 +34,11 @@ struct CurveOptions {
 struct CurvePoint {
   double omega = 0.0;  // rad/s
   FourierSeries motion;
-  double amplitude = 0.0;    // options.amplitude of the motion
-  double share = 0.0;        // of the two highest harmonics
-  bool stable = true;        // without options.stability: not known
-  int unstable = 0;          // multipliers outside the unit circle
-  double length = 0.0;       // along the curve from its first point, relative to the motion's size
+  double amplitude = 0.0;  // options.amplitude of the motion
+  double share = 0.0;      // of the two highest harmonics
+  bool stable = true;      // without options.stability: not known
+  int unstable = 0;        // multipliers outside the unit circle
+  double length = 0.0;     // along the curve from its first point, relative to the motion's size
   Eigen::VectorXcd multipliers;  // 2r, the largest first; empty without options.stability
 
   Eigen::Index harmonics() const { return harmonics_of(motion); }
@@ -75,7 +75,7 @@ struct ResponseRequest {
 // beyond a static instability; kSolver if no motion is found at omega_from. A curve that ends early
 // is not an error: MotionCurve::end is its reason.
 Result<MotionCurve> response_curve(const VibratingSystem& system, const ResponseRequest& request,
-                             const CurveOptions& options);
+                                   const CurveOptions& options);
 
 // The motion of the linearized body about the state q0 (r), r x (2H + 1) with q0 in column 0.
 // Error: kSolver if a harmonic meets an undamped frequency.

@@ -20,8 +20,8 @@ namespace tremolo {
 
 struct VibratingSystem {
   Potential potential;
-  Eigen::VectorXd damping;  // the diagonal of D, r, 1/s
-  double beta = 0.0;        // of M(q), s
+  Eigen::VectorXd damping;                      // the diagonal of D, r, 1/s
+  double beta = 0.0;                            // of M(q), s
   std::shared_ptr<const StrainMatrix> strains;  // null: no M
 
   Eigen::Index size() const { return potential.size(); }  // r

@@ -59,7 +59,8 @@ TEST_F(PeriodicProgram, AResponseHasTheKeysOfTheReference) {
   }
   EXPECT_EQ(json["peak"]["amplitude"], largest);
   EXPECT_NEAR(json["points"].front()["frequency_hz"].get<double>(), 0.6, 1e-12);
-  EXPECT_NEAR(json["points"].back()["frequency_hz"].get<double>(), 1.5, 1e-12);
+  // The end is sought until it is within 1e-11.
+  EXPECT_NEAR(json["points"].back()["frequency_hz"].get<double>(), 1.5, 3e-11);
 }
 
 TEST_F(PeriodicProgram, OfALinearModelPhaseAndAmplitudeAreThoseOfOneOscillatorNearResonance) {
@@ -80,9 +81,9 @@ TEST_F(PeriodicProgram, OfALinearModelPhaseAndAmplitudeAreThoseOfOneOscillatorNe
 }
 
 TEST_F(PeriodicProgram, SeveralLevelsAreACurveEachAndFilesHoldThem) {
-  const Json json =
-      json_of("response small.tremolo --load-scale 0.05,0.1,0.2 --damping-ratio 3% --from 0.6 --to "
-              "1.5 --out made --csv table.csv");
+  const Json json = json_of(
+      "response small.tremolo --load-scale 0.05,0.1,0.2 --damping-ratio 3% --from 0.6 --to "
+      "1.5 --out made --csv table.csv");
   ASSERT_EQ(json["curves"].size(), 3U);
   double before = 0.0;
   std::size_t points = 0;
@@ -107,10 +108,59 @@ TEST_F(PeriodicProgram, ABackboneBeginsAtTheModesFrequencyAndEndsAtTheAmplitude)
     EXPECT_EQ(json["end"], "done");
     const double linear = json["linear_frequency_hz"];
     EXPECT_NEAR(json["points"].front()["frequency_hz"].get<double>(), linear, 1e-5 * linear);
-    EXPECT_NEAR(json["points"].back()["amplitude"].get<double>(),
-                0.05 * json["size"].get<double>(), 1e-9);
+    EXPECT_NEAR(json["points"].back()["amplitude"].get<double>(), 0.05 * json["size"].get<double>(),
+                1e-9);
     for (const Json& point : json["points"]) EXPECT_GT(point["energy"].get<double>(), 0.0);
   }
+}
+
+// f / f_0 of a clamped beam of rectangular section whose ends cannot approach (Woinowsky-Krieger),
+// vibrating in its first mode, by the amplitude in the middle relative to the height: the elliptic
+// integral for q'' + w^2 q + g q^3 = 0, g = E A / (2 L) (int phi'^2)^2.
+double clamped_beam(double amplitude_to_height) {
+  const double be = 4.730040744862704;
+  const double s = (std::cosh(be) - std::cos(be)) / (std::sinh(be) - std::sin(be));
+  const auto phi = [&](double x) {
+    return std::cosh(be * x) - std::cos(be * x) - s * (std::sinh(be * x) - std::sin(be * x));
+  };
+  const auto slope = [&](double x) {
+    return be * (std::sinh(be * x) + std::sin(be * x) - s * (std::cosh(be * x) - std::cos(be * x)));
+  };
+  constexpr int kParts = 2000;
+  double mass = 0.0, stretch = 0.0;
+  for (int i = 0; i < kParts; ++i) {
+    const double x = (i + 0.5) / kParts;
+    mass += std::pow(phi(x), 2) / kParts;
+    stretch += std::pow(slope(x), 2) / kParts;
+  }
+  // g a^2 / w^2 = (12 / 2) (A / h)^2 (int phi'^2)^2 / (phi(1/2)^2 beta^4 int phi^2).
+  const double ratio =
+      6.0 * std::pow(amplitude_to_height * stretch / (phi(0.5) * be * be), 2) / mass;
+  double a = 1.0, b = std::sqrt(1.0 - 0.5 * ratio / (1.0 + ratio));
+  for (int i = 0; i < 40; ++i) {
+    const double mean = 0.5 * (a + b);
+    b = std::sqrt(a * b);
+    a = mean;
+  }
+  return std::sqrt(1.0 + ratio) * a;
+}
+
+TEST_F(PeriodicProgram, AClampedBeamHardensAsWoinowskyKriegersDoes) {
+  write_veg(folder_ + "/beam.veg", box_mesh({60, 1, 1}, {1.0, 0.02, 0.01}));
+  const ProgramResult made = run_program(
+      folder_, kMayBeRoot + kPrecompute +
+                   "beam.veg --young 1e9 --poisson 0 --density 1000 --fix 'x<0.00001' --fix "
+                   "'x>0.99999' --order 2 --linear-modes 8 --modes 24 --threads 1 -o beam.tremolo");
+  ASSERT_EQ(made.code, 0) << made.err;
+  const Json json =
+      json_of("backbone beam.tremolo --to-amplitude 0.01m --probe near:0.5,0.01,0.005");
+  const double linear = json["linear_frequency_hz"];
+  for (const Json& point : json["points"]) {
+    const double to_height = point["amplitude"].get<double>() / 0.01;
+    // Its own change of shape, which the closed form leaves out, is 0.1 % at an amplitude of h.
+    EXPECT_NEAR(point["frequency_hz"].get<double>() / linear, clamped_beam(to_height), 2e-3);
+  }
+  EXPECT_GT(json["points"].back()["frequency_hz"].get<double>(), 1.2 * linear);
 }
 
 TEST_F(PeriodicProgram, WrongInputIsNamed) {

@@ -42,8 +42,8 @@ TEST(Duffing, ItsBackboneIsThatOfTheEllipticIntegral) {
       const double exact = exact_frequency(duffing, point.amplitude);
       EXPECT_NEAR(point.omega, exact, 1e-8 * exact) << point.amplitude;
       EXPECT_TRUE(point.stable);
-      const double energy = 0.5 * 4.0 * std::pow(point.amplitude, 2) +
-                            0.25 * gamma * std::pow(point.amplitude, 4);
+      const double energy =
+          0.5 * 4.0 * std::pow(point.amplitude, 2) + 0.25 * gamma * std::pow(point.amplitude, 4);
       EXPECT_NEAR(mean_energy(system, point.motion, point.omega), energy, 1e-8 * energy);
     }
     EXPECT_NEAR(curve->points.back().amplitude, 3.0, 1e-9);

@@ -42,8 +42,7 @@ Sample sample(const Eigen::VectorXd& omega, double nonlinearity, double alpha, d
 }
 
 FourierSeries random_series(Eigen::Index r, Eigen::Index harmonics, double scale) {
-  return testing::random_vector(r * (2 * harmonics + 1), scale, 11)
-      .reshaped(r, 2 * harmonics + 1);
+  return testing::random_vector(r * (2 * harmonics + 1), scale, 11).reshaped(r, 2 * harmonics + 1);
 }
 
 TEST(HarmonicBalance, ItsForceIsExactWithTheFewestSamples) {
@@ -130,15 +129,16 @@ TEST(Response, OfALinearModelIsItsTransferFunction) {
           const double speed = k * point.omega;
           const std::complex<double> f(force(i, 2 * k - 1), -force(i, 2 * k));
           const std::complex<double> u =
-              f / std::complex<double>(model->lambda()[i] - speed * speed,
-                                       speed * system.damping[i]);
+              f /
+              std::complex<double>(model->lambda()[i] - speed * speed, speed * system.damping[i]);
           exact(i, 2 * k - 1) = u.real();
           exact(i, 2 * k) = -u.imag();
         }
       // The matrix's condition is some hundred.
       EXPECT_LE((point.motion - exact).norm(), 1e-12 * exact.norm()) << point.omega;
     }
-    EXPECT_NEAR(curve->points.back().omega, request.omega_to, 1e-12 * request.omega_to);
+    // The last point is sought until it is within 1e-11 of the end.
+    EXPECT_NEAR(curve->points.back().omega, request.omega_to, 2e-11 * request.omega_to);
   }
 }
 
@@ -176,14 +176,21 @@ double distance_after(const Sample& s, const CurvePoint& point, double load, dou
 }
 
 TEST(Response, SteppingInTimeStaysOnBothStableBranchesAndLeavesTheUnstableOne) {
-  const double alpha = 0.03, beta = 0.02, load = 0.06;
-  const Sample s = sample(spread_omega(3, 1.0, 5.0), 0.6, alpha, beta);
-  const Eigen::VectorXd f = *reduce_force(*s.model, 3, {0.0, 0.0, load});
-  FourierSeries force = FourierSeries::Zero(3, 3);
-  force.col(2) = f;
+  // The strain q + 0.3 q^2 of coordinate 1 softens it by 3 (0.3 A)^2: at A = 0.6 by 0.1, five times
+  // the damping ratio.
+  const double alpha = 0.02, beta = 0.02;
+  StrainModel strains{Eigen::Vector2d(1.0, 4.0), {Eigen::Matrix2d(), Eigen::Matrix2d()}};
+  strains.b[0] << 0.3, 0.1, 0.1, 0.05;
+  strains.b[1] << 0.2, 0.1, 0.1, 0.1;
+  const Model::Pointer model = *Model::from_data(sample_basis(strains));
+  const Sample s{strains, model, *vibrating_system(*model, alpha, beta)};
+  const double unit = (*reduce_force(*model, 3, {0.0, 0.0, 1.0}))[0];
+  const double load = 0.6 * (alpha + beta) / unit;
+  FourierSeries force = FourierSeries::Zero(2, 3);
+  force.col(2) = *reduce_force(*model, 3, {0.0, 0.0, load});
   CurveOptions options = plain_options(12);
   options.longest_step = 0.2;
-  const Result<MotionCurve> curve = response_curve(s.system, {force, 1.3, 0.5}, options);
+  const Result<MotionCurve> curve = response_curve(s.system, {force, 1.3, 0.6}, options);
   ASSERT_TRUE(curve) << curve.error().message;
   ASSERT_EQ(curve->end, CurveEnd::kDone);
   std::vector<double> folds;
@@ -221,8 +228,7 @@ TEST(Backbone, ItsMotionsReturnAfterTheirPeriodUnderEp4) {
     // ep4 with 4000 steps a period is converged to 1e-9.
     EXPECT_LE(distance_after(s, point, 0.0, 0.0, 0.0, 0.0, 1, 4000), 1e-6) << point.amplitude;
     const State start = state_of(point);
-    const double energy =
-        testing::strain_energy(s.strains, start.q) + 0.5 * start.p.squaredNorm();
+    const double energy = testing::strain_energy(s.strains, start.q) + 0.5 * start.p.squaredNorm();
     EXPECT_NEAR(mean_energy(s.system, point.motion, point.omega), energy, 1e-7 * energy);
   }
 }
@@ -253,9 +259,9 @@ Eigen::MatrixXd stepped_monodromy(const Sample& s, const CurvePoint& point, doub
       const Eigen::VectorXd dq = y.col(j).head(r), dv = y.col(j).tail(r);
       // Exact up to the cubic part, whose difference has an error of e^2.
       const auto force = [&](double sign) {
-        return Eigen::VectorXd(testing::strain_force(s.strains, q + sign * e * dq) +
-                               beta * testing::strain_damping_force(s.strains, q + sign * e * dq,
-                                                                    v + sign * e * dv));
+        return Eigen::VectorXd(
+            testing::strain_force(s.strains, q + sign * e * dq) +
+            beta * testing::strain_damping_force(s.strains, q + sign * e * dq, v + sign * e * dv));
       };
       out.col(j).tail(r) = -(force(1.0) - force(-1.0)) / (2.0 * e) - alpha * dv;
     }
@@ -281,7 +287,7 @@ TEST(Floquet, MultipliersAreThoseOfStepping) {
   const Eigen::MatrixXd stepped = stepped_monodromy(s, point, alpha, beta, 2000);
   const Eigen::VectorXcd exact = stepped.eigenvalues();
   double before = 0.0;
-  for (const int steps : {16, 32, 64}) {
+  for (const int steps : {32, 64, 128}) {
     double worst = 0.0;
     for (const auto& value : floquet_multipliers(s.system, point.motion, point.omega, steps)) {
       double nearest = 1e300;
@@ -300,8 +306,7 @@ TEST(Floquet, MultipliersAreThoseOfStepping) {
 TEST(StaticState, BeyondBucklingIsRefusedWithTheFractionOfTheForce) {
   // x + 3 c x^2 + 2 q x^3 with a limit point: no state at rest beyond it near the first.
   const std::vector<double> cubic{-1.0}, quartic{0.6};
-  const Potential potential =
-      *Potential::create(Eigen::VectorXd::Constant(1, 1.0), cubic, quartic);
+  const Potential potential = *Potential::create(Eigen::VectorXd::Constant(1, 1.0), cubic, quartic);
   // R = x - 3 x^2 + 2.4 x^3, R' = 0 at x = (6 - sqrt(36 - 28.8))/14.4.
   const double limit = (6.0 - std::sqrt(36.0 - 28.8)) / 14.4;
   const double most = limit - 3.0 * limit * limit + 2.4 * std::pow(limit, 3);
@@ -331,7 +336,10 @@ TEST(Response, WithoutDampingItIsUnboundedAtResonance) {
 TEST(Response, WrongRequestsAreRefused) {
   const VibratingSystem system = system_of({1.0, 1.0, 0.02});
   const FourierSeries force = cosine_force(Eigen::VectorXd::Constant(1, 0.1));
-  for (const auto& [from, to] : {std::pair(0.0, 1.0), {1.0, 0.0}, {-1.0, 2.0}, {1.0, 1.0},
+  for (const auto& [from, to] : {std::pair(0.0, 1.0),
+                                 {1.0, 0.0},
+                                 {-1.0, 2.0},
+                                 {1.0, 1.0},
                                  {1.0, std::numeric_limits<double>::infinity()}}) {
     const Result<MotionCurve> curve = response_curve(system, {force, from, to}, plain_options(3));
     ASSERT_FALSE(curve);

@@ -25,7 +25,9 @@ inline VibratingSystem system_of(const Duffing& duffing) {
   Potential potential = *Potential::create(
       Eigen::VectorXd::Constant(1, duffing.omega * duffing.omega), cubic, quartic);
   return {std::move(potential),
-          Eigen::VectorXd::Constant(1, 2.0 * duffing.zeta * duffing.omega), 0.0, {}};
+          Eigen::VectorXd::Constant(1, 2.0 * duffing.zeta * duffing.omega),
+          0.0,
+          {}};
 }
 
 // A force of harmonic 1: f cos(omega t).

@@ -171,8 +171,9 @@ struct Parser {
     plot->add_option("runs", request.directories, "directories of tremolo run --out")->required();
     plot->add_option("-o,--output", request.picture, "page, .html")->required();
     response = app.add_subcommand(
-        "response", "the periodic motions under a periodic load over its frequency, and their "
-                    "stability");
+        "response",
+        "the periodic motions under a periodic load over its frequency, and their "
+        "stability");
     add_response_flags(*response, request.response);
     backbone = app.add_subcommand(
         "backbone", "the free periodic motions of a mode: frequency over amplitude and energy");

@@ -36,8 +36,7 @@ double energy_of(const CurvePoint& point, const CurveContext& context) {
 // point of the part before it.
 Curve parts_of(const CurveResult& result, bool stable, Axis x, Axis y,
                const CurveContext& context) {
-  Curve line{.label = result.label,
-             .style = stable ? CurveStyle::kLines : CurveStyle::kDashes};
+  Curve line{.label = result.label, .style = stable ? CurveStyle::kLines : CurveStyle::kDashes};
   const std::vector<CurvePoint>& points = result.curve.points;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const bool starts = i + 1 < points.size() && points[i + 1].stable == stable;
@@ -121,11 +120,10 @@ std::string curve_page(const std::string& title, const std::string& subtitle,
   std::vector<Chart> charts = {
       chart_of(hertz, frequency_of, metres, amplitude_of, results, context)};
   if (context.forced)
-    charts.push_back(chart_of(hertz, frequency_of, "lag behind the load (degrees)", phase_of,
-                              results, context));
-  else
     charts.push_back(
-        chart_of("energy (J)", energy_of, hertz, frequency_of, results, context));
+        chart_of(hertz, frequency_of, "lag behind the load (degrees)", phase_of, results, context));
+  else
+    charts.push_back(chart_of("energy (J)", energy_of, hertz, frequency_of, results, context));
   if (!context.forced) charts.back().log_x = true;
   Json parts = Json::array();
   parts.push_back(figure_of(

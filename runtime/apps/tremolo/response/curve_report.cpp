@@ -118,8 +118,9 @@ std::string curve_table(const std::vector<CurveResult>& results, const CurveCont
   for (const CurveResult& result : results)
     for (const CurvePoint& point : result.curve.points)
       most = std::max(most, static_cast<std::size_t>(point.harmonics()));
-  std::string text = context.forced ? "load_scale,frequency_hz,amplitude,stable,harmonics,energy,phase_deg"
-                                    : "frequency_hz,amplitude,stable,harmonics,energy";
+  std::string text = context.forced
+                         ? "load_scale,frequency_hz,amplitude,stable,harmonics,energy,phase_deg"
+                         : "frequency_hz,amplitude,stable,harmonics,energy";
   for (std::size_t k = 0; k <= most; ++k) text += fmt::format(",harmonic_{}", k);
   text += '\n';
   for (const CurveResult& result : results)
@@ -142,9 +143,11 @@ void print_curve(const CurveResult& result, const CurveContext& context) {
   const MotionCurve& curve = result.curve;
   if (!curve.points.empty()) {
     const CurvePoint& peak = peak_of(curve);
-    tell("{}: {} points in {:.3g} s, largest amplitude {:.4g} m ({:.3g} % of the size) at {:.6g} Hz\n",
-         result.label, curve.points.size(), result.seconds, peak.amplitude,
-         100.0 * peak.amplitude / context.made.size, in_hertz(peak.omega));
+    tell(
+        "{}: {} points in {:.3g} s, largest amplitude {:.4g} m ({:.3g} % of the size) at {:.6g} "
+        "Hz\n",
+        result.label, curve.points.size(), result.seconds, peak.amplitude,
+        100.0 * peak.amplitude / context.made.size, in_hertz(peak.omega));
   }
   for (const Bifurcation& found : curve.bifurcations)
     tell("  {} at {:.6g} Hz, amplitude {:.4g} m\n", name_of(found.kind),
@@ -154,7 +157,10 @@ void print_curve(const CurveResult& result, const CurveContext& context) {
 
 void set_ending(const PeriodicModel& made, bool damped, const std::string& to,
                 const CurveOptions& options, CurveResult& result) {
-  const MotionCurve& curve = result.curve;
+  MotionCurve& curve = result.curve;
+  // An undamped curve that has no end is unbounded, whatever stopped it.
+  if (!damped && curve.end != CurveEnd::kDone && curve.end != CurveEnd::kStopped)
+    curve.end = CurveEnd::kUnbounded;
   const CurvePoint& last = curve.points.back();
   const std::string where = fmt::format("at {:.6g} Hz and an amplitude of {:.4g} m",
                                         in_hertz(last.omega), last.amplitude);
@@ -171,7 +177,8 @@ void set_ending(const PeriodicModel& made, bool damped, const std::string& to,
                  "--damping-ratio 2%");
   else if (curve.end == CurveEnd::kReturned)
     end(exit_code(ErrorKind::kSolver),
-        "it turned back and left the range where it had begun, so that no part of it reaches " + to);
+        "it turned back and left the range where it had begun, so that no part of it reaches " +
+            to);
   else if (curve.end == CurveEnd::kStuck)
     end(exit_code(ErrorKind::kSolver),
         "no further point was found, even with the shortest step; more harmonics "
@@ -181,6 +188,9 @@ void set_ending(const PeriodicModel& made, bool damped, const std::string& to,
         fmt::format("it has {} points and has not reached {}; raise --most-points or "
                     "--longest-step",
                     curve.points.size(), to));
+  if (!damped)
+    result.warnings.push_back(
+        "without damping no motion attracts others: stability was not computed");
   if (curve.largest_share > options.harmonic_share)
     result.warnings.push_back(fmt::format(
         "the two highest harmonics hold up to {:.2g} % of the motion, more than {:.2g} %: raise "

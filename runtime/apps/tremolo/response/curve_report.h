@@ -14,21 +14,21 @@ namespace tremolo {
 
 // A finished curve.
 struct CurveResult {
-  std::string label;      // "load x 2", "mode 1"
+  std::string label;  // "load x 2", "mode 1"
   double load_scale = 1.0;
   MotionCurve curve;
-  double seconds = 0.0;   // of computing
+  double seconds = 0.0;  // of computing
   int exit_code = 0;
-  std::string reason;     // why exit_code is not 0
+  std::string reason;  // why exit_code is not 0
   Warnings warnings;
 };
 
 // The values of one point that files and charts show.
 struct PointValues {
-  double frequency = 0.0;  // Hz
-  double amplitude = 0.0;  // of the probe, m
-  double energy = 0.0;     // mean over the period, J
-  double phase = 0.0;      // lag of the probe behind the load, degrees
+  double frequency = 0.0;         // Hz
+  double amplitude = 0.0;         // of the probe, m
+  double energy = 0.0;            // mean over the period, J
+  double phase = 0.0;             // lag of the probe behind the load, degrees
   std::vector<double> harmonics;  // largest displacement of the probe by each, m, from the mean on
 };
 

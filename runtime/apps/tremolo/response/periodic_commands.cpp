@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -139,8 +140,8 @@ struct LoadHarmonic {
 };
 
 Result<LoadHarmonic> parse_load_harmonic(const std::string& text) {
-  const Error wrong = usage_error(
-      "--load-harmonic " + text + ": expected K:SCALE or K:SCALE:DEGREES, as in 3:0.1:90");
+  const Error wrong = usage_error("--load-harmonic " + text +
+                                  ": expected K:SCALE or K:SCALE:DEGREES, as in 3:0.1:90");
   std::vector<double> numbers;
   for (std::size_t at = 0; at <= text.size();) {
     const std::size_t end = std::min(text.find(':', at), text.size());
@@ -157,8 +158,7 @@ Result<LoadHarmonic> parse_load_harmonic(const std::string& text) {
                          "--static-scale");
   if (!std::isfinite(numbers[1])) return content_error("--load-harmonic: SCALE must be finite");
   const double degrees = numbers.size() > 2 ? numbers[2] : 0.0;
-  return LoadHarmonic{static_cast<int>(numbers[0]), numbers[1],
-                      degrees * std::numbers::pi / 180.0};
+  return LoadHarmonic{static_cast<int>(numbers[0]), numbers[1], degrees * std::numbers::pi / 180.0};
 }
 
 // The load in time: columns of a series of one row, without the constant part.
@@ -211,14 +211,30 @@ Result<VibratingSystem> system_of(const ResponseOptions& options, const Model& m
   return vibrating_system(model, alpha, beta, more);
 }
 
+// Without damping no motion attracts others and a curve need not end: no stability is computed, no
+// harmonics are added, and the points are limited.
+void limit_undamped(CurveOptions& options) {
+  constexpr int kMostPoints = 500;
+  options.stability = false;
+  options.most_harmonics = options.harmonics;
+  options.most_points = std::min(options.most_points, kMostPoints);
+}
+
+// True if the range of the sweep has a mode's frequency in it.
+bool crosses_mode(const ResponseOptions& options, const Model& model) {
+  const double low = std::min(options.from, options.to), high = std::max(options.from, options.to);
+  const Eigen::VectorXd frequencies = model.frequencies_hz();
+  return std::any_of(frequencies.begin(), frequencies.end(),
+                     [&](double frequency) { return frequency >= low && frequency <= high; });
+}
+
 // One curve, with its ending and its seconds.
 template <class Trace>
 Result<CurveResult> timed(const Trace& trace) {
   CurveResult result;
   const auto start = std::chrono::steady_clock::now();
   if (Status s = take(result.curve, trace()); !s) return s.error();
-  result.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }
 
@@ -245,6 +261,7 @@ int response_command(const ResponseOptions& options) {
   if (!curve) return report_error(curve.error());
   Result<VibratingSystem> system = system_of(options, *made->model);
   if (!system) return report_error(system.error());
+  if (!system->damped()) limit_undamped(*curve);
   const Interruption interruption;
   curve->stopped = [&] { return interruption.signal() != 0; };
   Eigen::Vector3d direction = made->probe_rows.col(0);
@@ -260,6 +277,10 @@ int response_command(const ResponseOptions& options) {
     if (!result) return report_error(result.error());
     result->label = fmt::format("load x {:g}", scale);
     result->load_scale = scale;
+    // The truncated equations may pass a resonance that nothing bounds.
+    if (!system->damped() && crosses_mode(options, *made->model) &&
+        result->curve.end != CurveEnd::kStopped)
+      result->curve.end = CurveEnd::kUnbounded;
     set_ending(*made, system->damped(), fmt::format("{:g} Hz", options.to), *curve, *result);
     note_signal(interruption, *result);
     results.push_back(std::move(*result));
@@ -269,9 +290,8 @@ int response_command(const ResponseOptions& options) {
   head["from_hz"] = options.from;
   head["to_hz"] = options.to;
   head["damping"] = options.damping_ratio.empty() ? Json(nullptr) : Json(options.damping_ratio);
-  const std::string subtitle =
-      fmt::format("{}, vertex {}, {:g} to {:g} Hz", options.model, made->probe, options.from,
-                  options.to);
+  const std::string subtitle = fmt::format("{}, vertex {}, {:g} to {:g} Hz", options.model,
+                                           made->probe, options.from, options.to);
   return finish(options, files, "Response", subtitle, results, context, head);
 }
 

@@ -64,8 +64,7 @@ Status set_constant(const PeriodicOptions& options, PeriodicModel& made) {
   if (!made.constant.allFinite()) return content_error("--static-scale must be finite");
   if (options.gravity.empty()) return Success{};
   const Result<Eigen::Vector3d> gravity = parse_force(options.gravity);
-  if (!gravity)
-    return usage_error("--gravity " + options.gravity + ": expected X,Y,Z in m/s^2");
+  if (!gravity) return usage_error("--gravity " + options.gravity + ": expected X,Y,Z in m/s^2");
   const InertiaIntegrals* inertia = made.model->inertia();
   if (inertia == nullptr)
     return content_error(options.model +
@@ -97,9 +96,10 @@ Status set_probe(const PeriodicOptions& options, Eigen::Index mode, PeriodicMode
     made.probe_rows = rows->rows;
   }
   if (moves) return Success{};
-  return content_error("--probe " + options.probe +
-                       (vertices.size() == 1 ? ": the vertex is fixed" : ": all vertices are fixed") +
-                       ": it does not move, so that it has no amplitude");
+  return content_error(
+      "--probe " + options.probe +
+      (vertices.size() == 1 ? ": the vertex is fixed" : ": all vertices are fixed") +
+      ": it does not move, so that it has no amplitude");
 }
 
 }  // namespace
@@ -110,8 +110,8 @@ Result<PeriodicModel> periodic_model(const PeriodicOptions& options, bool needs_
   if (Status s = take(made.scene, scene_of(options)); !s) return s.error();
   if (Status s = take(made.model, load_model(made.scene)); !s) return s.error();
   if (mode < 0 || mode >= made.model->modes())
-    return content_error(fmt::format("--mode {}: the model has modes 1 to {}", mode + 1,
-                                     made.model->modes()));
+    return content_error(
+        fmt::format("--mode {}: the model has modes 1 to {}", mode + 1, made.model->modes()));
   made.size = size_of(*made.model);
   if (!(made.size > 0.0)) return content_error(options.model + ": the surface has no size");
   if (Status s = set_load(options, needs_load, made); !s) return s.error();
@@ -125,8 +125,8 @@ Result<CurveOptions> curve_options(const PeriodicOptions& options, const Periodi
   constexpr double kLargestAmplitude = 1.0;  // relative to the size: no model is valid beyond
   if (options.harmonics < 1 || options.harmonics > kMost)
     return content_error(fmt::format("--harmonics must be from 1 to {}", kMost));
-  const int most =
-      options.most_harmonics == 0 ? std::max(kUsualMost, options.harmonics) : options.most_harmonics;
+  const int most = options.most_harmonics == 0 ? std::max(kUsualMost, options.harmonics)
+                                               : options.most_harmonics;
   if (most < options.harmonics || most > kMost)
     return content_error(fmt::format("--most-harmonics must be from --harmonics, {}, to {}",
                                      options.harmonics, kMost));

@@ -15,12 +15,12 @@ namespace tremolo {
 
 struct PeriodicModel {
   Model::Pointer model;
-  BodyScene scene;               // of the flags, for messages and input files
-  Eigen::VectorXd load;          // reduced, r; zero without one
-  Eigen::VectorXd constant;      // of --static-scale and --gravity, r
-  double size = 0.0;             // largest extent of the surface at rest, m
+  BodyScene scene;           // of the flags, for messages and input files
+  Eigen::VectorXd load;      // reduced, r; zero without one
+  Eigen::VectorXd constant;  // of --static-scale and --gravity, r
+  double size = 0.0;         // largest extent of the surface at rest, m
   VertexId probe = 0;
-  Eigen::MatrixXd probe_rows;    // 3 x r
+  Eigen::MatrixXd probe_rows;  // 3 x r
 };
 
 // needs_load: a model without a default load is refused unless --at names one. mode: from 0; the
