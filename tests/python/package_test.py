@@ -1,5 +1,6 @@
 """The package as a whole: types, documentation, installation, what it links."""
 
+import ast
 import os
 import re
 import subprocess
@@ -33,11 +34,29 @@ class Types(unittest.TestCase):
             "--cache-dir", os.path.join(support.folder(), "mypy"), os.path.join(PYTHON_DIR, "tremolo"))
 
     def test_are_those_of_the_compiled_module(self):
-        # Every name of either is in the other, with the same arguments.
+        # Every name of either is in the other.
         environment = {**os.environ, "MYPYPATH": PYTHON_DIR, "MYPY_CACHE_DIR": os.path.join(support.folder(), "mypy")}
         run(sys.executable, "-m", "mypy.stubtest", "--ignore-missing-stub", "--allowlist",
             os.path.join(support.SOURCE, "tests", "python", "stub_exceptions.txt"), "tremolo._tremolo",
             env=environment, cwd=support.folder())
+
+    def test_have_the_arguments_of_the_compiled_module(self):
+        # Its functions have their signature in the first line of the docstring.
+        with open(os.path.join(PYTHON_DIR, "tremolo", "_tremolo.pyi"), encoding="utf-8") as file:
+            stub = ast.parse(file.read())
+        compared = 0
+        scopes = [(_tremolo, stub.body)]
+        scopes += [(getattr(_tremolo, node.name), node.body) for node in stub.body if isinstance(node, ast.ClassDef)]
+        for owner, body in scopes:
+            for node in body:
+                if not isinstance(node, ast.FunctionDef) or node.decorator_list or node.name.startswith("_"):
+                    continue
+                doc = getattr(owner, node.name).__doc__.splitlines()[0]
+                found = re.findall(r"(?:^|, )(\w+): ", re.match(r"\w+\((.*)\) -> ", doc)[1])
+                stated = [arg.arg for arg in node.args.args + node.args.kwonlyargs if arg.arg != "self"]
+                self.assertEqual([name for name in found if name != "self"], stated, doc)
+                compared += 1
+        self.assertGreater(compared, 60)
 
     def test_find_wrong_calls_of_a_user(self):
         program = os.path.join(support.folder(), "wrong.py")
