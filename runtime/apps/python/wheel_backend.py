@@ -57,10 +57,11 @@ def _built(settings: dict) -> pathlib.Path:
     programs = settings.get("programs", "yes") != "no"
     python = os.path.realpath(getattr(sys, "_base_executable", sys.executable))
     fresh = not (build / "CMakeCache.txt").exists()
-    options = [f"-DTREMOLO_PYTHON={python}", "-DTREMOLO_BUILD_PYTHON=ON"]
+    options = []
     if fresh:
-        options += ["-DCMAKE_BUILD_TYPE=Release", "-DTREMOLO_BUILD_TESTS=OFF", "-DTREMOLO_BUILD_MESHER=OFF",
-                    "-DTREMOLO_SHARED=OFF", f"-DTREMOLO_BUILD_PRECOMPUTE={'ON' if programs else 'OFF'}"]
+        options = [f"-DTREMOLO_PYTHON={python}", "-DTREMOLO_BUILD_PYTHON=ON", "-DCMAKE_BUILD_TYPE=Release",
+                   "-DTREMOLO_BUILD_TESTS=OFF", "-DTREMOLO_BUILD_MESHER=OFF", "-DTREMOLO_SHARED=OFF",
+                   f"-DTREMOLO_BUILD_PRECOMPUTE={'ON' if programs else 'OFF'}"]
     _run("cmake", "-S", ROOT, "-B", build, *options)
     targets = ["python", *(PROGRAMS if programs else ())]
     known = subprocess.run(["cmake", "--build", str(build), "--target", "help"], capture_output=True, text=True,

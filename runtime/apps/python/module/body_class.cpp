@@ -100,7 +100,7 @@ py::array write_places(std::size_t vertices, py::handle out, py::handle dtype,
   } else {
     if (!py::isinstance<py::array>(out)) raise_type("out: expected an array of numpy");
     target = py::reinterpret_borrow<py::array>(out);
-    if (py::isinstance<py::array_t<float>>(target))
+    if (target.itemsize() == sizeof(float))
       check_out<float>(target, shape);
     else
       check_out<double>(target, shape);

@@ -19,7 +19,7 @@ def matrices(mesh: Any, cells: Any = None, *, young: float, poisson: float, dens
     The basis of a model of this mesh and material is orthonormal in M: with U from model.whole_mesh(), U.T @ M @ U is
     the identity.
     """
-    from scipy import sparse
+    from scipy import sparse  # type: ignore
 
     given = mesh_of(mesh, cells)
     if given.is_surface:

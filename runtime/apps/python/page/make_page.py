@@ -1,6 +1,6 @@
 """Writes docs/python.md: its text is below, its API section is made of the docstrings.
 
-usage: PYTHONPATH=build/python /usr/bin/python3 runtime/apps/python/make_page.py [OUT.md]
+usage: PYTHONPATH=build/python /usr/bin/python3 runtime/apps/python/page/make_page.py [OUT.md]
 """
 
 import inspect
@@ -12,7 +12,7 @@ import textwrap
 import tremolo
 
 HERE = pathlib.Path(__file__).resolve().parent
-PAGE = HERE.parents[2] / "docs" / "python.md"
+PAGE = HERE.parents[3] / "docs" / "python.md"
 
 GROUPS = [
     ("Making and loading models", ["load", "load_bytes", "precompute", "reference", "matrices", "box", "write_msh",
@@ -95,7 +95,7 @@ def entries(name):
 def page():
     """The whole page."""
     parts = [(HERE / "page.md").read_text(encoding="utf-8").rstrip() + "\n"]
-    parts.append("\n## All names\n\nThis section is made from the docstrings by `runtime/apps/python/make_page.py`.\n")
+    parts.append("\n## All names\n\nThis section is made from the docstrings by `runtime/apps/python/page/make_page.py`.\n")
     for title, names in GROUPS:
         parts.append(f"\n### {title}\n\n" + "\n".join(line for name in names for line in entries(name)))
     return "".join(parts)

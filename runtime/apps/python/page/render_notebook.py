@@ -1,6 +1,6 @@
 """Runs a notebook and writes it as one HTML page: text, code, what was printed, and the pictures it saved.
 
-usage: PYTHONPATH=build/python /usr/bin/python3 runtime/apps/python/render_notebook.py NOTEBOOK.py OUT.html
+usage: PYTHONPATH=build/python /usr/bin/python3 runtime/apps/python/page/render_notebook.py NOTEBOOK.py OUT.html
 """
 
 import base64
