@@ -37,7 +37,11 @@ struct Passes {
       : r(static_cast<std::size_t>(basis.lambda.size())),
         lanes(make_lane_coefficients<Real>(r, basis.cubic, basis.quartic)),
         segment(make_segment_coefficients<Real>(lanes, basis.cubic, basis.quartic)),
-        middle(r), half(r), mean(r), mean_alone(r), scratch(segment_scratch_rows(r)),
+        middle(r),
+        half(r),
+        mean(r),
+        mean_alone(r),
+        scratch(segment_scratch_rows(r)),
         tangent(pair_count(r)) {
     for (std::size_t lane = 0; lane < kBodiesPerBlock<Real>; ++lane) {
       const auto seed = static_cast<unsigned>(lane);

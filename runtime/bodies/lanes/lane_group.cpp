@@ -34,9 +34,8 @@ bool steps_in_lanes(std::string_view integrator) {
 }
 
 Result<LaneGroup> LaneGroup::create(const Model::Pointer& model_pointer,
-                                    std::string_view integrator,
-                                    const IntegratorOptions& options, std::size_t modes,
-                                    LanePrecision precision) {
+                                    std::string_view integrator, const IntegratorOptions& options,
+                                    std::size_t modes, LanePrecision precision) {
   const Model& model = *model_pointer;
   const auto r = static_cast<Eigen::Index>(modes);
   const Result<std::size_t> low = low_rows(model, integrator, options, r);
@@ -204,12 +203,13 @@ LaneGroup::Outcome LaneGroup::step_block(std::size_t block, const QuietRule& rul
   std::copy_n(&p_[first], block_rows(), scratch.p.data());
   Outcome outcome;
   if (preserving_) {
-    outcome.gave_up = preserving_->step({block, bodies_in(block), flat(&q_[first]),
-                                         flat(&p_[first]),
-                                         loaded_[block] != 0 ? flat(&load_[first]) : nullptr},
-                                        scratch.preserving, scratch.thread);
+    const LanePreserving::Failed failed =
+        preserving_->step({block, bodies_in(block), flat(&q_[first]), flat(&p_[first]),
+                           loaded_[block] != 0 ? flat(&load_[first]) : nullptr},
+                          scratch.preserving, scratch.thread);
     if (rule.since_last > 0) evaluate_view(true);
-    outcome.failed = lanes_not_finite(view) | outcome.gave_up;
+    outcome.gave_up = failed.gave_up;
+    outcome.failed = lanes_not_finite(view) | failed.all;
   } else {
     kick_and_drift(view);
     evaluate_view(rule.since_last > 0);

@@ -1,12 +1,13 @@
 // Awake bodies of one model that step together, one body per lane: `verlet`, `imexv-linear`, `avf`,
 // `ep2` and `ep4`. An EnergyBound checks each lane.
 //
-// The energy-preserving ones solve their equation (runtime/bodies/lanes/lane_preserving.h). The other
-// two are conditionally stable (their files give the limit). Both are one formula (runtime/bodies/reduced/integrators/imexv/imexv_linear.cpp; verlet is the
-// split with every row low) and have no equation to solve. State, linear force, load, damping and
-// sums are always in double; the precision is that of grad (C + Q) and its tangent alone
-// (runtime/bodies/lanes/lane_force.h, lane_segment.h). Therefore a small motion is exact to double, and rounding
-// errors of the state do not accumulate.
+// The energy-preserving ones solve their equation (runtime/bodies/lanes/lane_preserving.h). The
+// other two are conditionally stable (their files give the limit). Both are one formula
+// (runtime/bodies/reduced/integrators/imexv/imexv_linear.cpp; verlet is the split with every row
+// low) and have no equation to solve. State, linear force, load, damping and sums are always in
+// double; the precision is that of grad (C + Q) and its tangent alone
+// (runtime/bodies/lanes/lane_force.h, lane_segment.h). Therefore a small motion is exact to double,
+// and rounding errors of the state do not accumulate.
 //
 // Layout: blocks of kBodiesPerBlock bodies; in a block [coordinate][lane], 64 or 128 bytes per row.
 // Slots 0..size-1 are used without gaps; the lanes after them are zero.

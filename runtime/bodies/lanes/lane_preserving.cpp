@@ -13,8 +13,8 @@ namespace {
 
 using std::size_t;
 
-constexpr int kMostSegments = 2;      // evaluations with the tangent
-constexpr size_t kMostMeans = 3;      // evaluations of the mean alone
+constexpr int kMostSegments = 2;       // evaluations with the tangent
+constexpr size_t kMostMeans = 3;       // evaluations of the mean alone
 constexpr double kFilterShare = 1e-3;  // these three: see energy_preserving.cpp
 constexpr double kSurplus = 1e-2;
 constexpr double kFarthestFix = 0.1;
@@ -205,9 +205,8 @@ struct LanePreserving::Solve {
     });
   }
   void move(std::uint32_t lanes, size_t count) {
-    each(lanes, [&](const LaneSpan& s, const LaneMask& m, size_t) {
-      move_lanes(system, s, count, m);
-    });
+    each(lanes,
+         [&](const LaneSpan& s, const LaneMask& m, size_t) { move_lanes(system, s, count, m); });
   }
 };
 
@@ -234,12 +233,8 @@ void LanePreserving::Solve::evaluate_as(const SegmentCoefficients<Real>& segment
                                         std::uint32_t lanes, bool with_tangent) {
   const SegmentRows<Real> rows = rows_in<Real>(scratch.segments, system.modes);
   const auto half_at = [&](const LaneSpan& s, size_t half) {
-    return SegmentHalf<Real>{system,
-                             s,
-                             rows,
-                             half * kSolveLanes,
-                             segment.coordinate_scale,
-                             segment.energy_scale};
+    return SegmentHalf<Real>{
+        system, s, rows, half * kSolveLanes, segment.coordinate_scale, segment.energy_scale};
   };
   for (size_t half = 0; half < width; ++half) {
     const LaneSpan s = span(half);
@@ -278,8 +273,7 @@ void LanePreserving::Solve::begin() {
   each(open, [&](const LaneSpan& s, const LaneMask& m, size_t half) {
     factor_lanes(system, s);
     enter_lanes(system, s, m);
-    if ((known >> (half * kSolveLanes) & 0xffu) != 0)
-      predict_lanes(system, s, mask(half, known));
+    if ((known >> (half * kSolveLanes) & 0xffu) != 0) predict_lanes(system, s, mask(half, known));
   });
   residual(open);
 }
@@ -410,8 +404,8 @@ void LanePreserving::move(size_t from, size_t to) {
   if (known) known_[to / lanes_] |= 1u << to % lanes_;
 }
 
-// A step by the solver of one body. False if that fails too.
-bool LanePreserving::step_alone(const Block& block, size_t lane, Lone& lone) {
+// A step by the solver of one body.
+void LanePreserving::step_alone(const Block& block, size_t lane, Lone& lone, Failed& failed) {
   for (Eigen::Index i = 0; i < lone.state.q.size(); ++i) {
     const size_t at = static_cast<size_t>(i) * lanes_ + lane;
     lone.state.q[i] = block.q[at];
@@ -422,29 +416,32 @@ bool LanePreserving::step_alone(const Block& block, size_t lane, Lone& lone) {
   lone.load.active = lone.load.average.squaredNorm() > 0.0;
   lone.integrator->reset();
   const StepReport report = lone.integrator->step(lone.state, lone.load);
-  if (!report.converged) return false;
+  if (!report.converged) {
+    failed.all |= 1u << lane;
+    if (report.iterations > 0 && std::isfinite(report.residual)) failed.gave_up |= 1u << lane;
+    return;
+  }
   dissipated_[block.index * lanes_ + lane] = report.dissipated;
   for (Eigen::Index i = 0; i < lone.state.q.size(); ++i) {
     const size_t at = static_cast<size_t>(i) * lanes_ + lane;
     block.q[at] = lone.state.q[i];
     block.p[at] = lone.state.p[i];
   }
-  return true;
 }
 
-std::uint32_t LanePreserving::step(const Block& block, LanePreservingScratch& scratch,
-                                   size_t thread) {
+LanePreserving::Failed LanePreserving::step(const Block& block, LanePreservingScratch& scratch,
+                                            size_t thread) {
   const std::uint32_t all = low_bits(block.bodies);
-  Solve solve{*this, block, scratch, system_, system_.layout, width(), all,
-              known_[block.index] & all};
+  Solve solve{*this,          block,   scratch, system_,
+              system_.layout, width(), all,     known_[block.index] & all};
   solve.begin();
   known_[block.index] = 0;
   solve.correct_from_segments();
   solve.correct_from_means();
-  std::uint32_t failed = 0;
+  Failed failed;
   for (std::uint32_t alone = all & ~known_[block.index]; alone != 0; alone &= alone - 1) {
     const auto lane = static_cast<size_t>(std::countr_zero(alone));
-    if (!step_alone(block, lane, lone_[thread])) failed |= 1u << lane;
+    step_alone(block, lane, lone_[thread], failed);
   }
   return failed;
 }

@@ -1,13 +1,13 @@
-// Steps of avf, ep2 and ep4 (runtime/bodies/reduced/integrators/energy_preserving.cpp) for blocks of
-// bodies of one model.
+// Steps of avf, ep2 and ep4 (runtime/bodies/reduced/integrators/energy_preserving.cpp) for blocks
+// of bodies of one model.
 //
 // The solve is that of one body. The first correction needs no evaluation of the force where the
 // step before is known. An evaluation with the tangent there makes N and the Jacobian; then each
-// correction costs an evaluation of the mean force, with Broyden's updates. A lane that has converged
-// is finished at once and keeps its result. A lane that needs more than kMostSegments evaluations
-// with the tangent, or more than kMostMeans without, is stepped by the solver of one body, which
-// searches along lines, uses the exact Jacobian and halves the step. So no lane delays the others
-// for longer. The decisions depend on the lane's own numbers only.
+// correction costs an evaluation of the mean force, with Broyden's updates. A lane that has
+// converged is finished at once and keeps its result. A lane that needs more than kMostSegments
+// evaluations with the tangent, or more than kMostMeans without, is stepped by the solver of one
+// body, which searches along lines, uses the exact Jacobian and halves the step. So no lane delays
+// the others for longer. The decisions depend on the lane's own numbers only.
 //
 // State, Lambda q, N, the Jacobian and all sums are in double; the precision of a group is that of
 // grad (C + Q) and its tangent (runtime/bodies/lanes/lane_segment.h).
@@ -51,8 +51,8 @@ class LanePreserving {
   void make_scratch(LanePreservingScratch& scratch, std::size_t thread);
 
   // A lane is slot % lanes of block slot / lanes.
-  void forget(std::size_t slot);                    // the state was set: nothing is known
-  void move(std::size_t from, std::size_t to);      // what is known moves with a body
+  void forget(std::size_t slot);                // the state was set: nothing is known
+  void move(std::size_t from, std::size_t to);  // what is known moves with a body
   double dissipated(std::size_t slot) const { return dissipated_[slot]; }  // J, of the last step
 
   struct Block {
@@ -62,9 +62,13 @@ class LanePreserving {
     double* p = nullptr;        // the same
     const double* f = nullptr;  // the load; null: none
   };
-  // Returns the bits of the lanes that no solver can step; their state is unchanged. Nothing is
-  // allocated, except by the first step that is subdivided.
-  std::uint32_t step(const Block& block, LanePreservingScratch& scratch, std::size_t thread);
+  // Bits of the lanes that no solver can step; their state is unchanged.
+  struct Failed {
+    std::uint32_t all = 0;
+    std::uint32_t gave_up = 0;  // those without a number that overflowed
+  };
+  // Nothing is allocated, except by the first step that is subdivided.
+  Failed step(const Block& block, LanePreservingScratch& scratch, std::size_t thread);
 
  private:
   struct Lone {
@@ -79,7 +83,7 @@ class LanePreserving {
   double* saved(std::size_t block, std::size_t half) {
     return saved_.data() + (block * width() + half) * system_.layout.saved_rows * kSolveLanes;
   }
-  bool step_alone(const Block& block, std::size_t lane, Lone& lone);
+  void step_alone(const Block& block, std::size_t lane, Lone& lone, Failed& failed);
 
   LaneSystem system_;
   std::variant<SegmentCoefficients<double>, SegmentCoefficients<float>> segment_;
@@ -87,7 +91,7 @@ class LanePreserving {
   std::string integrator_;
   Model::Pointer model_;
   IntegratorOptions options_;
-  AlignedDoubles saved_;             // for each half of a block
+  AlignedDoubles saved_;              // for each half of a block
   std::vector<std::uint32_t> known_;  // bits of the lanes whose last step is saved, one per block
   std::vector<double> dissipated_;    // J, of the last step, one per slot
   std::vector<Lone> lone_;            // one per thread

@@ -227,8 +227,8 @@ template <int kBytes, class Real>
       y[i] = m[i] - kPoint * s[i];
       mean[i] = Vector{};
     }
-    MeanPass<Real, kBytes> pass{
-        task.coefficients, ConstRows<Real, kBytes>{x.first}, ConstRows<Real, kBytes>{y.first}, mean};
+    MeanPass<Real, kBytes> pass{task.coefficients, ConstRows<Real, kBytes>{x.first},
+                                ConstRows<Real, kBytes>{y.first}, mean};
     for (size_t k = 0; k < r; ++k)
       for (size_t l = k; l < r;) {
         const size_t width = next_width(r - l);
@@ -313,8 +313,9 @@ SegmentCoefficients<Real> make_segment_coefficients(const LaneCoefficients<Real>
   segment.coordinate_scale = lanes.coordinate_scale;
   segment.energy_scale = lanes.energy_scale;
   const double scale = lanes.coordinate_scale, cube = scale * scale * scale;
-  MatrixEntries entries{lanes.modes, cubic, quartic, cube / lanes.energy_scale,
-                        cube * scale / lanes.energy_scale, {}, {}};
+  MatrixEntries entries{
+      lanes.modes, cubic, quartic, cube / lanes.energy_scale, cube * scale / lanes.energy_scale,
+      {},          {}};
   for (size_t j = 0; j < lanes.modes; ++j)
     for (size_t i = 0; i <= j; ++i) {
       entries.first.push_back(i);

@@ -12,11 +12,13 @@
 // One product with a symmetric matrix gives A' and, with it, everything:
 //
 //     [ 0        1/2 C ] [ m ]   [ 1/2 C[X]           ]
-//     [ 1/2 C^T    Q   ] [ X ] = [ A' = Q[X] + 1/2 C[m] ],     mean = 4 A' m + C[X],  tangent = 12 A'
+//     [ 1/2 C^T    Q   ] [ X ] = [ A' = Q[X] + 1/2 C[m] ],     mean = 4 A' m + C[X],  tangent = 12
+//     A'
 //
-// evaluate_mean() gives the mean alone, in 3/5 of the time at r = 30. The mean of a cubic is that of its
-// values at the two points m +- s/sqrt(3). The two share the sum over a row of the gradient, since
-// a coefficient times t(+) + t(-) is one multiply-add (lane_force.h has t): three per coefficient.
+// evaluate_mean() gives the mean alone, in 3/5 of the time at r = 30. The mean of a cubic is that
+// of its values at the two points m +- s/sqrt(3). The two share the sum over a row of the gradient,
+// since a coefficient times t(+) + t(-) is one multiply-add (lane_force.h has t): three per
+// coefficient.
 #pragma once
 
 #include <cstddef>
@@ -52,10 +54,10 @@ constexpr std::size_t segment_scratch_rows(std::size_t modes) {
   return 2 * ((modes + modes * (modes + 1) / 2 + 7) / 8 * 8);
 }
 
-// All arrays are rows of kBodiesPerBlock numbers aligned to 64 bytes. middle, half: m and s in units
-// of coordinate_scale, r rows. mean: r rows, in units of energy_scale/coordinate_scale. tangent: in
-// units of energy_scale/coordinate_scale^2, the pairs i <= j in the order of pair_index. vectors: at most
-// those of this machine. Nothing is allocated.
+// All arrays are rows of kBodiesPerBlock numbers aligned to 64 bytes. middle, half: m and s in
+// units of coordinate_scale, r rows. mean: r rows, in units of energy_scale/coordinate_scale.
+// tangent: in units of energy_scale/coordinate_scale^2, the pairs i <= j in the order of
+// pair_index. vectors: at most those of this machine. Nothing is allocated.
 template <class Real>
 void evaluate_segment(const SegmentCoefficients<Real>& coefficients, const Real* middle,
                       const Real* half, Real* scratch, Real* mean, Real* tangent,

@@ -36,8 +36,8 @@ LaneLayout::LaneLayout(size_t r) {
     next += rows;
     return first;
   };
-  for (size_t* first : {&q0, &p0, &f, &d, &G, &predicted, &d_hat, &dp_hat, &b_hat, &g_hat, &x, &y,
-                        &q1, &p1})
+  for (size_t* first :
+       {&q0, &p0, &f, &d, &G, &predicted, &d_hat, &dp_hat, &b_hat, &g_hat, &x, &y, &q1, &p1})
     *first = take(r);
   moves = take(kMostLaneMoves * r);
   z = take(entries);
@@ -80,8 +80,9 @@ AlignedDoubles lower_of(const Eigen::MatrixXd& m) {
 
 LaneSystem make_lane_system(std::string_view name, const Model& model,
                             const IntegratorOptions& options) {
-  const InertiaWeight at_rest =
-      name == "ep4" ? rational_weight : name == "ep2" ? cotangent_weight : unit_weight;
+  const InertiaWeight at_rest = name == "ep4"   ? rational_weight
+                                : name == "ep2" ? cotangent_weight
+                                                : unit_weight;
   const InertiaDamping damping = make_inertia_damping(model, options, at_rest);
   const Eigen::Index r = model.modes();
   LaneSystem system;

@@ -1,13 +1,14 @@
-// The equation of an energy-preserving step (runtime/bodies/reduced/integrators/energy_preserving.cpp
-// has it, its symbols and its solve) for eight bodies of one model, one per lane of a vector.
+// The equation of an energy-preserving step
+// (runtime/bodies/reduced/integrators/energy_preserving.cpp has it, its symbols and its solve) for
+// eight bodies of one model, one per lane of a vector.
 //
-// Linear algebra of r coordinates takes r^3 operations and the force r^4, so that N and the Jacobian
-// are made for each lane: Z is reduced to tridiagonal form W T W^T by Householder's reflections in
-// all lanes at once. W is kept as its reflections. Where J is not a function of Z (a fixed N, or
-// strong damping) it has a Cholesky factor.
+// Linear algebra of r coordinates takes r^3 operations and the force r^4, so that N and the
+// Jacobian are made for each lane: Z is reduced to tridiagonal form W T W^T by Householder's
+// reflections in all lanes at once. W is kept as its reflections. Where J is not a function of Z (a
+// fixed N, or strong damping) it has a Cholesky factor.
 //
-// No operation mixes lanes: the numbers of a body depend neither on the other lanes nor on the number
-// of its own. A lane that a mask leaves out keeps its numbers.
+// No operation mixes lanes: the numbers of a body depend neither on the other lanes nor on the
+// number of its own. A lane that a mask leaves out keeps its numbers.
 #pragma once
 
 #include <cstddef>

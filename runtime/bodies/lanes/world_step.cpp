@@ -10,8 +10,8 @@ namespace {
 StepFailure failure_of(const LaneGroup::Outcome& outcome, std::size_t lane) {
   if ((outcome.failed >> lane & 1u) == 0) return StepFailure::kNone;
   if ((outcome.exploded >> lane & 1u) != 0) return StepFailure::kEnergy;
-  if ((outcome.loaded >> lane & 1u) != 0) return StepFailure::kLoad;
-  return (outcome.gave_up >> lane & 1u) != 0 ? StepFailure::kSolver : StepFailure::kNumbers;
+  if ((outcome.gave_up >> lane & 1u) != 0) return StepFailure::kSolver;
+  return (outcome.loaded >> lane & 1u) != 0 ? StepFailure::kLoad : StepFailure::kNumbers;
 }
 
 }  // namespace

@@ -125,8 +125,8 @@ struct InertiaDamping {
 InertiaDamping make_inertia_damping(const Model& model, const IntegratorOptions& options,
                                     InertiaWeight at_rest);
 
-// J of ep4 with damping, to first order in Z less its value at rest, diag(z): factors times Z, entry
-// by entry, plus the diagonal `slope`. The factors are derivatives of N S N/2 (filter_slope).
+// J of ep4 with damping, to first order in Z less its value at rest, diag(z): factors times Z,
+// entry by entry, plus the diagonal `slope`. The factors are derivatives of N S N/2 (filter_slope).
 struct DampedJacobian {
   bool strong = false;  // damping changes J by more than a correction can leave to the next
   Eigen::VectorXd slope;
