@@ -155,7 +155,6 @@ void ContactStep::settle_account() {
     record_.account.lost += now.lost;
     record_.account.rubbed += now.rubbed;
     record_.account.work += now.force.dot(candidate.touch.x1 - candidate.touch.x0);
-    Vector3d surface = Vector3d::Zero();  // from the point, world
     const bool round = candidate.law.radius > 0.0;
     if (round)
       record_.account.work += now.rub.dot(eq_.motion.turn_in_step().cross(surface_of(candidate)));
