@@ -1,6 +1,7 @@
 // The energy-preserving methods in lanes: against one body, against an orbit of another method, and
 // by their laws.
 #include <cmath>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -27,11 +28,12 @@ GroupOptions crowd_options(std::string_view method, double step, double alpha = 
 }
 
 struct Crowd {
-  World world = std::move(*World::create(1));
+  World world;
   std::vector<BodyId> bodies;
 
-  Crowd(const Model::Pointer& model, const GroupOptions& options,
-        const std::vector<State>& states) {
+  Crowd(const Model::Pointer& model, const GroupOptions& options, const std::vector<State>& states,
+        unsigned threads = 1)
+      : world(std::move(*World::create(threads))) {
     const GroupId group = *world.add_group(model, options);
     for (const State& state : states) {
       bodies.push_back(*world.add_body(group));
@@ -223,6 +225,46 @@ TEST(LanePreserving, ALaneThatNeedsTheSolverOfOneBodyDoesNotChangeTheOthers) {
   for (const std::size_t b : {0u, 1u, 2u, 4u, 5u, 6u, 7u}) {
     EXPECT_EQ(calm.state(b).q, wild.state(b).q) << b;
     EXPECT_EQ(calm.state(b).p, wild.state(b).p) << b;
+  }
+}
+
+// Its lane, its block and the thread may change, and so may the lanes next to it.
+TEST(LanePreserving, ABodysBitsDependNeitherOnTheOthersNorOnThreads) {
+  for (const char* method : kMethods)
+    for (const LanePrecision precision : {LanePrecision::kDouble, LanePrecision::kFloat}) {
+      GroupOptions options = crowd_options(method, 3e-3, 0.3);
+      options.precision = precision;
+      const std::vector<State> states = crowd_states(37);
+      Crowd alone(crowd_model(), options, {states[35], states[36]});
+      Crowd crowd(crowd_model(), options, states, 3);
+      std::mt19937 random(5);
+      for (int k = 0; k < 60; ++k) {
+        for (int change = 0; change < 6; ++change) {
+          const BodyId other = crowd.bodies[random() % 35];
+          ASSERT_TRUE(random() % 2 == 0 ? crowd.world.sleep(other) : crowd.world.wake(other));
+        }
+        alone.run(1);
+        crowd.run(1);
+      }
+      for (const std::size_t b : {0u, 1u}) {
+        EXPECT_EQ(alone.state(b).q, crowd.state(35 + b).q) << method;
+        EXPECT_EQ(alone.state(b).p, crowd.state(35 + b).p) << method;
+      }
+    }
+}
+
+// Float lanes keep the energy of the exact potential to a few thousand of their roundings, 6e-8 of
+// the nonlinear force each.
+TEST(LanePreserving, FloatLanesKeepTheEnergyToFloatRounding) {
+  for (const char* method : kMethods) {
+    GroupOptions options = crowd_options(method, 3e-3);
+    options.precision = LanePrecision::kFloat;
+    Crowd crowd(crowd_model(), options, crowd_states(17));
+    std::vector<double> before;
+    for (std::size_t b = 0; b < 17; ++b) before.push_back(crowd.energy(b));
+    crowd.run(500);
+    for (std::size_t b = 0; b < 17; ++b)
+      EXPECT_NEAR(crowd.energy(b) / before[b], 1.0, 500 * 6e-8) << method;
   }
 }
 
