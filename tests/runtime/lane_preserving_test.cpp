@@ -215,12 +215,15 @@ TEST(LanePreserving, ALaneThatNeedsTheSolverOfOneBodyDoesNotChangeTheOthers) {
   ASSERT_TRUE(body);
   ASSERT_TRUE(body->set_state(states[3].q, states[3].p));
   const double before = wild.energy(3);
+  int corrections = 0;  // of that body
   for (int k = 0; k < 50; ++k) {
     calm.run(1);
     wild.run(1);
-    ASSERT_TRUE(body->step().converged);
+    const StepReport report = body->step();
+    ASSERT_TRUE(report.converged);
+    corrections += report.iterations;
   }
-  EXPECT_GT(body->iterations(), 50 * 4);  // it is one that needs more than the lanes do
+  EXPECT_GT(corrections, 50 * 4);  // it is one that needs more than the lanes do
   EXPECT_NEAR(wild.energy(3) / before, 1.0, 1e-10);
   for (const std::size_t b : {0u, 1u, 2u, 4u, 5u, 6u, 7u}) {
     EXPECT_EQ(calm.state(b).q, wild.state(b).q) << b;
