@@ -125,6 +125,10 @@ Result<MotionCurve> backbone_curve(const VibratingSystem& system, const Backbone
   goal.beyond = [&](const CurvePoint& point) {
     return point.amplitude / request.to_amplitude - 1.0;
   };
+  // An internal resonance may lead back to rest.
+  goal.returned = [&](const CurvePoint& point) {
+    return point.amplitude < 0.5 * kFirstAmplitude * request.to_amplitude;
+  };
   return trace_curve(equations, undamped, std::move(y), direction, goal, true, options);
 }
 
