@@ -29,8 +29,7 @@ const char* name_of(FrameKind frame) {
 }
 
 SplitOptions split_of(py::handle split, double safety) {
-  SplitOptions options =
-      unwrap(parse_split(text_of(split)));
+  SplitOptions options = unwrap(parse_split(text_of(split)));
   options.safety = safety;
   return options;
 }
@@ -48,8 +47,7 @@ BodyPointer body_of_model(const PyModelPointer& model, const std::string& integr
   if (!damping_ratio.is_none()) {
     if (alpha != 0.0 || beta != 0.0)
       raise(usage_error("damping_ratio gives alpha and beta: leave them out"));
-    const RayleighDamping damping =
-        unwrap(parse_damping_ratios(text_of(damping_ratio)));
+    const RayleighDamping damping = unwrap(parse_damping_ratios(text_of(damping_ratio)));
     options.method.alpha = damping.alpha;
     options.method.beta = damping.beta;
   }
@@ -82,8 +80,7 @@ void step(BodyHandle& self, std::int64_t count) {
   }
   self.last_report = report;
   self.pull_state();
-  if (!report.converged)
-    raise({error_kind(report.failure), why_not_made(report, body.time())});
+  if (!report.converged) raise({error_kind(report.failure), why_not_made(report, body.time())});
 }
 
 // Surfaces. The array `out` has 3 numbers a vertex; it decides between double and float.
@@ -158,8 +155,9 @@ py::array_t<double> velocities(BodyHandle& self) {
   const DrawnSurface surface = body.model().drawn();
   const auto s = static_cast<py::ssize_t>(surface.rest.size());
   if (body.bones() > 0 || body.frame() == FrameKind::kDriven)
-    raise(usage_error("velocities are those of a fixed or a free body: a driven frame has poses "
-                      "instead of a velocity"));
+    raise(
+        usage_error("velocities are those of a fixed or a free body: a driven frame has poses "
+                    "instead of a velocity"));
   const State& state = body.state();
   py::array_t<double> made(Shape{s, 3});
   Eigen::Map<Eigen::VectorXd> out(made.mutable_data(), 3 * s);
@@ -235,10 +233,10 @@ py::tuple pickled(BodyHandle& self) {
   const IntegratorOptions& m = self.options().method;
   py::list loads;
   for (const BodyLoad& load : self.loads()) loads.append(tuple_of_load(load));
-  const py::tuple method = py::make_tuple(
-      std::string(body.integrator().name()), body.step_size(), body.alpha(), body.beta(),
-      m.newmark_beta, m.newmark_gamma, static_cast<int>(m.split.rule), m.split.count,
-      m.split.safety, m.tolerance, m.max_iterations, m.halvings);
+  const py::tuple method =
+      py::make_tuple(std::string(body.integrator().name()), body.step_size(), body.alpha(),
+                     body.beta(), m.newmark_beta, m.newmark_gamma, static_cast<int>(m.split.rule),
+                     m.split.count, m.split.safety, m.tolerance, m.max_iterations, m.halvings);
   return py::make_tuple(kPickleName, kPickleVersion, self.model(), method,
                         static_cast<int>(body.frame()), self.has_grabs_enabled(), loads, saved);
 }
@@ -398,8 +396,9 @@ void add_surface(BodyClass& c) {
 void add_frame(BodyClass& c) {
   property(c, "frame", "\"fixed\", \"driven\" or \"free\".",
            [](ContactBody& b) { return std::string(name_of(b.frame())); });
-  property(c, "pose", "(position (3,), m; rotation (4,), w x y z) of the frame: vertices are at "
-                      "position + rotation (X + U q).",
+  property(c, "pose",
+           "(position (3,), m; rotation (4,), w x y z) of the frame: vertices are at "
+           "position + rotation (X + U q).",
            [](ContactBody& b) { return tuple_of(b.pose()); });
   const auto no_turn = py::make_tuple(1.0, 0.0, 0.0, 0.0);
   c.def("set_pose", &set_pose, py::arg("position"), py::arg("rotation") = no_turn,

@@ -84,8 +84,8 @@ void BodyHandle::enable_grabs() {
 }
 
 BodyPointer make_body(const PyModelPointer& model, const BodyOptions& options) {
-  ContactBody body = unwrap(
-      ContactBody::create(model->model, options.integrator, options.method, options.frame));
+  ContactBody body =
+      unwrap(ContactBody::create(model->model, options.integrator, options.method, options.frame));
   return std::make_shared<BodyHandle>(model, options, std::move(body));
 }
 

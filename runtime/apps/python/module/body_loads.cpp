@@ -173,8 +173,7 @@ BodyLoad load_of_tuple(const py::tuple& tuple) {
   } else if (kind == "forces") {
     DefaultLoad forces;
     forces.vertices = vertex_ids(py::array::ensure(force[1]), "a load of the pickle");
-    for (const py::handle f : force[2])
-      forces.forces.push_back(vector3(f, "a load of the pickle"));
+    for (const py::handle f : force[2]) forces.forces.push_back(vector3(f, "a load of the pickle"));
     load.force = std::move(forces);
   } else {
     load.force = force[1].cast<double>();
@@ -210,10 +209,11 @@ void add_loads_of_body(BodyClass& c) {
         self.body().clear_forces();
       },
       "Removes the forces of apply_force that still act.");
-  c.def("grab", &grab, py::arg("at"), py::arg("stiffness"), py::arg("damping") = 0.0,
-        "Grabs a vertex, by its index or a selector of one vertex, with a spring (N/m) and a damper "
-        "(N s/m) to a point that move_grab moves; it starts at the vertex. Returns the grab's "
-        "number. Needs one of the methods avf, ep2, ep4 where the frame moves.");
+  c.def(
+      "grab", &grab, py::arg("at"), py::arg("stiffness"), py::arg("damping") = 0.0,
+      "Grabs a vertex, by its index or a selector of one vertex, with a spring (N/m) and a damper "
+      "(N s/m) to a point that move_grab moves; it starts at the vertex. Returns the grab's "
+      "number. Needs one of the methods avf, ep2, ep4 where the frame moves.");
   c.def("pin", &pin, py::arg("at"),
         "Holds a vertex where it is, or where move_grab moves it, by the stiffest spring that the "
         "step can solve. Returns the grab's number.");

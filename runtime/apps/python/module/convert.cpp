@@ -80,8 +80,7 @@ void refuse_construction(py::object type, const char* how) {
 }
 
 py::tuple reduced(const char* maker, const py::tuple& state) {
-  return py::make_tuple(py::module_::import("tremolo.pickles").attr(maker),
-                        py::make_tuple(state));
+  return py::make_tuple(py::module_::import("tremolo.pickles").attr(maker), py::make_tuple(state));
 }
 
 std::string shape_text(const py::array& array) {
@@ -166,8 +165,7 @@ std::vector<Tetrahedron> tetrahedra(py::handle object, const char* name) {
 template <class Number>
 void check_out(const py::array& out, const Shape& shape) {
   // Read from the descriptor: comparing types takes as long as a small result.
-  const auto* type = py::detail::array_descriptor_proxy(
-      py::detail::array_proxy(out.ptr())->descr);
+  const auto* type = py::detail::array_descriptor_proxy(py::detail::array_proxy(out.ptr())->descr);
   if (type->type != (sizeof(Number) == 4 ? 'f' : 'd') || type->byteorder != '=')
     raise_type("out: expected an array of type " + text_of(py::dtype::of<Number>()) +
                ", found one of type " + text_of(out.dtype()));

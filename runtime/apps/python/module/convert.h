@@ -5,14 +5,14 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Core>
-#include <pybind11/numpy.h>
-#include <pybind11/pybind11.h>
 
 #include "common/mesh/tet_mesh.h"
 #include "common/result.h"

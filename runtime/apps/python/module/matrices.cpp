@@ -42,8 +42,7 @@ void add_element(const TetMesh& mesh, std::size_t t, int order, const Elasticity
   const int count = nodes_of_order(order);
   for (int i = 0; i < count; ++i)
     for (int j = 0; j < count; ++j) {
-      const double share = lumped ? (i == j ? weight_share(order) : 0.0)
-                                  : mass_share(order, i, j);
+      const double share = lumped ? (i == j ? weight_share(order) : 0.0) : mass_share(order, i, j);
       for (int a = 0; a < 3; ++a) {
         const Eigen::Index row = 3 * Eigen::Index{nodes[i]} + a;
         if (share != 0.0)

@@ -83,10 +83,10 @@ py::array triangles_view(const std::vector<Triangle>& triangles, py::handle owne
                         shape_of({triangles.size(), 3}), owner);
 }
 py::array rows_view(const BasisRows& rows, py::handle owner) {
-  return read_only_view(rows.data(),
-                        shape_of({static_cast<std::size_t>(rows.rows()),
-                                  static_cast<std::size_t>(rows.cols())}),
-                        owner);
+  return read_only_view(
+      rows.data(),
+      shape_of({static_cast<std::size_t>(rows.rows()), static_cast<std::size_t>(rows.cols())}),
+      owner);
 }
 
 // C_ijk of all indices, r x r x r; zeros for a linear model.
@@ -322,9 +322,7 @@ void add_values(PyModelClass& c) {
       "Number of coordinates, r.");
   c.def_property_readonly(
       "frequencies",
-      [](const PyModel& self) {
-        return array_of<Eigen::Dynamic>(self.model->frequencies_hz());
-      },
+      [](const PyModel& self) { return array_of<Eigen::Dynamic>(self.model->frequencies_hz()); },
       "sqrt(Lambda) / 2 pi, (r,), Hz.");
   c.def_property_readonly(
       "vertex_count", [](const PyModel& self) { return self.model->vertex_count(); },

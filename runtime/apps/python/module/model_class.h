@@ -32,8 +32,8 @@ class ScratchPool {
 struct PyModel {
   Model::Pointer model;
   ModelOptions options;
-  std::string path;             // absolute; empty: made of `bytes`
-  std::string bytes;            // a basis file in memory; empty: loaded from `path`
+  std::string path;              // absolute; empty: made of `bytes`
+  std::string bytes;             // a basis file in memory; empty: loaded from `path`
   ScratchPool points, tangents;  // without and with kUseTangent
 };
 

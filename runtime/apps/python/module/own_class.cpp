@@ -1,8 +1,10 @@
-// The class tremolo.OwnBody: a potential of the user, written in Python, under the methods for point
-// masses (runtime/step/nodal_integrator.h).
+// The class tremolo.OwnBody: a potential of the user, written in Python, under the methods for
+// point masses (runtime/step/nodal_integrator.h).
 //
 // Its coordinates are grouped by three as if they were nodes; the last node may have coordinates
 // that no force moves. Masses are scaled away: y = sqrt(m) q has the mass 1.
+#include "runtime/apps/python/module/own_class.h"
+
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -10,7 +12,6 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "runtime/apps/python/module/own_class.h"
 #include "runtime/step/nodal_integrator.h"
 
 namespace tremolo::python {
@@ -72,9 +73,9 @@ class OwnSystem : public NodalSystem {
     if (part == ForcePart::kSoft || position == 0.0) return;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(tangent(y));
     const Eigen::VectorXd values = solver.eigenvalues().cwiseMax(0.0);
-    add_dense(position * solver.eigenvectors() * values.asDiagonal() *
-                  solver.eigenvectors().transpose(),
-              a);
+    add_dense(
+        position * solver.eigenvectors() * values.asDiagonal() * solver.eigenvectors().transpose(),
+        a);
   }
   void add_full_tangent(const Eigen::VectorXd& y, const Eigen::VectorXd&, ForcePart part,
                         double position, double, BlockMatrix& a) const override {
@@ -133,7 +134,8 @@ class OwnSystem : public NodalSystem {
     for (std::size_t i = 0; i < a.pattern().size(); ++i)
       for (std::size_t j = 0; j <= i; ++j) {
         Eigen::Matrix3d& block = a.block(a.pattern().find(i, j));
-        const auto row = static_cast<Eigen::Index>(3 * i), column = static_cast<Eigen::Index>(3 * j);
+        const auto row = static_cast<Eigen::Index>(3 * i),
+                   column = static_cast<Eigen::Index>(3 * j);
         const Eigen::Index rows = std::min<Eigen::Index>(3, r - row);
         const Eigen::Index columns = std::min<Eigen::Index>(3, r - column);
         block.topLeftCorner(rows, columns) += dense.block(row, column, rows, columns);
@@ -187,8 +189,8 @@ std::unique_ptr<OwnBody> make_own(py::object energy, py::object gradient, py::ob
 
   auto made = std::make_unique<OwnBody>();
   made->system = std::make_unique<OwnSystem>(
-      Callables{std::move(energy), std::move(gradient), std::move(tangent)},
-      masses.cwiseSqrt(), unwrap(BlockPattern::create(nodes, pairs)));
+      Callables{std::move(energy), std::move(gradient), std::move(tangent)}, masses.cwiseSqrt(),
+      unwrap(BlockPattern::create(nodes, pairs)));
   made->step = step;
   made->state.x = made->state.v = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(3 * nodes));
   made->state.x = scaled(*made, start, "q");
@@ -275,8 +277,7 @@ void add_own(py::module_& module) {
   module.def("own_body", &make_own, py::arg("energy"), py::arg("gradient"),
              py::arg("tangent") = py::none(), py::kw_only(), py::arg("q"),
              py::arg("v") = py::none(), py::arg("mass") = py::none(),
-             py::arg("integrator") = "energy", py::arg("step") = 3e-3,
-             py::arg("tolerance") = 1e-9,
+             py::arg("integrator") = "energy", py::arg("step") = 3e-3, py::arg("tolerance") = 1e-9,
              "Coordinates in a potential of your own: m q'' = -grad V(q). energy(q): V, a float; "
              "gradient(q): (r,); tangent(q): (r, r), or None: by differences of the gradient. q, "
              "v: (r,), the state at time 0. mass: (r,), by default 1. integrator: one of "

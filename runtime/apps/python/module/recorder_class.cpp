@@ -57,8 +57,11 @@ void add_recorder(py::module_& module) {
                          "programs.");
   refuse_construction(c, "tremolo.recorder() makes one");
   module.def(
-      "recorder", [](double rate) { return Recorder{Recording(rate), {}}; }, py::kw_only(),
-      py::arg("rate") = 60.0,
+      "recorder",
+      [](double rate) {
+        return Recorder{Recording(rate), {}};
+      },
+      py::kw_only(), py::arg("rate") = 60.0,
       "A tremolo.Recorder. rate: frames per second, for formats without times.");
   c.def("add", &add, py::arg("body"), py::arg("name"),
         "Adds a body, before the first frame; its name is unique.");

@@ -67,8 +67,8 @@ PyWorld make_world(std::string text, std::string path) {
     return {SceneWorld::create(file.scene), {}};
   }();
   if (!made.world) raise(error_of_file(path, made.world.error()));
-  PyWorld world{std::make_shared<WorldParts>(std::move(text), std::move(path),
-                                             std::move(*made.world))};
+  PyWorld world{
+      std::make_shared<WorldParts>(std::move(text), std::move(path), std::move(*made.world))};
   WorldParts& parts = *world.parts;
   for (std::size_t i = 0; i < parts.world.size(); ++i) {
     auto model = std::make_shared<PyModel>();
@@ -104,8 +104,8 @@ BodyPointer body_of(const PyWorld& self, py::handle name) {
   WorldParts& parts = *self.parts;
   if (BodyPointer known = parts.bodies[i].lock()) return known;
   const Call call(self);
-  auto made = std::make_shared<BodyHandle>(parts.models[i], self.parts, parts.world.body(i),
-                                           parts.used);
+  auto made =
+      std::make_shared<BodyHandle>(parts.models[i], self.parts, parts.world.body(i), parts.used);
   parts.bodies[i] = made;
   return made;
 }
@@ -125,7 +125,8 @@ void step(const PyWorld& self, std::int64_t count) {
         if (!failed.empty()) failed += "; ";
         failed += world.name(failure.body) + ": " + why_not_made(failure.report, world.time());
       }
-      for (const ContactEvent& event : world.events()) parts.events.push_back({event, world.time()});
+      for (const ContactEvent& event : world.events())
+        parts.events.push_back({event, world.time()});
       return failed.empty();
     });
   } catch (...) {
@@ -265,8 +266,8 @@ py::list hands(const PyWorld& self) {
 
 py::object pick(const PyWorld& self, py::handle origin, py::handle direction) {
   const Call call(self);
-  const auto found = unwrap(
-      self.parts->world.pick(vector3(origin, "origin"), vector3(direction, "direction")));
+  const auto found =
+      unwrap(self.parts->world.pick(vector3(origin, "origin"), vector3(direction, "direction")));
   if (!found) return py::none();
   py::dict dict;
   dict["body"] = self.parts->world.name(found->body);
@@ -341,14 +342,16 @@ void add_queries(WorldClass& c) {
   property(c, "time", "s.", [](const SceneWorld& w) { return w.time(); });
   property(c, "steps", "Number of steps taken.", [](const SceneWorld& w) { return w.steps(); });
   property(c, "step_size", "h, s.", [](const SceneWorld& w) { return w.step_size(); });
-  property(c, "duration", "Of the scene, s.", [](const SceneWorld& w) { return w.scene().duration; });
+  property(c, "duration", "Of the scene, s.",
+           [](const SceneWorld& w) { return w.scene().duration; });
   of_body(c, "failed", "True if a step of the body failed: it is not stepped again.",
           [](const SceneWorld& w, std::size_t i) { return w.failed(i); });
   of_body(c, "asleep", "True if the body is at rest and not stepped until something wakes it.",
           [](const SceneWorld& w, std::size_t i) { return w.asleep(i); });
   of_body(c, "contacts", "Number of contacts of the body that began.",
           [](const SceneWorld& w, std::size_t i) { return w.contacts(i); });
-  of_body(c, "penetration", "The largest depth of its contact points so far, as a fraction of its size.",
+  of_body(c, "penetration",
+          "The largest depth of its contact points so far, as a fraction of its size.",
           [](const SceneWorld& w, std::size_t i) { return w.penetration_max(i); });
   of_body(c, "momenta", "(linear (3,), kg m/s; angular (3,) about the origin, N m s).",
           [](const SceneWorld& w, std::size_t i) {
