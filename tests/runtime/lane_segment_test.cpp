@@ -18,14 +18,14 @@ using Eigen::VectorXd;
 using testing::random_vector;
 
 template <class Real>
-struct alignas(64) Row {
+struct alignas(64) SegmentRow {
   Real value[kBodiesPerBlock<Real>];
 };
 
 template <class Real>
-using RowsOf = std::vector<Row<Real>>;
+using SegmentRows = std::vector<SegmentRow<Real>>;
 
-BasisData basis_of(Index r) {
+BasisData segment_basis(Index r) {
   return testing::sample_basis(
       testing::random_strain_model(testing::spread_omega(r, 10.0, 1000.0), 0.3, 11));
 }
@@ -64,7 +64,7 @@ struct Passes {
   std::size_t r;
   LaneCoefficients<Real> lanes;
   SegmentCoefficients<Real> segment;
-  RowsOf<Real> middle, half, mean, mean_alone, scratch, tangent;
+  SegmentRows<Real> middle, half, mean, mean_alone, scratch, tangent;
   std::vector<VectorXd> q0, q1;
 };
 
@@ -72,7 +72,7 @@ struct Passes {
 // the size of the largest result; some r^3 of them are rounded.
 template <class Real>
 void expect_passes_agree(Index r, InstructionSet vectors) {
-  const BasisData basis = basis_of(r);
+  const BasisData basis = segment_basis(r);
   const Passes<Real> passes(basis, vectors);
   const Potential potential =
       std::move(*Potential::create(basis.lambda, basis.cubic, basis.quartic));
