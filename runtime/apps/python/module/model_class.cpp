@@ -397,6 +397,7 @@ void add_model(py::module_& module) {
   add_views(c);
   add_values(c);
   add_functions(c);
+  add_curves(c);
   refuse_construction(c, "tremolo.load and tremolo.precompute make one");
   module.def("_model_of", &unpickled, py::arg("state"), "A model of its pickle's state.");
   module.def(

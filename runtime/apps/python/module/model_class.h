@@ -46,4 +46,7 @@ PyModelPointer load_model_of_bytes(std::string bytes, const ModelOptions& option
 // The vertices that `at` names: an id, several ids, or a selector on the boundary.
 std::vector<VertexId> vertices_at(py::handle at, const Model& model);
 
+// Model.response and Model.backbone.
+void add_curves(py::class_<PyModel, PyModelPointer>& model);
+
 }  // namespace tremolo::python

@@ -102,6 +102,30 @@ class Model:
     def select(self, selector: str) -> Integers: ...
     def reduced_force(self, at: Vertices, force: Numbers) -> Doubles: ...
     def file_bytes(self) -> bytes: ...
+    def response(
+        self,
+        frequencies: Tuple[float, float],
+        *,
+        load: Optional[Numbers] = ...,
+        load_scale: float = ...,
+        alpha: float = ...,
+        beta: float = ...,
+        damping_ratio: Optional[str] = ...,
+        constant: Optional[Numbers] = ...,
+        probe: Optional[Vertices] = ...,
+        harmonics: int = ...,
+        stability: bool = ...,
+    ) -> Dict[str, Any]: ...
+    def backbone(
+        self,
+        mode: int,
+        to_amplitude: float,
+        *,
+        constant: Optional[Numbers] = ...,
+        probe: Optional[Vertices] = ...,
+        harmonics: int = ...,
+        stability: bool = ...,
+    ) -> Dict[str, Any]: ...
     def body(
         self,
         *,
