@@ -35,9 +35,15 @@ class Notebooks(unittest.TestCase):
     def test_a_gripper_lifts_a_ball(self):
         self.run_notebook("gripper", ["gripper_control.png", "gripper_end.png"])
 
+    def test_a_clamped_beam_answers_as_its_formula(self):
+        self.run_notebook("response", ["response.png"])
+
+    def test_the_modulus_of_a_bell_is_found(self):
+        self.run_notebook("bell", ["bell.png"])
+
     def test_all_are_run_here(self):
         files = {name[:-3] for name in os.listdir(FOLDER) if name.endswith(".py")}
-        self.assertEqual(files, {"vibrating_body", "integrators", "own_potential", "gripper"})
+        self.assertEqual(files, {"vibrating_body", "integrators", "response", "bell", "own_potential", "gripper"})
 
 
 if __name__ == "__main__":
