@@ -245,7 +245,7 @@ std::function<bool(const char*)> told_flags(const CLI::App& command) {
 Result<SceneFile> world_of(const std::string& text, const SceneCommand& command) {
   Result<SceneFile> file = parse_world(text, command.file);
   if (!file) return file.error();
-  if (Status s = apply_flags(command.flags, command.told, *file); !s) return s.error();
+  if (Status s = apply_flags(command.flags, command.given, *file); !s) return s.error();
   return file;
 }
 
@@ -276,7 +276,7 @@ Result<std::vector<BodyScene>> body_scenes(std::vector<RunOptions> bodies,
                                            const SceneCommand& command) {
   std::vector<BodyScene> scenes;
   for (RunOptions& body : bodies) {
-    put_over(command.flags, command.told, body);
+    put_over(command.flags, command.given, body);
     if (!body.wav.empty() && bodies.size() > 1)
       return usage_error("--wav applies only to one body, and " + command.file + " has several");
     // Several bodies have a folder each.
