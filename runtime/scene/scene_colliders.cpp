@@ -89,7 +89,7 @@ DeepestPoint deepest_point(const ContactBody& body, std::span<const PlacedCollid
       if (depth > deepest.depth) deepest = {depth, c};
     }
   if (body.contact() == nullptr) return deepest;
-  const ContactPoints& points = body.contact()->points();
+  const ContactPoints& points = *body.contact()->surface().points;
   for (std::size_t c = 0; c < colliders.size(); ++c)
     for (std::size_t i = 0; i < points.round; ++i) {
       const double depth =
@@ -102,14 +102,14 @@ DeepestPoint deepest_point(const ContactBody& body, std::span<const PlacedCollid
 double begins_within_margin(const ContactBody& body, std::span<const PlacedCollider> colliders) {
   const ContactStep* contact = body.contact();
   if (contact == nullptr) return 0.0;
-  const ContactPoints& points = contact->points();
+  const ContactPoints& points = *contact->surface().points;
   const Pose pose = body.pose();
   double deepest = 0.0;
   for (const PlacedCollider& collider : colliders)
     for (std::size_t i = 0; i < points.size(); ++i)
       if (points.meets(i, true))
         deepest =
-            std::max(deepest, contact->law().margin + points.radius_of(i) -
+            std::max(deepest, contact->surface().law.margin + points.radius_of(i) -
                                   distance_to(collider, pose * points.place(i, body.state().q)));
   return deepest;
 }

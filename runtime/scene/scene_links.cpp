@@ -94,7 +94,7 @@ Result<HeldJoint> HeldJoint::create(const SceneJoint& wanted, const ContactBody&
   if (!joint) return content_error(joint.error().message);
   // A stiff joint would pull them together suddenly.
   const double apart = joint_distance(*joint, first, second);
-  const double limit = first.contact()->law().margin;
+  const double limit = first.contact()->surface().law.margin;
   if (!wanted.options.stiffness && std::abs(apart - joint->length) > limit)
     return content_error("its places are " + number_text(apart) + " m apart at the start, not " +
                          number_text(joint->length) + " m: say `length`, a `stiffness`, put a " +

@@ -17,7 +17,9 @@ SavedState SceneWorld::saved_parts() const {
   std::vector<const Collider*> shapes;
   for (const Actor& actor : actors_) {
     models.push_back(&actor.body.model());
-    shapes.push_back(actor.body.contact() == nullptr ? nullptr : actor.body.contact()->shape());
+    shapes.push_back(actor.body.contact() == nullptr
+                         ? nullptr
+                         : actor.body.contact()->surface().shape_or_null());
   }
   return {"a world", TREMOLO_VERSION, scene_parts(scene_, models, shapes, colliders_.placed()), {}};
 }

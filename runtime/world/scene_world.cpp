@@ -218,19 +218,19 @@ Status SceneWorld::check_apart() const {
   NearBalls near;
   for (std::size_t i = 0; i < size(); ++i) {
     if (!scene_.bodies[i].feels_contact) continue;
-    const ContactPoints& points = actors_[i].body.contact()->points();
+    const ContactPoints& points = *actors_[i].body.contact()->surface().points;
     near.add(i, actors_[i].body.pose() * points.centre, points.radius);
   }
   near.sort();
   for (std::size_t a = 0; a < size(); ++a)
     for (const std::size_t b : near.of(a)) {
       if (passes_through(a, b)) continue;
-      const Collider* shape = actors_[b].body.contact()->shape();
+      const Collider* shape = actors_[b].body.contact()->surface().shape_or_null();
       if (shape == nullptr) continue;
       const Pose pose = actors_[b].body.pose();
       const PlacedCollider placed{*shape, pose, pose};
       const double depth = deepest_point(actors_[a].body, std::span(&placed, 1)).depth;
-      const double margin = actors_[a].body.contact()->law().margin;
+      const double margin = actors_[a].body.contact()->surface().law.margin;
       if (depth > margin)
         return content_error("body '" + name(a) + "': it begins " + number_text(depth) +
                              " m inside body '" + name(b) + "', more than its contact-margin of " +
@@ -248,9 +248,9 @@ Status SceneWorld::begin_contact(std::size_t i, const ContactNeeds& needs) {
   if (!contact) return contact.error();
   if (Status s = actor.body.set_contact(*contact); !s)
     return content_error("contact: " + s.error().message);
-  actor.size = actor.body.contact()->points().extent;
+  actor.size = actor.body.contact()->surface().points->extent;
   const auto felt = felt_by(i);
-  const double margin = actor.body.contact()->law().margin;
+  const double margin = actor.body.contact()->surface().law.margin;
   if (const DeepestPoint deepest = deepest_point(actor.body, felt); deepest.depth > margin)
     return content_error(
         "it begins " + number_text(deepest.depth) + " m (" +
@@ -311,8 +311,8 @@ double SceneWorld::contact_speed_limit() const {
   };
   for (const PlacedCollider& collider : colliders_.placed()) look_at(collider.shape);
   for (const Actor& actor : actors_)
-    if (actor.body.contact() != nullptr && actor.body.contact()->shape() != nullptr)
-      look_at(*actor.body.contact()->shape());
+    if (actor.body.contact() != nullptr && actor.body.contact()->surface().shape)
+      look_at(*actor.body.contact()->surface().shape);
   return least / scene_.step;
 }
 

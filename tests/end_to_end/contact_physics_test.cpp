@@ -141,7 +141,7 @@ TEST(ContactPhysics, ABlockThatIsLaidOnTheFloorStaysThere) {
     for (const int points : {8, 200})
       for (const double h : {3e-3, 1e-3, 2.5e-4}) {
         ContactBody body = cube(young, h, points, kDown, kOnFloor);
-        const double margin = body.contact()->law().margin;
+        const double margin = body.contact()->surface().law.margin;
         const std::vector<PlacedCollider> floor = floor_plane();
         double highest = 0.0, most = 0.0;
         for (long i = 0; i < std::lround(1.0 / h); ++i) {
@@ -234,11 +234,11 @@ TEST(ContactPhysics, AModulusSaysHowDeepABlockRests) {
   contact.modulus = modulus;
   ASSERT_TRUE(body.set_contact(contact));
   run(body, floor_plane(), 1.5);
-  const ContactPoints& points = body.contact()->points();
+  const ContactPoints& points = *body.contact()->surface().points;
   double area = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i)
     if (points.rest[i].z() < -0.49 * kSide) area += points.areas[i];
-  const double margin = body.contact()->law().margin;
+  const double margin = body.contact()->surface().law.margin;
   const double depth = margin - (body.rigid_state().centre.z() - 0.5 * kSide);
   EXPECT_NEAR(depth, 0.05 * margin + kGravity * kSide / (modulus * area), 0.002 * depth);
   EXPECT_FALSE(body.set_contact({.modulus = 0.0}));
@@ -249,7 +249,7 @@ TEST(ContactPhysics, AreasOfPointsAddUpToTheBoundary) {
   for (const int points : {1, 8, 20, 200}) {
     const ContactBody body = cube("5e7", 1e-3, points, kDown, kOnFloor);
     double sum = 0.0;
-    for (const double area : body.contact()->points().areas) sum += area;
+    for (const double area : body.contact()->surface().points->areas) sum += area;
     EXPECT_NEAR(sum, 6.0 * kSide * kSide, 1e-12) << points;
   }
 }
@@ -386,7 +386,8 @@ TEST(ContactPhysics, AnImpactOnAnElasticFoundationHasItsForce) {
       ASSERT_TRUE(body->step(floor).converged);
       most = std::max(most, body->contact_account().impulse_vector.z() / h);
     }
-    const double k = std::numbers::pi * kRadius * kModulus / body->contact()->points().extent;
+    const double k =
+        std::numbers::pi * kRadius * kModulus / body->contact()->surface().points->extent;
     const double delta = std::cbrt(1.5 * model->inertia()->mass * kSpeed * kSpeed / k);
     EXPECT_NEAR(most, k * delta * delta, kError * k * delta * delta) << h;
     EXPECT_NEAR(body->rigid_state().velocity.z(), kSpeed, 0.01 * kSpeed) << h;

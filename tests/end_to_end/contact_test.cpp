@@ -132,7 +132,7 @@ TEST(Contact, ASlopeHoldsBelowTheAngleOfFrictionAndNotAbove) {
     const double gained = body.rigid_state().velocity.x() - before;
     if (slope < mu) {
       EXPECT_LT(std::abs(body.rigid_state().velocity.x()),
-                0.01 * body.contact()->law().margin / kContactTime);
+                0.01 * body.contact()->surface().law.margin / kContactTime);
     } else {
       const double expected = 0.5 * kGravity * (std::sin(angle) - mu * std::cos(angle));
       EXPECT_NEAR(gained, expected, 0.03 * expected);

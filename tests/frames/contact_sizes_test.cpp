@@ -119,15 +119,15 @@ TEST(FewContactPoints, ABodyOfOnePointBouncesAndTheAccountCloses) {
     ContactOptions options;
     options.points = points;
     ASSERT_TRUE(body.set_contact(options));
-    EXPECT_EQ(body.contact()->points().size(), static_cast<std::size_t>(points));
-    EXPECT_DOUBLE_EQ(body.contact()->points().extent, 2.0 * kHalf);
+    EXPECT_EQ(body.contact()->surface().points->size(), static_cast<std::size_t>(points));
+    EXPECT_DOUBLE_EQ(body.contact()->surface().points->extent, 2.0 * kHalf);
     ASSERT_TRUE(body.set_gravity({0.0, 0.0, -9.81}));
     Pose pose;
     pose.position.z() = kHalf + 0.1;
     ASSERT_TRUE(body.set_pose(pose));
     ASSERT_TRUE(body.set_motion({0.0, 0.0, 0.0}, {0.1, 0.2, 0.0}));
     const std::vector<PlacedCollider> floor(1);
-    const VertexId first = body.contact()->points().ids.front();
+    const VertexId first = body.contact()->surface().points->ids.front();
     const double start = body.energy().total();
     double deepest = 0.0, worst = 0.0, most = 0.0;
     for (int k = 0; k < 500; ++k) {

@@ -301,7 +301,7 @@ TEST(SceneContact, BodyMayBeginWithinTheMargin) {
   ASSERT_TRUE(before.body(0).surface_positions(places, SurfaceKind::kBoundary));
   double lowest = places[2];
   for (std::size_t i = 2; i < places.size(); i += 3) lowest = std::min(lowest, places[i]);
-  const double margin = before.body(0).contact()->law().margin;
+  const double margin = before.body(0).contact()->surface().law.margin;
   scene.colliders[0].pose.position.z() = lowest + 0.5 * margin;
   SceneWorld world = touching_world(scene);
   // Its contact begins where it is, with no energy that nobody put in.

@@ -127,7 +127,7 @@ TEST(SurfaceDepth, SeesWhatIsBetweenThePoints) {
   ball.pose.position = {50.0, 0.0, 0.0};
   scene.colliders.push_back(ball);
   const SceneWorld before = world_of(scene);
-  const std::vector<VertexId>& ids = before.body(0).contact()->points().ids;
+  const std::vector<VertexId>& ids = before.body(0).contact()->surface().points->ids;
   VertexId corner = 0;
   const auto feels = [&](VertexId id) {
     return std::find(ids.begin(), ids.end(), id) != ids.end();

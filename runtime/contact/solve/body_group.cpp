@@ -15,12 +15,12 @@ bool moves(const PlacedCollider& collider) {
 
 // True if a moving collider comes near the body.
 bool is_disturbed(const ContactStep& contact, std::span<const PlacedCollider> colliders) {
-  const ContactBall& ball = contact.ball();
+  const ContactBall& ball = contact.gathered().ball;
   for (const PlacedCollider& collider : colliders) {
     if (!moves(collider)) continue;
     for (const Pose& pose : {collider.start, collider.end}) {
       const Vector3d local = pose.rotation.conjugate() * (ball.centre - pose.position);
-      const double far = ball.radius + ball.deformed + 2.0 * contact.law().margin;
+      const double far = ball.radius + ball.deformed + 2.0 * contact.surface().law.margin;
       if (signed_distance(collider.shape, local).distance < far) return true;
     }
   }
@@ -112,9 +112,9 @@ bool BodyGroup::wake_pair(std::size_t a, std::size_t b) {
 void BodyGroup::look_at(std::size_t a, std::size_t b) {
   const ContactStep& first = *bodies_[a]->contact_;
   const ContactStep& second = *bodies_[b]->contact_;
-  const ContactBall &left = first.ball(), &right = second.ball();
+  const ContactBall &left = first.gathered().ball, &right = second.gathered().ball;
   const double reach = left.radius + left.deformed + right.radius + right.deformed +
-                       std::max(first.law().margin, second.law().margin) +
+                       std::max(first.surface().law.margin, second.surface().law.margin) +
                        2.0 * (left.travel + right.travel);
   if ((left.centre - right.centre).squaredNorm() > reach * reach) return;
   Pair pair{a, b, used_, 0};
@@ -128,14 +128,14 @@ void BodyGroup::look_at(std::size_t a, std::size_t b) {
 // again.
 void BodyGroup::find_pairs() {
   const auto low = [this](std::size_t i) {
-    const ContactBall& ball = bodies_[i]->contact_->ball();
+    const ContactBall& ball = bodies_[i]->contact_->gathered().ball;
     return ball.centre.x() - ball.radius - ball.deformed - 2.0 * ball.travel -
-           bodies_[i]->contact_->law().margin;
+           bodies_[i]->contact_->surface().law.margin;
   };
   const auto high = [this](std::size_t i) {
-    const ContactBall& ball = bodies_[i]->contact_->ball();
+    const ContactBall& ball = bodies_[i]->contact_->gathered().ball;
     return ball.centre.x() + ball.radius + ball.deformed + 2.0 * ball.travel +
-           bodies_[i]->contact_->law().margin;
+           bodies_[i]->contact_->surface().law.margin;
   };
   for (bool again = true; again;) {
     again = false;
@@ -143,7 +143,7 @@ void BodyGroup::find_pairs() {
     used_ = 0;
     by_place_.clear();
     for (std::size_t i = 0; i < bodies_.size(); ++i)
-      if (bodies_[i] != nullptr && bodies_[i]->contact_ && bodies_[i]->contact_->feels() &&
+      if (bodies_[i] != nullptr && bodies_[i]->contact_ && bodies_[i]->contact_->surface().feels &&
           (begun_[i] != 0 || rest_[i].asleep))
         by_place_.push_back(i);
     std::sort(by_place_.begin(), by_place_.end(), [&](std::size_t a, std::size_t b) {
@@ -175,8 +175,8 @@ void BodyGroup::put_to_sleep() {
                  (body.contact_account().active > 0 || is_joined(i));
     if (quiet) {
       const double speed2 = 2.0 * body.free_->kinetic(body.state_.q, body.state_.p);
-      const double limit = 0.01 * body.contact_->law().margin / kContactTime;
-      quiet = speed2 <= body.contact_->mass() * limit * limit && !has_to_wake(i);
+      const double limit = 0.01 * body.contact_->surface().law.margin / kContactTime;
+      quiet = speed2 <= body.contact_->surface().mass * limit * limit && !has_to_wake(i);
     }
     rest.quiet = quiet ? rest.quiet + body.options_.step : 0.0;
     rest.gravity = body.gravity();

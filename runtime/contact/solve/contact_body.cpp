@@ -103,8 +103,9 @@ Status ContactBody::set_contact(const ContactOptions& options) {
     return usage_error("contact needs a boundary of more than one vertex");
   if (options.shape)
     if (Status s = check_reach_once(model_, *options.shape); !s) return s;
-  contact_ = std::make_shared<ContactStep>(model_, options_, options, model_->inertia()->mass,
-                                           frame() == FrameKind::kFree);
+  contact_ = std::make_shared<ContactStep>(
+      model_, options_,
+      make_contact_surface(model_, options, model_->inertia()->mass, frame() == FrameKind::kFree));
   return Success{};
 }
 
@@ -137,7 +138,7 @@ StepReport ContactBody::advance_in_parts(const StepReport& failure) {
   StepReport report = failure;
   StepParts parts;
   const PartBody self{this, 0};
-  booked_ = parts.step({&self, 1}, contact_->colliders(), {}, {}, {&report, 1});
+  booked_ = parts.step({&self, 1}, contact_->gathered().colliders, {}, {}, {&report, 1});
   return report;
 }
 
@@ -154,16 +155,14 @@ void ContactBody::reserve_contact(std::span<const PlacedCollider> colliders, std
   grips_.reserve(hands);
   hands_.reserve(hands);
   std::vector<Grip> all(hands);
-  contact_->hold(all);
-  (void)contact_->gather(colliders, step_poses(), state_.q, state_.p, step_push());
-  contact_->hold({});
+  for (const std::span<Grip> held : {std::span(all), std::span<Grip>()})
+    (void)contact_->gather({colliders, held}, step_poses(), state_.q, state_.p, step_push());
 }
 
 // Finds the points that may be in contact in the step.
 bool ContactBody::near_something(std::span<const PlacedCollider> colliders) {
   if (!contact_) return false;
-  contact_->hold(grips_);
-  return contact_->gather(colliders, step_poses(), state_.q, state_.p, step_push());
+  return contact_->gather({colliders, grips_}, step_poses(), state_.q, state_.p, step_push());
 }
 
 // After a step with contact: resets the integrator, and each grab starts where it ended.

@@ -45,9 +45,9 @@ std::uint64_t ContactBody::content_hash() const {
   std::string bytes;
   StateStream stream = StateStream::writing(bytes);
   std::uint64_t body = Body::content_hash();
-  ContactLaw law = contact_->law();
-  std::vector<VertexId> ids = contact_->points().ids;
-  bool feels = contact_->feels(), shape = contact_->shape() != nullptr;
+  ContactLaw law = contact_->surface().law;
+  std::vector<VertexId> ids = contact_->surface().points->ids;
+  bool feels = contact_->surface().feels, shape = contact_->surface().shape.has_value();
   stream(body, law.margin, law.stiffness, law.friction, law.restitution, feels, shape);
   stream.sized(ids);
   return hash_bytes(std::as_bytes(std::span(bytes)));
@@ -56,8 +56,7 @@ std::uint64_t ContactBody::content_hash() const {
 void ContactBody::carry(StateStream& stream) {
   Body::carry(stream);
   // The method's step and damping are the body's.
-  if (contact_ && stream.reads() && stream.good())
-    contact_->set_damping(options_.alpha, options_.beta);
+  if (contact_ && stream.reads() && stream.good()) contact_->set_options(options_);
   stream(touched_, sound_touched_);
   if (stream.reads()) stream.require(are_finite(touched_) && are_finite(sound_touched_));
   carry_hands(stream);
@@ -88,7 +87,7 @@ void ContactBody::carry_hands(StateStream& stream) {
 
 Status ContactBody::set_damping(double alpha, double beta) {
   if (Status s = Body::set_damping(alpha, beta); !s) return s;
-  if (contact_) contact_->set_damping(alpha, beta);
+  if (contact_) contact_->set_options(options_);
   return Success{};
 }
 
@@ -96,7 +95,7 @@ Status ContactBody::set_method(std::string_view integrator, double step) {
   if (contact_ && frame() != FrameKind::kFixed && !is_energy_method(integrator))
     return usage_error("contact goes with avf, ep2 and ep4");
   if (Status s = Body::set_method(integrator, step); !s) return s;
-  if (contact_) contact_->set_step(step);
+  if (contact_) contact_->set_options(options_);
   for (Grip& grip : grips_) limit_hand(grip);
   return Success{};
 }

@@ -1,5 +1,8 @@
 #include "runtime/contact/solve/contact_equations.h"
 
+#include <cmath>
+#include <limits>
+
 #include "runtime/math/pose.h"
 
 namespace tremolo {
@@ -9,7 +12,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 Vector3d ContactEquations::place_in_body(std::size_t point, const VectorXd& q) const {
-  const Vector3d from = points->rest[point] - motion.origin;
+  const Vector3d from = points().rest[point] - motion.origin;
   return from + point_rows(point).transpose() * q;
 }
 
@@ -107,6 +110,21 @@ double ContactEquations::work_along(const Eigen::Ref<const VectorXd>& move) cons
     work += residual.segment<3>(r + 3).dot(move.segment<3>(r + 3));
   }
   return work;
+}
+
+double ContactEquations::way_of(const Eigen::Ref<const VectorXd>& move) const {
+  const Index r = modes();
+  const double way = move.head(r).cwiseAbs().dot(points().reach);
+  if (!turns()) return way;
+  const double turned = motion.h * points().radius * move.segment<3>(r).norm();
+  return way + turned + move.segment<3>(r + 3).norm();
+}
+
+double ContactEquations::spring_rounding(const VertexRows& place, double stiffness,
+                                         double far) const {
+  const double lightness = place.rows.norm() + (turns() ? 1.0 / std::sqrt(surface.mass) : 0.0);
+  return 4.0 * std::numeric_limits<double>::epsilon() * motion.h * stiffness * lightness *
+         (far + points().extent);
 }
 
 }  // namespace tremolo

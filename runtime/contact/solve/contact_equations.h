@@ -3,13 +3,9 @@
 // torque (Ro~ y~) x F, so that the work of F is F.(x1 - x0) exactly.
 #pragma once
 
-#include <memory>
-#include <optional>
-
 #include <Eigen/Core>
 
-#include "runtime/contact/collider.h"
-#include "runtime/contact/solve/contact_points.h"
+#include "runtime/contact/solve/contact_surface.h"
 #include "runtime/contact/solve/step_motion.h"
 #include "runtime/math/state.h"
 
@@ -18,23 +14,24 @@ namespace tremolo {
 // n = unknowns() rows are used: d = q1 - q0 and, for a free body, omega1 and the path e of its
 // centre.
 struct ContactEquations {
-  std::shared_ptr<const ContactPoints> points;
-  std::optional<Collider> shape;  // with which other bodies collide
-  StepMotion motion;              // of the frame, at the present z
-  PlaceLever lever;               // effect of a force at one position
-  Eigen::VectorXd q0, q1;         // coordinates at the ends of the step, r
-  Eigen::VectorXd u0, u1;         // displacements of the points there; of a body with a shape
-  Eigen::VectorXd z;              // unknowns, r + 6
-  Eigen::VectorXd residual;       // kg^1/2 m for d, N m s for omega1, N for e; r + 6
-  Eigen::VectorXd row_scale;      // converts the residual's rows to momenta, kg^1/2 m/s; r + 6
-  Eigen::MatrixXd jacobian;       // of the residual, (r + 6) x (r + 6)
+  ContactSurface surface;
+  StepMotion motion;          // of the frame, at the present z
+  PlaceLever lever;           // effect of a force at one position
+  Eigen::VectorXd q0, q1;     // coordinates at the ends of the step, r
+  Eigen::VectorXd u0, u1;     // displacements of the points there; of a body with a shape
+  Eigen::VectorXd z;          // unknowns, r + 6
+  Eigen::VectorXd residual;   // kg^1/2 m for d, N m s for omega1, N for e; r + 6
+  Eigen::VectorXd row_scale;  // converts the residual's rows to momenta, kg^1/2 m/s; r + 6
+  Eigen::MatrixXd jacobian;   // of the residual, (r + 6) x (r + 6)
   // Sums of the forces at positions: on the coordinates, r; on the centre, N, world; and their
   // torque about it, N m, along the body's axes at the start.
   Eigen::VectorXd pushed;
   Eigen::Vector3d force, torque;
 
-  explicit ContactEquations(Eigen::Index modes) : lever(modes) {}
+  explicit ContactEquations(ContactSurface body_surface, Eigen::Index modes)
+      : surface(std::move(body_surface)), lever(modes) {}
 
+  const ContactPoints& points() const { return *surface.points; }
   Eigen::Index modes() const { return motion.modes; }
   Eigen::Index unknowns() const { return motion.unknowns(); }
   bool turns() const { return motion.turns(); }
@@ -42,7 +39,7 @@ struct ContactEquations {
 
   // The rows of U of a contact point, transposed, r x 3.
   auto point_rows(std::size_t point) const {
-    return points->rows.middleCols<3>(static_cast<Eigen::Index>(3 * point));
+    return points().rows.middleCols<3>(static_cast<Eigen::Index>(3 * point));
   }
   // Position of a contact point from c along the body's axes, m.
   Eigen::Vector3d place_in_body(std::size_t point, const Eigen::VectorXd& q) const;
@@ -56,10 +53,10 @@ struct ContactEquations {
   // The work of a force is its product with that plus motion.way_under().
   Eigen::Vector3d bend_under(const PlaceRows& rows) const;
   // Bound of the displacement of any point by the coordinates in the step, m.
-  double bend_in_step() const { return z.head(modes()).cwiseAbs().dot(points->reach); }
+  double bend_in_step() const { return z.head(modes()).cwiseAbs().dot(points().reach); }
   // The shape, deformed as at the start or the end of the step.
-  BentShape shape_at_start() const { return {&*shape, points.get(), &u0}; }
-  BentShape shape_at_end() const { return {&*shape, points.get(), &u1}; }
+  BentShape shape_at_start() const { return {&*surface.shape, surface.points.get(), &u0}; }
+  BentShape shape_at_end() const { return {&*surface.shape, surface.points.get(), &u1}; }
 
   void clear_forces();
   // Adds a force, N, world. bend_force: the force that deforms the body, N, world.
@@ -100,6 +97,11 @@ struct ContactEquations {
   // Product of the residual, as forces, with a move of the unknowns: the slope of the function that
   // the step minimizes, J, except for rotation.
   double work_along(const Eigen::Ref<const Eigen::VectorXd>& move) const;
+  // The largest displacement of any point by a move of the unknowns, m.
+  double way_of(const Eigen::Ref<const Eigen::VectorXd>& move) const;
+  // Rounding error of the residual from a spring (N/m) at a position of the body, at the distance
+  // `far` (m) from the world's origin, kg^1/2 m/s.
+  double spring_rounding(const VertexRows& place, double stiffness, double far) const;
 };
 
 }  // namespace tremolo

@@ -500,10 +500,10 @@ bool ContactIsland::add_missed(std::vector<PairPoint>& points, std::size_t& coun
 void ContactIsland::remember() {
   for (const PairPoint& pair : points_) {
     ContactStep& first = body(pair.a);
-    if (ContactMemory memory; memory_of(pair, memory)) first.remember_pair(memory);
+    if (ContactMemory memory; memory_of(pair, memory)) first.pair_memories().add(memory);
     if (pair.now.acts && pair.now.pressure != 0.0)
-      first.note_contact(
-          {.vertex = first.points().ids[pair.point],
+      first.record().contacted.push_back(
+          {.vertex = first.surface().points->ids[pair.point],
            .on_body = true,
            .obstacle = members_[pair.b].number,
            .position = pair.law.radius > 0.0
@@ -512,7 +512,7 @@ void ContactIsland::remember() {
            .normal = pair.held.normal.normalized(),
            .impulse = h_ * pair.now.force});
   }
-  for (const IslandMember& member : members_) member.contact->sort_pair_memories();
+  for (const IslandMember& member : members_) member.contact->pair_memories().sort();
 }
 
 void ContactIsland::step(std::span<const IslandMember> members, std::vector<PairPoint>& points,
@@ -557,13 +557,12 @@ void ContactIsland::step(std::span<const IslandMember> members, std::vector<Pair
     report.iterations = iterations;
     report.residual = 0.5 * h * sizes_[i];
     if (!converged) continue;
-    members[i].contact->settle_pairs(accounts_[i], starts_[i]);
-    members[i].contact->finish(*members[i].state, report);
+    members[i].contact->finish(*members[i].state, report, accounts_[i], starts_[i]);
   }
   if (!converged) return;
   remember();
   if (hold_)
-    for (const IslandMember& member : members_) member.contact->note_held_step();
+    for (const IslandMember& member : members_) ++member.contact->record().held_steps;
 }
 
 }  // namespace tremolo

@@ -3,78 +3,59 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/contact/solve/line_search.h"
-
 namespace tremolo {
-namespace {
 
 using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr int kNewtonIterations = 100;  // of Newton's method with the line search
-constexpr int kShorter = 12;            // halvings of a move
-constexpr int kNormals = 20;            // iterations in which normals are renewed,
-constexpr double kHeldBelow = 1e6;      // except below this multiple of the small size
-constexpr int kMostRenewals = 20;       // iterations that renew limits in a last resort
-constexpr int kFullRenewals = 8;        // iterations in which limits are renewed wholly
-constexpr double kRoundedWay = 1e-14;   // shortest move, as a fraction of the body's extent
-
-}  // namespace
-
 ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
-                         const ContactOptions& contact, double mass, bool free)
+                         ContactSurface surface)
     : model_(std::move(model)),
       options_(options),
-      eq_(model_->modes()),
-      mass_(mass),
-      can_move_(free),
-      feels_(contact.colliders),
+      eq_(std::move(surface), model_->modes()),
       damping_(make_inertia_damping(*model_, options, cotangent_weight)),
       strain_(*model_, options.beta),
-      rest_(Eigen::VectorXd::Zero(model_->modes())),
+      rest_(VectorXd::Zero(model_->modes())),
       rest_middle_(rest_),
-      S_((0.5 + options.step * damping_.theta.array() * damping_.D.array()).inverse()),
       workspace_(model_->potential().make_workspace(kUseSegment)) {
-  eq_.points = shared_contact_points(model_, static_cast<std::size_t>(contact.points),
-                                     contact.shape ? &*contact.shape : nullptr);
-  eq_.shape = contact.shape;
-  law_.margin = law_.begins = contact.margin * eq_.points->extent;
-  law_.friction = contact.friction;
-  law_.restitution = contact.restitution;
-  law_.rebound_speed = 0.05 * law_.margin / kContactTime;
-  if (contact.modulus) {
-    law_.linear_from = 0.1 * law_.margin;
-    law_.stiffness = *contact.modulus / (2.0 * law_.linear_from * eq_.points->extent);
-  } else {
-    law_.stiffness = contact.stiffness * mass /
-                     (2.0 * kContactTime * kContactTime * eq_.points->area * law_.margin);
-  }
-  find_dampers();
   const Index r = model_->modes(), n = r + 6;
   for (VectorXd* v :
        {&eq_.q0, &v0_, &eq_.q1, &G_, &dp_, &force_, &own_force_, &middle_, &eq_.pushed})
     v->setZero(r);
   for (VectorXd* v : {&eq_.z, &known_z_, &z_before_, &eq_.residual, &move_}) v->setZero(n);
-  scale_rows();
-  if (eq_.shape) eq_.u0 = eq_.u1 = VectorXd::Zero(eq_.points->axis_rows.rows());
+  if (eq_.surface.shape) eq_.u0 = eq_.u1 = VectorXd::Zero(eq_.points().axis_rows.rows());
   K_.setZero(r, r);
   eq_.jacobian.setIdentity(n, n);
-  factor_.compute(eq_.jacobian.topLeftCorner(free ? n : r, free ? n : r));
-  eq_.motion.h = options.step;
+  const Index own = eq_.surface.can_move ? n : r;
+  factor_.compute(eq_.jacobian.topLeftCorner(own, own));
   eq_.motion.modes = r;
+  use_options();
+}
+
+void ContactStep::set_options(const IntegratorOptions& options) {
+  if (options.beta != options_.beta) strain_ = StrainDamping(*model_, options.beta);
+  options_ = options;
+  damping_ = make_inertia_damping(*model_, options_, cotangent_weight);
+  use_options();
+}
+
+// Updates all values that depend on the step and on damping_.
+void ContactStep::use_options() {
+  const Index r = model_->modes();
+  const double h = eq_.motion.h = options_.step;
+  S_ = (0.5 + h * damping_.theta.array() * damping_.D.array()).inverse();
+  const double root = std::sqrt(surface().mass);
+  eq_.row_scale.setConstant(r + 6, 2.0 / h);
+  eq_.row_scale.segment<3>(r).setConstant(1.0 / (root * eq_.points().radius));
+  eq_.row_scale.tail<3>().setConstant(h / root);
 }
 
 void ContactStep::reset() {
-  const double left = record_.account.energy;
-  record_.account = {};
-  record_.account.surplus = -left;
+  record_.reset();
   memories_.clear();
   pair_memories_.clear();
-  std::fill(record_.impulses.begin(), record_.impulses.end(), 0.0);
-  std::fill(record_.collider_impulses.begin(), record_.collider_impulses.end(), Vector3d::Zero());
-  record_.contacted.clear();
 }
 
 void ContactStep::begin(const State& state, const StepLoad& load, FreeFrame* free) {
@@ -90,13 +71,11 @@ void ContactStep::begin(const State& state, const StepLoad& load, FreeFrame* fre
   strain_.stand_at(rest_middle_);
   if (load.coupling != nullptr) load.coupling->begin(h, eq_.q0, v0_);
   eq_.motion.free = free_ != nullptr;
-  eq_.motion.R0 = poses_.start.rotation.toRotationMatrix();
+  eq_.motion.R0 = gathered_.poses.start.rotation.toRotationMatrix();
   eq_.motion.origin = free_ != nullptr ? free_->mesh_centre() : Vector3d(Vector3d::Zero());
-  eq_.motion.c0 = free_ != nullptr ? free_->rigid().centre : poses_.start.position;
+  eq_.motion.c0 = free_ != nullptr ? free_->rigid().centre : gathered_.poses.start.position;
   eq_.z.head(r) = h * v0_;
   for (Candidate& candidate : touching()) begin_candidate(candidate);
-  pairs_ = {};
-  pairs_start_ = 0.0;
   joints_rounding_ = 0.0;
   first_size_ = -1.0;
   if (free_ != nullptr) {
@@ -104,10 +83,11 @@ void ContactStep::begin(const State& state, const StepLoad& load, FreeFrame* fre
     eq_.z.tail<3>() = h * free_->rigid().velocity;
     return;
   }
-  eq_.motion.set_turn(eq_.motion.R0.transpose() * poses_.end.rotation.toRotationMatrix());
-  const Eigen::Quaterniond turn = poses_.start.rotation.conjugate() * poses_.end.rotation;
+  eq_.motion.set_turn(eq_.motion.R0.transpose() * gathered_.poses.end.rotation.toRotationMatrix());
+  const Eigen::Quaterniond turn =
+      gathered_.poses.start.rotation.conjugate() * gathered_.poses.end.rotation;
   eq_.motion.phi = 2.0 / turn.w() * turn.vec();
-  eq_.motion.c1 = poses_.end.position;
+  eq_.motion.c1 = gathered_.poses.end.position;
 }
 
 // A spring's mean force is its force at the middle of the step, which is exactly its discrete
@@ -140,17 +120,19 @@ void ContactStep::add_contact(const ContactRenewal& renewal) {
   std::fill(rates_.begin(), rates_.end(), PairRate{});
   for (Candidate& candidate : touching()) {
     candidate.touch = eq_.motion.touch(candidate.y0, eq_.place_in_body(candidate.point, eq_.q1));
-    candidate.end = contact_end(candidate.law, colliders_[candidate.collider],
+    candidate.end = contact_end(candidate.law, gathered_.colliders[candidate.collider],
                                 turns_[candidate.collider], candidate.start, candidate.touch.x1);
     if (candidate.law.radius > 0.0)
-      candidate.end.turn = turn_along(turns_[candidate.collider], colliders_[candidate.collider]);
+      candidate.end.turn =
+          turn_along(turns_[candidate.collider], gathered_.colliders[candidate.collider]);
     const ContactGap& gap = candidate.end.gap;
     rates_[candidate.collider].add(gap.pressure, gap.d1 - gap.d0);
   }
   for (Candidate& candidate : touching()) {
-    candidate.now = contact_force(
-        candidate.law, colliders_[candidate.collider], turns_[candidate.collider], candidate.start,
-        candidate.memory, candidate.end, time_with(candidate.collider), renewal, candidate.held);
+    candidate.now =
+        contact_force(candidate.law, gathered_.colliders[candidate.collider],
+                      turns_[candidate.collider], candidate.start, candidate.memory, candidate.end,
+                      time_with(candidate.collider), renewal, candidate.held);
     if (candidate.now.acts) eq_.push_point(candidate.now.force, candidate.touch, candidate.point);
     if (candidate.now.acts && candidate.law.radius > 0.0)
       eq_.push_turn(surface_of(candidate).cross(candidate.now.rub));
@@ -172,7 +154,7 @@ void ContactStep::evaluate_body() {
   known_ = true;
   known_z_ = eq_.z;
   eq_.q1 = eq_.q0 + d;
-  if (in_island_ && eq_.shape) eq_.points->displacement(eq_.q1, eq_.u1);
+  if (in_island_ && eq_.surface.shape) eq_.points().displacement(eq_.q1, eq_.u1);
   model_->potential().averaged_gradient(eq_.q0, eq_.q1, workspace_, G_, nullptr);
   dp_ = S_.cwiseProduct(damping_.n.cwiseProduct(d) / h - v0_);
   own_force_ = G_ - load_->average;
@@ -283,8 +265,8 @@ void ContactStep::make_jacobian(double heavier, bool follows) {
       eq_.jacobian.block<3, 1>(r, j) = (S_[j] * n[j] / h) * C1.col(j);
     }
     eq_.jacobian.block<3, 3>(r, r) = (1.0 + heavier) * spin_jacobian_;
-    eq_.jacobian.bottomRightCorner<3, 3>().diagonal().setConstant((1.0 + heavier) * 2.0 * mass_ /
-                                                                  (h * h));
+    eq_.jacobian.bottomRightCorner<3, 3>().diagonal().setConstant((1.0 + heavier) * 2.0 *
+                                                                  surface().mass / (h * h));
   }
   add_contact_slopes(follows);
   for (std::size_t i = 0; i < grips_.size(); ++i) {
@@ -296,164 +278,6 @@ void ContactStep::make_jacobian(double heavier, bool follows) {
     eq_.lever.make_swing(eq_.motion, held_[i], rows);
     eq_.add_geometry(grips_[i].force, grips_[i].force, held_[i], rows);
   }
-}
-
-ContactRenewal renewal(int iteration, double size, bool hold) {
-  if (hold && iteration >= kMostRenewals) return {};
-  return {.normals = iteration < kNormals && size >= kHeldBelow,
-          .limits = iteration < kFullRenewals || size < kHeldBelow ? 1.0 : 0.5};
-}
-
-bool limits_follow(int iteration, double size, bool hold) {
-  if (hold && iteration >= kMostRenewals) return false;
-  return iteration > 1 || size < kHeldBelow;
-}
-
-double near_rounding(bool hold) {
-  return hold ? 1e3 : 30.0;
-}
-
-double shortest_following(int iteration) {
-  return iteration < kFullRenewals ? 1.0 : 0.01;
-}
-
-double following_bound(double length) {
-  return 1.0 - 0.5 * length;
-}
-
-// Tries a move of Newton's method in which limits follow the force: a whole move if it halves the
-// residual; after many failures also a shorter one that lowers it. False, with nothing changed, if
-// none does.
-bool ContactStep::try_following(int iteration, double size, double& reached) {
-  const Index n = eq_.unknowns();
-  make_jacobian(0.0, true);
-  factor_.compute(eq_.jacobian.topLeftCorner(n, n));
-  move_.head(n) = factor_.solve(eq_.residual.head(n));
-  const auto go = [&](double length) {
-    eq_.z.head(n) = z_before_.head(n) - length * move_.head(n);
-    evaluate({.normals = false, .limits = 1.0});
-    return close();
-  };
-  for (double length = 1.0; length >= shortest_following(iteration); length *= 0.5) {
-    reached = go(length);
-    if (reached <= following_bound(length) * size) return true;
-  }
-  go(0.0);
-  return false;
-}
-
-// heavier: factor of added inertia for the first moves.
-bool ContactStep::solve(double heavier, bool hold, StepReport& report) {
-  const double h = options_.step;
-  const Index n = eq_.unknowns();
-  evaluate({});
-  double size = close(), enough = this->enough();
-  bool followed_last = false;  // all limits are already those of the last move
-  for (int i = 0; i < kNewtonIterations; ++i) {
-    const ContactRenewal renewed = renewal(i, size / enough, hold);
-    if (!touching().empty() && (!followed_last || renewed.normals)) {
-      evaluate(renewed);
-      size = close();
-    }
-    followed_last = false;
-    report.residual = 0.5 * h * size;
-    enough = this->enough();
-    if (size <= enough) return true;
-    if (!std::isfinite(size)) return false;
-    z_before_ = eq_.z;
-    double followed = 0.0;
-    if (!touching().empty() && limits_follow(i, size / enough, hold) &&
-        try_following(i, size, followed)) {
-      ++report.iterations;
-      size = followed;
-      followed_last = true;
-      continue;
-    }
-    const auto go = [&](double length) {
-      eq_.z.head(n) = z_before_.head(n) - length * move_.head(n);
-      evaluate({});
-      const double next = close();
-      return LineTrial{next, -eq_.work_along(move_.head(n))};
-    };
-    const auto find_move = [&](double added) {
-      make_jacobian(added, false);
-      factor_.compute(eq_.jacobian.topLeftCorner(n, n));
-      move_.head(n) = factor_.solve(eq_.residual.head(n));
-      return -eq_.work_along(move_.head(n));
-    };
-    LineTrial reached;
-    const bool small = size <= near_rounding(hold) * enough;
-    if (!newton_move(find_move, go, size, small, heavier, reached)) return small;
-    // The move is smaller than rounding of the points' positions.
-    if (way_of_move() <= kRoundedWay * eq_.points->extent) return true;
-    ++report.iterations;
-    // At rounding level no move lowers the residual.
-    if (!(reached.size < 0.9 * size) && small) {
-      if (reached.size > size) go(0.0);
-      return true;
-    }
-    size = reached.size;
-  }
-  return false;
-}
-
-StepReport ContactStep::step(State& state, const StepLoad& load, FreeFrame* free, bool whole) {
-  StepReport report;
-  // Starts again with short moves where long ones did not converge.
-  struct Attempt {
-    double heavier;
-    bool hold;
-  };
-  for (const auto [heavier, hold] :
-       {Attempt{0.0, false}, Attempt{10.0, false}, Attempt{1000.0, false}, Attempt{10.0, true}}) {
-    if (hold && !whole) break;
-    begin(state, load, free);
-    in_island_ = false;
-    do {
-      report.converged = solve(heavier, hold, report) && eq_.z.allFinite();
-    } while (report.converged && add_missed());
-    if (report.converged && hold) ++held_steps_;
-    if (report.converged) break;
-  }
-  if (report.converged) finish(state, report);
-  return report;
-}
-
-// The state at the end, with the contact forces that were found: omega1 last and to rounding.
-void ContactStep::finish(State& state, StepReport& report) {
-  const double h = options_.step;
-  const VectorXd& n = damping_.n;
-  VectorXd& d = middle_;
-  d = eq_.z.head(model_->modes());
-  settle_account();
-  remember();
-  if (free_ != nullptr) {
-    free_->set_contact(eq_.force, eq_.torque);
-    dp_ = S_.cwiseProduct(n.cwiseProduct(d) / h - v0_);
-    force_ = G_ - load_->average;
-    if (strain_.present()) force_ += rest_ / h;
-    free_->evaluate(d, S_, dp_, force_);
-    force_ -= eq_.pushed;
-  }
-  const double defect =
-      (2.0 / (h * h)) * d.dot((0.5 * h) * n.cwiseProduct(dp_) + (0.5 * h * h) * force_ +
-                              (0.5 * h) * damping_.D.cwiseProduct(d));
-  report.dissipated = damping_.D.dot(d.cwiseAbs2()) / h +
-                      h * damping_.theta.cwiseProduct(damping_.D).dot(dp_.cwiseAbs2()) + rest_work_;
-  state.q = eq_.q1;
-  if (load_->coupling == nullptr || !load_->coupling->finish(d, defect, state.p)) {
-    state.p += dp_;
-    give_back(defect, 0.5 * state.p.squaredNorm(), state.p);
-  }
-}
-
-void ContactStep::carry(StateStream& stream) {
-  stream(record_.account, poses_.start, poses_.end, ball_.centre, ball_.radius, ball_.deformed);
-  stream(ball_.travel, eq_.q0, eq_.u0);
-  stream.sized(record_.impulses);
-  stream(held_steps_);
-  stream.sized(memories_);
-  stream.sized(pair_memories_);
 }
 
 }  // namespace tremolo

@@ -8,8 +8,6 @@
 // Newton's method with a line search finds them.
 #pragma once
 
-#include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,6 +17,8 @@
 #include "runtime/bodies/reduced/integrators/solve/inertia_filter.h"
 #include "runtime/bodies/reduced/integrators/solve/strain_damping.h"
 #include "runtime/contact/contact_law.h"
+#include "runtime/contact/contact_memories.h"
+#include "runtime/contact/contact_record.h"
 #include "runtime/contact/contact_values.h"
 #include "runtime/contact/solve/contact_equations.h"
 #include "runtime/integrator.h"
@@ -26,23 +26,18 @@
 
 namespace tremolo {
 
-// Bounds of the positions of a body's points in a step. At its start all points are within radius +
-// deformed of the centre.
-struct ContactBall {
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // in the world, m
-  // All in m. Without contact no point goes farther than travel in the step.
-  double radius = 0.0, deformed = 0.0, travel = 0.0;
+// Colliders and grabs that may act on a body in a step. They must stay in memory until the step has
+// ended.
+struct ContactNear {
+  std::span<const PlacedCollider> colliders;
+  std::span<Grip> grips;
 };
 
-// What contact did in a step.
-struct ContactRecord {
-  ContactAccount account;  // energy balance
-  // For each collider the sum of the lengths of the impulses on it, N s; 0 without contact.
-  std::vector<double> impulses;
-  std::vector<Eigen::Vector3d> collider_impulses;  // for each collider the sum, N s, world
-  // The points with a contact force, first those on colliders. A point of another body on this
-  // one's shape is listed by that body.
-  std::vector<ContactedPoint> contacted;
+// The results of ContactStep::gather() for the present step.
+struct GatheredStep {
+  ContactBall ball;
+  StepPoses poses;
+  std::span<const PlacedCollider> colliders;  // that the body feels
 };
 
 // Returns the parts of ContactHeld that are renewed before iteration `iteration` (from 0) of
@@ -66,69 +61,46 @@ double following_bound(double length);
 
 class ContactStep {
  public:
-  // mass: kg. free: no support fixes the body.
-  ContactStep(Model::Pointer model, const IntegratorOptions& options, const ContactOptions& contact,
-              double mass, bool free);
+  ContactStep(Model::Pointer model, const IntegratorOptions& options, ContactSurface surface);
+  // Sets the step and Rayleigh damping from the next step on. The contact law depends on neither.
+  void set_options(const IntegratorOptions& options);
 
-  ContactEquations& equations() { return eq_; }
-  const ContactEquations& equations() const { return eq_; }
-  const ContactPoints& points() const { return *eq_.points; }
-  // Shape with which other bodies collide; null: none.
-  const Collider* shape() const { return eq_.shape ? &*eq_.shape : nullptr; }
-  // The law for a unit of area: stiffness is kappa, N/m^4.
-  const ContactLaw& law() const { return law_; }
-  // The law of one of its points against a collider with that friction and restitution.
-  ContactLaw law_of(std::size_t point, double friction, double restitution) const;
-  // The law of one of its points against another body.
-  ContactLaw law_of(std::size_t point, const ContactStep& other) const;
+  const ContactSurface& surface() const { return eq_.surface; }
+  // Contacts with other bodies that are remembered from the last step, by the number of the other
+  // body in its group. finish() clears them; add those of the step after it.
+  const ContactMemories& pair_memories() const { return pair_memories_; }
+  ContactMemories& pair_memories() { return pair_memories_; }
 
-  // The memory of the point's contact with body number `body` of a group; null: there is none.
-  const ContactMemory* pair_memory(std::size_t body, std::size_t point) const;
-  // Adds a memory of the step that succeeded. Call it after finish(), in any order, then call
-  // sort_pair_memories().
-  void remember_pair(const ContactMemory& memory) { pair_memories_.push_back(memory); }
-  void note_contact(const ContactedPoint& point) { record_.contacted.push_back(point); }
-  void sort_pair_memories();
-
-  // Finds the points that may be in contact with a collider in the step from q, v. The colliders
-  // must stay in memory until the step has ended. False if there are no such points: the step is
-  // then taken without contact.
-  bool gather(std::span<const PlacedCollider> colliders, const StepPoses& poses,
-              const Eigen::VectorXd& q, const Eigen::VectorXd& v, const StepPush& push);
+  // Finds the points that may be in contact with a collider in the step from q, v. False if there
+  // are no such points and no grabs: the step is then taken without contact.
+  bool gather(const ContactNear& near, const StepPoses& poses, const Eigen::VectorXd& q,
+              const Eigen::VectorXd& v, const StepPush& push);
+  const GatheredStep& gathered() const { return gathered_; }
   // Call this after a step without contact, taken because gather() found no points; the body is at
   // q in `end`. It finds the points that came within the margin nevertheless. True if there are
   // any: the step must be repeated with them.
   bool find_missed(const Pose& end, const Eigen::VectorXd& q);
-
-  // Sets the grabs of the step; they must stay in memory until it has ended.
-  void hold(std::span<Grip> grips) { grips_ = grips; }
 
   // Takes the step. free: null unless the body is free; the poses of gather() are used then. load:
   // as for an integrator. whole: tries all means, because the step will not be subdivided. If the
   // step does not converge, the state is unchanged.
   StepReport step(State& state, const StepLoad& load, FreeFrame* free, bool whole);
 
-  // What the last step did. If nothing was near in a step, call reset() instead.
+  // The last step. If nothing was near in a step, call reset() instead of finish().
   const ContactRecord& record() const { return record_; }
-  // Number of steps in which friction limits were kept as a last resort; see renewal().
-  std::int64_t held_steps() const { return held_steps_; }
-  void note_held_step() { ++held_steps_; }
+  ContactRecord& record() { return record_; }
   void reset();
-  // A step in parts. After end_parts(), record() is that of the whole
-  // step if it succeeded.
-  void begin_parts() { parts_ = {}; }
-  void keep_part();
-  void end_parts(bool made);
-  std::span<const PlacedCollider> colliders() const { return colliders_; }
+
   // Interface for solvers of several bodies at once (contact_island.h). After gather() call
   // begin(), which sets the equations' z to the motion without forces. Then call evaluate() at a z,
-  // add the forces of the other bodies, call close() and make_jacobian(). At the end call
-  // settle_pairs() and finish().
+  // add the forces of the other bodies, call close() and make_jacobian(). At the end call finish().
+  ContactEquations& equations() { return eq_; }
+  const ContactEquations& equations() const { return eq_; }
   void begin(const State& state, const StepLoad& load, FreeFrame* free);
-  void evaluate(const ContactRenewal& renewal);
   // Declares that a joint of this stiffness, N/m, acts at the point: the rounding error that it
   // causes there counts as small. Call it after begin().
   void hold_at(const VertexRows& place, double stiffness);
+  void evaluate(const ContactRenewal& renewal);
   double close();         // size of the residual, all rows as momenta, kg^1/2 m/s
   double enough() const;  // size below which a residual is small
   // heavier: the factor of added inertia, for a move that lowers the residual. follows: same as for
@@ -139,30 +111,13 @@ class ContactStep {
   bool add_missed();
   // True if the body, at the present z, went farther than gather() predicted.
   bool went_far() const { return went_far(end_pose(), eq_.q1); }
-  // Sets the part of the account that belongs to contact with other bodies: energy, lost, rubbed,
-  // work, given, penetration, impulse and active of `pairs`. start: their energy at the start of
-  // the step, J.
-  void settle_pairs(const ContactAccount& pairs, double start) {
-    pairs_ = pairs;
-    pairs_start_ = start;
-  }
-  // Sets the state at the end of the step.
-  void finish(State& state, StepReport& report);
+  // Sets the state at the end of the step. pairs: the part of the energy balance that belongs to
+  // contact with other bodies (energy, lost, rubbed, work, given, penetration, impulse, active);
+  // start: their energy at the start of the step, J.
+  void finish(State& state, StepReport& report, const ContactAccount& pairs = {},
+              double start = 0.0);
 
-  double mass() const { return mass_; }
-  bool can_move() const { return can_move_; }
-  // False: only grabs act on it, not colliders.
-  bool feels() const { return feels_; }
-  // Results of the last gather().
-  const ContactBall& ball() const { return ball_; }
-  const StepPoses& poses() const { return poses_; }
-
-  // Sets Rayleigh damping alpha (1/s) and beta (s) from the next step on.
-  void set_damping(double alpha, double beta);
-  // Sets the step (s) from the next step on. The contact law does not depend on it.
-  void set_step(double step);
-
-  // Saves or restores the state between steps: the account, and the contact memories.
+  // Saves or restores the state between steps: the energy balance, and the contact memories.
   void carry(StateStream& stream);
 
  private:
@@ -187,7 +142,6 @@ class ContactStep {
   Candidate make_candidate(std::size_t point, std::size_t index, const Eigen::Vector3d& x) const;
   void begin_candidate(Candidate& candidate);
   void remember();
-  void find_dampers();
   double acceleration_reach(const Eigen::VectorXd& q, const StepPush& push) const;
   void add_grips();
   void evaluate_body();
@@ -200,25 +154,18 @@ class ContactStep {
   bool went_far(const Pose& end, const Eigen::VectorXd& q) const;
   Pose end_pose() const;
   double size_of_motion() const;
-  double way_of_move() const;
-  double distance_rounding() const;
-  double held_rounding(const VertexRows& place, double stiffness, double far) const;
   double grips_rounding() const;
   bool solve(double heavier, bool hold, StepReport& report);
   bool try_following(int iteration, double size, double& reached);
   void settle_grips();
-  void settle_account();
-  void scale_rows();
+  void settle_account(const ContactAccount& pairs, double start);
+  void use_options();
 
   Model::Pointer model_;
   IntegratorOptions options_;
   ContactEquations eq_;
-  ContactLaw law_;
-  double mass_;
-  bool can_move_;
-  bool feels_;
   bool in_island_ = false;  // other bodies may touch it in the step
-  ContactBall ball_;
+  GatheredStep gathered_;
   InertiaDamping damping_;
   StrainDamping strain_;
   Eigen::VectorXd rest_, rest_middle_;  // rest(qm) d of strain_, and qm; r
@@ -231,19 +178,12 @@ class ContactStep {
   // Effect of the pairs' rates on the residual, and growth of the fraction that restitution takes
   // with the unknowns; one column per collider.
   Eigen::MatrixXd taken_push_, taken_growth_;
-  std::vector<ContactMemory> memories_;       // by collider and point
-  std::vector<ContactMemory> pair_memories_;  // by body and point
-  std::vector<char> listed_;                  // points that are candidates; scratch
-  std::vector<double> dampers_;               // c of friction.h over the square root of k, kg^1/2
+  ContactMemories memories_;  // of colliders
+  ContactMemories pair_memories_;
+  std::vector<char> listed_;  // points that are candidates; scratch
   std::span<Grip> grips_;
   std::vector<ContactTouch> held_;  // one a grip
-  std::span<const PlacedCollider> colliders_;
-  StepPoses poses_;
   ContactRecord record_;
-  ContactAccount pairs_;
-  ContactRecord parts_;  // of the parts of a step so far
-  double pairs_start_ = 0.0;
-  std::int64_t held_steps_ = 0;
   double joints_rounding_ = 0.0;  // kg^1/2 m/s
   double first_size_ = 0.0;       // of the first residual of a step; below 0 before it
   const StepLoad* load_ = nullptr;

@@ -26,7 +26,7 @@ bool passes(const PairPoint& pair, const ContactEquations& second, double way) {
   if (pair.distance <= 0.0 || way <= pair.distance) return false;
   const BentShape start = second.shape_at_start(), end = second.shape_at_end();
   return goes_through(
-      *second.shape,
+      *second.surface.shape,
       {pair.place_at_start, pair.distance, bent_gradient(start, pair.place_at_start)},
       {pair.place, bent_distance(end, pair.place), bent_gradient(end, pair.place)});
 }
@@ -39,7 +39,7 @@ void find_changes(PairPoint& pair, const PairBodies& bodies, const ContactTime& 
   const Index n = second.unknowns();
   const Index r = second.turns() ? n - 6 : n;
   // Slopes of a nearby position are accurate enough: they change over the distance between points.
-  const double near = kSameSlopes * second.points->gap;
+  const double near = kSameSlopes * second.points().gap;
   if (!pair.sloped || (pair.place - pair.slope_place).squaredNorm() > near * near) {
     pair.slope = bent_change(second.shape_at_end(), pair.place, scratch.bent, pair.by_q);
     pair.slope_place = pair.place;
@@ -119,8 +119,10 @@ void begin_point(PairPoint& pair, const ContactStep& first, const ContactStep& s
   pair.point = point;
   pair.place_at_start = y;
   pair.distance = distance;
-  pair.law = first.law_of(point, second);
-  const ContactMemory* memory = first.pair_memory(names.obstacle, point);
+  pair.law = law_between(first.surface(), point, second.surface(),
+                         distance_rounding(first.surface(), first.gathered().ball) +
+                             distance_rounding(second.surface(), second.gathered().ball));
+  const ContactMemory* memory = first.pair_memories().find(names.obstacle, point);
   pair.memory = memory != nullptr ? *memory : ContactMemory{};
   if (memory == nullptr) pair.memory.begins = std::min(pair.law.margin, distance);
   pair.memory.obstacle = names.obstacle;
@@ -134,19 +136,21 @@ void begin_point(PairPoint& pair, const ContactStep& first, const ContactStep& s
 std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
                             const PairNames& names, std::vector<PairPoint>& points,
                             std::size_t count) {
-  const Collider* shape = second.shape();
-  const ContactPoints& on = first.points();
-  if (shape == nullptr || on.yield_to(second.points(), first.shape() != nullptr)) return count;
-  const bool rigid = second.points().rigid();
-  const Pose from = first.poses().start, into = second.poses().start;
-  const double margin = first.law().margin;
-  const double reach = margin + 2.0 * (first.ball().travel + second.ball().travel);
-  const double bent = second.ball().deformed;
+  const Collider* shape = second.surface().shape_or_null();
+  const ContactPoints& on = *first.surface().points;
+  if (shape == nullptr || on.yield_to(*second.surface().points, first.surface().shape.has_value()))
+    return count;
+  const bool rigid = second.surface().points->rigid();
+  const Pose from = first.gathered().poses.start, into = second.gathered().poses.start;
+  const double margin = first.surface().law.margin;
+  const double reach =
+      margin + 2.0 * (first.gathered().ball.travel + second.gathered().ball.travel);
+  const double bent = second.gathered().ball.deformed;
   const auto place = [&](const Vector3d& x) {
     return Vector3d(into.rotation.conjugate() * (x - into.position));
   };
   for (const PointGroup& group : on.groups) {
-    const double far = group.radius + first.ball().deformed + bent + reach;
+    const double far = group.radius + first.gathered().ball.deformed + bent + reach;
     if (signed_distance(*shape, place(from * group.centre)).distance > far) continue;
     for (std::size_t i = group.first; i < group.first + group.count; ++i) {
       if (!on.meets(i, rigid)) continue;
@@ -218,13 +222,13 @@ void press_pair(PairPoint& pair, const PairBodies& bodies, const ContactTime& ti
 std::size_t add_missed_points(const ContactStep& first, const ContactStep& second,
                               const PairNames& names, std::vector<PairPoint>& points,
                               std::size_t count) {
-  const Collider* shape = second.shape();
-  const ContactPoints& on = first.points();
+  const Collider* shape = second.surface().shape_or_null();
+  const ContactPoints& on = *first.surface().points;
   if (shape == nullptr || !(first.went_far() || second.went_far()) ||
-      on.yield_to(second.points(), first.shape() != nullptr))
+      on.yield_to(*second.surface().points, first.surface().shape.has_value()))
     return count;
-  const bool rigid = second.points().rigid();
-  const double margin = first.law().margin, bent = second.ball().deformed;
+  const bool rigid = second.surface().points->rigid();
+  const double margin = first.surface().law.margin, bent = second.gathered().ball.deformed;
   const std::size_t known = count;
   const auto listed = [&](std::size_t point) {
     return std::any_of(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(known),
@@ -232,7 +236,7 @@ std::size_t add_missed_points(const ContactStep& first, const ContactStep& secon
                          return pair.a == names.a && pair.b == names.b && pair.point == point;
                        });
   };
-  const Pose into = second.poses().start, from = first.poses().start;
+  const Pose into = second.gathered().poses.start, from = first.gathered().poses.start;
   for (std::size_t i = 0; i < on.size(); ++i) {
     if (!on.meets(i, rigid)) continue;
     const double round = on.radius_of(i);

@@ -47,7 +47,7 @@ bool StepParts::step(std::span<const PartBody> bodies, std::span<const PlacedCol
       whole.from.push_back(grip.start);
       whole.to.push_back(grip.end);
     }
-    body.contact_->begin_parts();
+    whole.record = {};
     reports_[i].parts = 0;
     reports_[i].dissipated = 0.0;
   }
@@ -58,12 +58,12 @@ bool StepParts::step(std::span<const PartBody> bodies, std::span<const PlacedCol
     ContactBody& body = *bodies[i].body;
     const Whole& whole = wholes_[i];
     body.options_.step = whole.step;
-    body.contact_->set_step(whole.step);
+    body.contact_->set_options(body.options_);
     body.step_load_ = whole.load;
     body.q_before_ = whole.q_before;
-    body.contact_->end_parts(made);
     reports_[i].converged = made;
     if (!made) continue;
+    body.contact_->record() = whole.record;
     for (std::size_t k = 0; k < whole.sums.size(); ++k) {
       body.grips_[k].force = whole.sums[k].force;
       body.grips_[k].work = whole.sums[k].work;
@@ -129,7 +129,7 @@ void StepParts::begin(std::size_t i, double from, double to) {
   ContactBody& body = *bodies_[i].body;
   const Whole& whole = wholes_[i];
   body.options_.step = whole.step * (to - from);
-  body.contact_->set_step(body.options_.step);
+  body.contact_->set_options(body.options_);
   restrict_load(whole.load, from, to, body.step_load_);
   if (body.free_) body.free_->prepare_again();
   body.q_before_ = body.state_.q;
@@ -153,7 +153,7 @@ void StepParts::find_points() {
 // Adds a part that succeeded to the sums. share: fraction of the step.
 void StepParts::book(std::size_t i, const StepReport& report, double share) {
   ContactBody& body = *bodies_[i].body;
-  body.contact_->keep_part();
+  wholes_[i].record.add_part(body.contact_->record());
   for (std::size_t k = 0; k < body.grips_.size(); ++k) {
     Grip& sum = wholes_[i].sums[k];
     sum.force += share * body.grips_[k].force;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/contact/contact_record.h"
 #include "runtime/contact/joint.h"
 #include "runtime/contact/solve/contact_island.h"
 #include "runtime/contact_body.h"
@@ -46,6 +47,7 @@ class StepParts {
     Eigen::VectorXd q_before;
     std::vector<Eigen::Vector3d> from, to;  // path of its grabs, m, world
     std::vector<Grip> sums;                 // force, work and damped of the parts
+    ContactRecord record;                   // sums of the parts
     double step = 0.0;                      // s
   };
 

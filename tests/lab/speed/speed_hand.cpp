@@ -70,7 +70,7 @@ HandRun run_hand(const Model::Pointer& model, FrameKind frame, const PlacedColli
   or_fail(body.set_contact());
   or_fail(body.set_gravity({0.0, 0.0, -9.81}));
   const double size = box_of(*model).sizes().maxCoeff();
-  const double weight = 9.81 * body.contact()->mass();
+  const double weight = 9.81 * body.contact()->surface().mass;
   const VertexId vertex = highest(*model);
   const std::size_t hand = or_fail(body.grab(vertex, 100.0 * weight / size, weight / size));
   const Vector3d at = or_fail(body.position(vertex));

@@ -247,7 +247,7 @@ Status BodyLog::finish(const SceneWorld& world) {
   report_.asleep = world.asleep(body_);
   report_.begins_within = world.begins_within(body_);
   if (body.contact() != nullptr) {
-    report_.friction_held_steps = body.contact()->held_steps();
+    report_.friction_held_steps = body.contact()->record().held_steps;
     const std::vector<SceneCollider>& colliders = world.scene().colliders;
     for (std::size_t c = 0; c < colliders.size(); ++c)
       report_.collider_impulses.emplace_back(colliders[c].name, world.collider_impulse(body_, c));

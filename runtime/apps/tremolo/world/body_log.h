@@ -42,7 +42,7 @@ struct BodyReport {
   std::int64_t contacts = 0;             // how often it began to touch something
   bool asleep = false;                   // at the end
   double begins_within = 0.0;            // of the margin of a collider, m
-  std::int64_t friction_held_steps = 0;  // ContactStep::held_steps()
+  std::int64_t friction_held_steps = 0;  // ContactRecord::held_steps
   // Of the body on each collider since the start, N s, world.
   std::vector<std::pair<std::string, Eigen::Vector3d>> collider_impulses;
   double penetration_max = 0.0;          // of the size

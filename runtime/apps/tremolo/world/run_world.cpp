@@ -187,15 +187,15 @@ void add_shape_warnings(const Scene& scene, const SceneWorld& world, Warnings& w
   for (std::size_t i = 0; i < world.size(); ++i) {
     const Model& model = world.body(i).model();
     const ContactStep* contact = world.body(i).contact();
-    if (contact == nullptr || contact->shape() == nullptr) continue;
+    if (contact == nullptr || !contact->surface().shape) continue;
     if (std::find(seen.begin(), seen.end(), &model) != seen.end()) continue;
     seen.push_back(&model);
-    const ShapeReach reach = shape_beyond(model, *contact->shape());
+    const ShapeReach reach = shape_beyond(model, *contact->surface().shape);
     if (reach.distance <= kShapeBeyond * reach.size) continue;
     warnings.push_back(fmt::format(
         "body '{}': its shape: {}: other bodies bump into what its own points do not feel; use a "
         "smaller shape",
-        scene.bodies[i].name, reach_text(*contact->shape(), reach)));
+        scene.bodies[i].name, reach_text(*contact->surface().shape, reach)));
   }
 }
 

@@ -24,13 +24,13 @@ struct Ball {
 };
 
 Ball ball_of(const ContactBody& body) {
-  const ContactPoints& points = body.contact()->points();
+  const ContactPoints& points = *body.contact()->surface().points;
   const double deformed = body.state().q.cwiseAbs().dot(points.reach);
   return {body.pose() * points.centre, points.radius + deformed};
 }
 
 bool feels(const ContactBody& body) {
-  return body.contact() != nullptr && body.contact()->feels();
+  return body.contact() != nullptr && body.contact()->surface().feels;
 }
 
 }  // namespace
@@ -50,9 +50,9 @@ std::span<const std::size_t> NearBodies::of(const SceneWorld& world, std::size_t
 }
 
 double SurfaceDepth::behind_body(const ContactBody& other, const Vector3d& x) {
-  const ContactPoints& points = other.contact()->points();
+  const ContactPoints& points = *other.contact()->surface().points;
   const Pose pose = other.pose();
-  const BentShape bent{other.contact()->shape(), &points, &displacement_};
+  const BentShape bent{other.contact()->surface().shape_or_null(), &points, &displacement_};
   return -bent_distance(bent, pose.rotation.conjugate() * (x - pose.position));
 }
 
@@ -75,9 +75,9 @@ double SurfaceDepth::measure(const SceneWorld& world, std::size_t body, NearBodi
   }
   for (const std::size_t i : near.of(world, body)) {
     const ContactBody& other = world.body(i);
-    if (other.contact()->shape() == nullptr || world.passes_through(body, i)) continue;
+    if (!other.contact()->surface().shape || world.passes_through(body, i)) continue;
     const Ball its = ball_of(other);
-    other.contact()->points().displacement(other.state().q, displacement_);
+    other.contact()->surface().points->displacement(other.state().q, displacement_);
     for (const auto& x : places.colwise()) {
       if ((x - its.centre).norm() > its.radius) continue;
       depth = std::max(depth, behind_body(other, x));
