@@ -225,7 +225,7 @@ TEST_F(RunProgram, DrawsTheEnergyOfSeveralRuns) {
 TEST_F(RunProgram, AnOrbitThatLeavesItsEnergyBoundIsReported) {
   // Ten times the explicit limit.
   const json report = failed_run("--integrator verlet --step 0.02 --duration 5", 5,
-                                 "times all that the load put in");
+                                 "times all that was put in");
   EXPECT_LT(report["reached"], 5);
 }
 

@@ -107,8 +107,7 @@ Json cloth_json(const ClothFile& file, const ClothWorld& world, const ClothLog& 
   json["penetration_max"] = number_or_null(world.penetration_max());
   add_energy_keys(json, log.report());
   add_parts(json, world);
-  json["exit_code"] = ending.exit_code;
-  json["reason"] = ending.reason.empty() ? Json(nullptr) : Json(ending.reason);
+  add_ending(ending, json);
   json["warnings"] = keyframe_warnings(file.scene);
   json["files"] = log.report().files;
   return json;
@@ -177,14 +176,7 @@ void tell_cloths(const ClothFile& file, const ClothWorld& world, const ClothLog&
     tell("  wrote into {}: {}\n", file.outputs.out, list_files(report.files));
 }
 
-// written: paths.
-struct ClothRun {
-  Json json;
-  ClothEnding ending;
-  std::vector<std::string> written;
-};
-
-Result<ClothRun> run_cloths(const ClothFile& file) {
+Result<SceneRun> run_cloths(const ClothFile& file) {
   Result<ClothWorld> world = ClothWorld::create(file.scene);
   if (!world) return error_of_file(file.path, value_error(world.error()));
   Result<ClothLog> log = ClothLog::create(file, *world);
@@ -193,7 +185,7 @@ Result<ClothRun> run_cloths(const ClothFile& file) {
   if (!ending) return ending.error();
   if (Status s = log->finish(*world); !s) return s.error();
   tell_cloths(file, *world, *log, *ending);
-  return ClothRun{cloth_json(file, *world, *log, *ending), std::move(*ending), log->report().files};
+  return SceneRun{cloth_json(file, *world, *log, *ending), *ending, log->report().files};
 }
 
 }  // namespace
@@ -209,13 +201,8 @@ std::vector<NamedFile> inputs_of(const ClothFile& file) {
 }
 
 int run_cloth_command(const ClothFile& file, bool json) {
-  const std::vector<NamedFile> inputs = inputs_of(file);
-  const RunOutputs outputs = cloth_outputs(file);
-  if (Status s = outputs.check(inputs); !s) return report_error(s.error());
-  const GuardedInputs guard(inputs);
-  const Result<ClothRun> run = run_cloths(file);
-  if (!run) return report_error(run.error());
-  return end_scene_run(file.outputs, outputs, run->written, run->json, run->ending, json);
+  return run_scene(inputs_of(file), cloth_outputs(file), file.outputs, json,
+                   [&] { return run_cloths(file); });
 }
 
 namespace {

@@ -25,51 +25,30 @@ using Json = nlohmann::ordered_json;
 Json to_json(const RunReport& report, const BodyScene& scene) {
   Json json;
   json["schema"] = kReportSchema;
-  json["body"] = report.name;
-  json["model"] = scene.body().model;
-  json["integrator"] = report.integrator;
+  add_body(report, json);
   json["load"] = scene.load_name;
   json["scale"] = number_or_null(report.scale);
   json["deflect"] = scene.deflect.empty() ? Json(nullptr) : Json(scene.deflect);
   json["start"] = scene.start.empty() ? Json(nullptr) : Json(scene.start);
   json["step"] = report.step;
   json["duration"] = report.duration;
-  json["steps"] = report.steps;
-  json["reached"] = report.reached;
-  json["iterations_per_step"] = number_or_null(report.iterations_per_step);
   json["microseconds_per_step"] = number_or_null(report.microseconds_per_step);
   json["real_time_factor"] = number_or_null(report.step * 1e6 / report.microseconds_per_step);
-  json["energy_initial"] = number_or_null(report.energy_initial);
   json["energy_reference"] = number_or_null(report.energy_reference);
-  json["energy_final"] = number_or_null(report.energy_final);
   json["energy_drift_max"] = number_or_null(report.energy_drift_max);
-  json["high_band_final"] = number_or_null(report.high_band_final);
-  json["work"] = number_or_null(report.work);
-  json["dissipated"] = number_or_null(report.dissipated);
-  json["low_modes"] = report.split ? Json(report.split->low) : Json(nullptr);
-  json["high_modes"] = report.split ? Json(report.split->high) : Json(nullptr);
   Json moves = Json::array();
   for (const SplitMove& move : report.moves)
     moves.push_back(
         {{"time", move.time}, {"low_before", move.low_before}, {"low_after", move.low_after}});
   json["split_moves"] = moves;
-  json["halved_steps"] = report.halved_steps;
   json["stretch_min"] = number_or_null(report.stretch.smallest);
   json["stretch_max"] = number_or_null(report.stretch.largest);
   json["squeezed_at"] = report.squeezed_at < 0 ? Json(nullptr) : Json(report.squeezed_at);
-  json["size"] = number_or_null(report.size);
-  json["largest_displacement"] = number_or_null(report.farthest.distance);
-  json["largest_displacement_share"] = number_or_null(report.farthest.distance / report.size);
-  json["largest_displacement_vertex"] = report.farthest.vertex;
-  json["largest_displacement_at"] = number_or_null(report.farthest_at);
   json["rigid_modes"] = report.rigid ? Json(report.rigid->rigid_modes) : Json(0);
   json["load_rigid_share"] = report.rigid ? number_or_null(report.rigid->share) : Json(nullptr);
   if (!scene.body().columns.probes.empty())
     json["largest_probe_displacement"] = number_or_null(report.largest_probe);
-  json["exit_code"] = report.exit_code;
-  json["reason"] = report.reason.empty() ? Json(nullptr) : Json(report.reason);
-  json["notes"] = report.notes;
-  json["files"] = report.files;
+  add_ending(report, json);
   return json;
 }
 
@@ -114,7 +93,7 @@ void print_text(const RunReport& report, const Warnings& warnings) {
   if (report.halved_steps > 0) tell("  {} steps were taken in parts\n", report.halved_steps);
   const std::string pace = pace_text(report.step * 1e6 / report.microseconds_per_step);
   tell("  {:.2f} us a step{}, {:.2f} iterations\n", report.microseconds_per_step,
-       pace.empty() ? pace : " (" + pace + ")", report.iterations_per_step);
+       pace.empty() ? pace : " (" + pace + ")", report.iterations_per_step());
   if (std::isfinite(report.energy_drift_max))
     tell("  energy {:.6g} J at the end, largest drift {:.2e}\n", report.energy_final,
          report.energy_drift_max);

@@ -30,6 +30,7 @@ constexpr std::chrono::seconds kFlushEvery{1};  // the CSV can be followed so cl
 RunReport start_report(const BodyScene& scene, const Body& body) {
   RunReport report;
   report.name = scene.body().name;
+  report.model = scene.body().model;
   report.integrator = scene.body().integrator;
   report.step = scene.step();
   report.duration = scene.file.scene.duration;
@@ -77,8 +78,7 @@ Result<bool> follow(Body& body, std::int64_t steps, const RunLinks& links, Watch
     }
   }
   if (!march.failed()) return true;
-  report.exit_code = exit_code(error_kind(march.failed()->failure));
-  report.reason = why_not_made(*march.failed(), body.time());
+  report.give_up(*march.failed(), body.time());
   return false;
 }
 

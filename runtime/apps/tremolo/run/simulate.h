@@ -8,8 +8,8 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
+#include "runtime/apps/tremolo/run/body_report.h"
 #include "runtime/apps/tremolo/run/run_body.h"
-#include "runtime/apps/tremolo/run/stretch.h"
 #include "runtime/body.h"
 #include "runtime/model.h"
 
@@ -43,41 +43,22 @@ struct SplitMove {
   Eigen::Index low_after = 0;
 };
 
-// End and measurements of a run. Energies in J; not-a-number: not known.
-struct RunReport {
-  std::string name;
-  std::string integrator;
-  double step = 0;
-  double duration = 0;
-  double first_frequency = 0;  // of the first mode, Hz
-  double scale = 1;            // of the load: as given, or found by --deflect
-  std::int64_t steps = 0;      // made
-  double reached = 0;          // s of simulated time
-  double iterations_per_step = 0;
+// The report of a body that runs by itself. Energies in J; not-a-number: not known.
+struct RunReport : BodyReport {
+  double step = 0;                   // s
+  double duration = 0;               // s
+  double first_frequency = 0;        // of the first mode, Hz
+  double scale = 1;                  // of the load: as given, or found by --deflect
   double microseconds_per_step = 0;  // processor time of step(), without measurements
-  double energy_initial = 0;
-  double energy_reference = 0;  // after the end of the load; at the end of the run if it lasts
-  double energy_final = 0;
-  double energy_drift_max = 0;  // docs/reference.md
-  double high_band_final = 0;
-  double work = 0;
-  double dissipated = 0;
-  double largest_probe = 0;        // largest displacement of the first probe, m
-  std::string sound_warning;       // of --wav; empty: none
-  std::optional<Split> split;      // at the end
-  std::vector<SplitMove> moves;    // all changes of it
-  std::int64_t halved_steps = 0;   // steps that were subdivided because their solve failed
-  StretchRange stretch;            // of the surface, the widest in all samples
-  double squeezed_at = -1;         // s; first of them with a stretch below kSofteningStretch
-  double size = 0;                 // largest extent of the surface at rest, m
-  Excursion farthest;              // of the surface in all samples
-  double farthest_at = 0;          // s
-  std::optional<RigidLoss> rigid;  // of a free body with a load
-  std::vector<std::string> files;  // written, in the run's folder
-  int exit_code = 0;               // 0, 4 or 5; 128 + n when signal n ended it early
-  int signal = 0;                  // that n; 0: none
-  std::string reason;              // why exit_code is not 0
-  std::vector<std::string> notes;  // start/run_notes.h
+  double energy_reference = 0;       // after the end of the load; at the end of the run if it lasts
+  double energy_drift_max = 0;       // docs/reference.md
+  double largest_probe = 0;          // largest displacement of the first probe, m
+  std::string sound_warning;         // of --wav; empty: none
+  std::vector<SplitMove> moves;      // all changes of the split
+  StretchRange stretch;              // of the surface, the widest in all samples
+  double squeezed_at = -1;           // s; first of them with a stretch below kSofteningStretch
+  std::optional<RigidLoss> rigid;    // of a free body with a load
+  int signal = 0;                    // that ended the run early; 0: none
 };
 
 // Runs one body. With --deflect the load's factor is found first, by runs that write nothing.

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <span>
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 namespace tremolo {
@@ -98,10 +97,9 @@ Excursion SurfaceStretch::farthest() const {
   return farthest;
 }
 
-double SurfaceStretch::size() const {
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& point : model_.surface().rest) box.extend(point);
-  return box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
+double surface_size(const Model& model) {
+  const BoundingBox box = bounding_box(model.surface().rest);
+  return (box.high - box.low).maxCoeff();
 }
 
 using Eigen::Index;

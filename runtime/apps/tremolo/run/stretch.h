@@ -34,6 +34,9 @@ struct Excursion {
 // sum_i |q_i| of that. Zero without triangles.
 Eigen::VectorXd largest_gradients(const Model& model);
 
+// The largest extent of the boundary's box at rest, m.
+double surface_size(const Model& model);
+
 class SurfaceStretch {
  public:
   explicit SurfaceStretch(const Model& model);
@@ -43,8 +46,6 @@ class SurfaceStretch {
 
   // The farthest vertex of the shape that was measured last.
   Excursion farthest() const;
-  // The largest extent of the boundary's box at rest, m.
-  double size() const;
 
  private:
   const Model& model_;

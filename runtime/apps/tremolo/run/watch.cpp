@@ -6,8 +6,6 @@
 #include <numbers>
 #include <utility>
 
-#include <fmt/format.h>
-
 namespace tremolo {
 namespace {
 
@@ -19,14 +17,6 @@ std::int64_t steps_between_shapes(const Body& body) {
   const double slowest = std::sqrt(std::max(body.model().lambda()(0), 0.0));  // rad/s
   const double steps = 2 * std::numbers::pi / 40 / slowest / body.options().step;
   return steps < 1e6 ? std::max(kLeast, static_cast<std::int64_t>(steps)) : kLeast;
-}
-
-std::string why_out_of_bound(double time, double energy) {
-  if (!std::isfinite(energy))
-    return fmt::format("at t = {:.6g} s the energy is no longer a finite number", time);
-  return fmt::format(
-      "at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that the load put in",
-      time, energy, kEnergyBound);
 }
 
 // Any method without a momentum of its own kind will do: the copy is never stepped.
@@ -71,7 +61,7 @@ Watch::Watch(const BodyScene& scene, Body seen, std::int64_t steps, BodyFiles fi
       files_(std::move(files)),
       stretch_(std::make_unique<SurfaceStretch>(seen_.model())),
       shape_looks_(seen_.model(), steps_between_shapes(seen_), steps) {
-  report_->size = stretch_->size();
+  report_->size = surface_size(seen_.model());
 }
 
 Result<bool> Watch::observe(const Moment& moment) {
@@ -86,10 +76,7 @@ Result<bool> Watch::observe(const Moment& moment) {
     if (Status status = files_.write_row(moment, energy); !status) return status.error();
   if (Status status = files_.write_surface(moment, seen_); !status) return status.error();
   const bool inside = moment.bound.sound(energy.total());
-  if (!inside) {
-    report_->exit_code = exit_code(ErrorKind::kBound);
-    report_->reason = why_out_of_bound(moment.time, energy.total());
-  }
+  if (!inside) report_->leave_bound(energy.total(), moment.time);
   // At rest the shape does not change.
   const bool due = shape_looks_.due(moment.steps, moment.state.q);
   if (due && (moment.steps > 0 || !scene_->start.empty())) note_shape(moment);
@@ -113,7 +100,6 @@ void Watch::note_energy(const Moment& moment, const Energy& energy) {
 void Watch::note_split(const Moment& moment) {
   if (moment.steps > 0 && last_.split && moment.split && last_.split->low != moment.split->low)
     report_->moves.push_back({last_.time, last_.split->low, moment.split->low});
-  report_->split = moment.split;
 }
 
 void Watch::note_shape(const Moment& moment) {
@@ -125,21 +111,12 @@ void Watch::note_shape(const Moment& moment) {
   report_->stretch.largest = std::max(report_->stretch.largest, now.largest);
   if (report_->squeezed_at < 0 && now.smallest < kSofteningStretch)
     report_->squeezed_at = moment.time;
-  const Excursion here = stretch_->farthest();
-  if (here.distance <= report_->farthest.distance) return;
-  report_->farthest = here;
-  report_->farthest_at = moment.time;
+  report_->note_farthest(stretch_->farthest(), moment.time);
 }
 
 Status Watch::finish() {
   if (last_.steps > 0 && shape_seen_ != last_.steps) note_shape(last_);
-  report_->steps = last_.steps;
-  report_->reached = last_.time;
-  report_->work = last_.work;
-  report_->dissipated = last_.dissipated;
-  report_->halved_steps = last_.halved_steps;
-  report_->iterations_per_step = static_cast<double>(last_.iterations) /
-                                 static_cast<double>(std::max<std::int64_t>(last_.steps, 1));
+  report_->take_end(last_);
   report_->energy_drift_max = drift_.worst();
   const SceneOutputs& outputs = scene_->file.outputs;
   if (ear_)

@@ -275,8 +275,7 @@ TetsJson TetsRun::json() const {
   json["momentum_error"] = number_or_null(momentum);
   json["energies_initial"] = energies_json(start);
   json["energies_final"] = energies_json(end);
-  json["exit_code"] = ending_.exit_code;
-  json["reason"] = ending_.reason.empty() ? TetsJson(nullptr) : TetsJson(ending_.reason);
+  add_ending(ending_, json);
   json["warnings"] = keyframe_warnings({}, scene_.colliders);
   json["bodies"] = TetsJson::array();
   for (std::size_t i = 0; i < logs_.size(); ++i)
@@ -326,7 +325,7 @@ RunOutputs tets_outputs(const TetScene& scene) {
   return outputs;
 }
 
-Result<TetsRun> run_tets(const TetScene& scene) {
+Result<SceneRun> run_tets(const TetScene& scene) {
   Result<TetsBodies> bodies = make_tets_bodies(scene);
   if (!bodies) return bodies.error();
   std::vector<TetsLog> logs;
@@ -337,7 +336,8 @@ Result<TetsRun> run_tets(const TetScene& scene) {
   }
   TetsRun run(scene, std::move(*bodies), std::move(logs));
   if (Status s = run.follow(); !s) return s.error();
-  return run;
+  run.print();
+  return SceneRun{run.json(), run.ending(), run.files()};
 }
 
 }  // namespace
@@ -351,14 +351,8 @@ std::vector<NamedFile> inputs_of(const TetScene& scene) {
 }
 
 int run_tets_command(const TetScene& scene, bool json) {
-  const std::vector<NamedFile> inputs = inputs_of(scene);
-  const RunOutputs outputs = tets_outputs(scene);
-  if (Status s = outputs.check(inputs); !s) return report_error(s.error());
-  const GuardedInputs guard(inputs);
-  const Result<TetsRun> run = run_tets(scene);
-  if (!run) return report_error(run.error());
-  run->print();
-  return end_scene_run(scene.outputs, outputs, run->files(), run->json(), run->ending(), json);
+  return run_scene(inputs_of(scene), tets_outputs(scene), scene.outputs, json,
+                   [&] { return run_tets(scene); });
 }
 
 }  // namespace tremolo

@@ -9,6 +9,7 @@
 
 #include "common/energy.h"
 #include "runtime/apps/tremolo/run/run_body.h"
+#include "runtime/apps/tremolo/world/world_commands.h"
 #include "runtime/contact/solve/contact_step.h"
 
 namespace tremolo {
@@ -117,21 +118,17 @@ Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, 
       looks != shared.looks.end()
           ? looks->second
           : shared.looks.try_emplace(&model, model, kStepsBetweenShapes, steps).first->second;
-  BodyLog log(body, known.name, std::move(*files), first, shared);
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& x : model.surface().rest) box.extend(x);
-  log.report_.size = box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
+  BodyLog log(body, std::move(*files), first, shared);
+  log.report_.name = known.name;
+  log.report_.model = solid_name(known);
+  log.report_.integrator = known.integrator;
+  log.report_.size = surface_size(model);
   log.report_.start = place_of(world, body);
   return log;
 }
 
-BodyLog::BodyLog(std::size_t body, std::string name, BodyFiles files, const ShapeLooks& looks,
-                 SharedLooks& shared)
-    : body_(body),
-      name_(std::move(name)),
-      files_(std::move(files)),
-      shape_looks_(looks),
-      shared_(&shared) {}
+BodyLog::BodyLog(std::size_t body, BodyFiles files, const ShapeLooks& looks, SharedLooks& shared)
+    : body_(body), files_(std::move(files)), shape_looks_(looks), shared_(&shared) {}
 
 Result<bool> BodyLog::observe(const SceneWorld& world) {
   const ContactBody& body = world.body(body_);
@@ -184,23 +181,19 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
   if (Status s = files_.write_surface(moment_, body); !s) return s.error();
   // Energy stored in contact is not yet energy of the body.
   if (moment_.bound.sound(account.total() - account.contact)) return true;
-  report_.exit_code = exit_code(ErrorKind::kBound);
-  report_.reason = fmt::format(
-      "at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that was put in",
-      moment_.time, account.total(), kEnergyBound);
+  report_.leave_bound(account.total(), moment_.time);
   return false;
 }
 
 void BodyLog::note_shape(const SceneWorld& world) {
   const ContactBody& body = world.body(body_);
   const Eigen::VectorXd& q = body.state().q;
-  const double known = report_.largest_displacement;
   // Nothing is known of stretches here.
-  if (shape_looks_.can_exceed(q, known, {-HUGE_VAL, HUGE_VAL})) {
-    const Eigen::VectorXd moved = body.model().surface().rows * q;
-    for (Eigen::Index row = 0; row + 2 < moved.size(); row += 3)
-      report_.largest_displacement =
-          std::max(report_.largest_displacement, moved.segment<3>(row).norm());
+  if (shape_looks_.can_exceed(q, report_.farthest.distance, {-HUGE_VAL, HUGE_VAL})) {
+    const VertexBlock& surface = body.model().surface();
+    const Eigen::VectorXd moved = surface.rows * q;
+    for (std::size_t v = 0; v < surface.rest.size(); ++v)
+      report_.note_farthest({moved.segment<3>(3 * v).norm(), surface.vertex_ids[v]}, moment_.time);
   }
   note_depth(world);
 }
@@ -213,13 +206,9 @@ void BodyLog::note_depth(const SceneWorld& world) {
       std::max(report_.penetration_surface_max, depth_.measure(world, body_, shared_->near));
 }
 
-void BodyLog::give_up(const StepReport& step, double time) {
-  report_.exit_code = exit_code(error_kind(step.failure));
-  report_.reason = why_not_made(step, time);
-}
-
 // Checks the methods whose energy balances to rounding. A run that ended early has its own reason.
-void BodyLog::judge_balance(const std::string& method) {
+void BodyLog::judge_balance() {
+  const std::string& method = report_.integrator;
   if (method != "avf" && method != "ep2" && method != "ep4") return;
   const double most = std::max(report_.energy_max, report_.turnover_max);
   if (report_.exit_code != 0 || report_.remainder_max <= kBalanceBound * most) return;
@@ -232,14 +221,18 @@ void BodyLog::judge_balance(const std::string& method) {
 
 Status BodyLog::finish(const SceneWorld& world) {
   const ContactBody& body = world.body(body_);
+  look_at(body, moment_);
   note_shape(world);
+  report_.take_end(moment_);
   report_.rebound = rebound_.ratio();
   report_.end = place_of(world, body_);
   report_.account = world.account(body_);
+  report_.reached = static_cast<double>(report_.steps) * world.step_size();
+  report_.energy_initial = report_.account.at_start;
+  report_.energy_final = report_.account.total();
   report_.high_band_final = body.energy().high_band;
-  report_.steps = body.counts().steps;
-  report_.iterations = body.counts().iterations;
-  report_.halved_steps = body.counts().halved;
+  report_.work = report_.account.given() - report_.account.damping;
+  report_.dissipated = -report_.account.damping;
   report_.penetration_max = world.penetration_max(body_);
   report_.contact_speed_max = world.contact_speed_max(body_);
   report_.passed_through = world.passed_through(body_);
@@ -252,8 +245,8 @@ Status BodyLog::finish(const SceneWorld& world) {
     for (std::size_t c = 0; c < colliders.size(); ++c)
       report_.collider_impulses.emplace_back(colliders[c].name, world.collider_impulse(body_, c));
   }
-  judge_balance(world.scene().bodies[body_].integrator);
-  return files_.finish(body.model(), name_, report_.files);
+  judge_balance();
+  return files_.finish(body.model(), report_.name, report_.files);
 }
 
 }  // namespace tremolo

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "runtime/apps/tremolo/run/body_files.h"
+#include "runtime/apps/tremolo/run/body_report.h"
 #include "runtime/apps/tremolo/run/stretch.h"
 #include "runtime/apps/tremolo/world/surface_depth.h"
 #include "runtime/io/scenes/scene_reader.h"
@@ -26,19 +27,13 @@ struct BodyPlace {
   Momenta momenta;
 };
 
-// Energies in J.
-struct BodyReport {
+// The report of a body in a scene. Energies in J.
+struct SceneBodyReport : BodyReport {
   BodyPlace start, end;
-  EnergyAccount account;       // at the end
-  double energy_max = 0.0;     // of T + V and the energy stored in contact
-  double remainder_max = 0.0;  // the largest |change of that - all energy exchanged|
-  double turnover_max = 0.0;   // the largest sum of |energy exchanged| over all causes
-  double high_band_final = 0.0;
-  double largest_displacement = 0.0;  // of the surface's vertices in the body's frame, m
-  double size = 0.0;                  // the largest extent of the surface at rest, m
-  std::int64_t steps = 0;             // that this body made
-  std::int64_t iterations = 0;
-  std::int64_t halved_steps = 0;
+  EnergyAccount account;                 // at the end
+  double energy_max = 0.0;               // of T + V and the energy stored in contact
+  double remainder_max = 0.0;            // the largest |change of that - all energy exchanged|
+  double turnover_max = 0.0;             // the largest sum of |energy exchanged| over all causes
   std::int64_t contacts = 0;             // how often it began to touch something
   bool asleep = false;                   // at the end
   double begins_within = 0.0;            // of the margin of a collider, m
@@ -50,10 +45,6 @@ struct BodyReport {
   std::optional<double> rebound;         // surface_depth.h
   double contact_speed_max = 0.0;        // m/s
   std::int64_t passed_through = 0;
-  int exit_code = 0;  // 0, 4 or 5
-  std::string reason;
-  std::vector<std::string> notes;  // start/run_notes.h
-  std::vector<std::string> files;
 
   // |change of the energy - all energy exchanged| over the largest energy; 0 if nothing ever moved.
   double balance_error() const { return energy_max > 0.0 ? remainder_max / energy_max : 0.0; }
@@ -80,31 +71,28 @@ class BodyLog {
   // Takes the start and then every step. False: the orbit has left its energy bound, and the report
   // says so.
   Result<bool> observe(const SceneWorld& world);
-  void give_up(const StepReport& step, double time);
+  void give_up(const StepReport& step, double time) { report_.give_up(step, time); }
   // Renames the files from their temporary names.
   Status finish(const SceneWorld& world);
 
   void add_notes(const std::vector<std::string>& notes) { report_.notes = notes; }
 
-  const BodyReport& report() const { return report_; }
-  const std::string& name() const { return name_; }
+  const SceneBodyReport& report() const { return report_; }
   const std::string& folder() const { return files_.folder(); }  // of the body; empty: none
 
  private:
-  BodyLog(std::size_t body, std::string name, BodyFiles files, const ShapeLooks& looks,
-          SharedLooks& shared);
+  BodyLog(std::size_t body, BodyFiles files, const ShapeLooks& looks, SharedLooks& shared);
   void note_shape(const SceneWorld& world);
   void note_depth(const SceneWorld& world);
-  void judge_balance(const std::string& method);
+  void judge_balance();
 
   std::size_t body_;
-  std::string name_;
   BodyFiles files_;
   ShapeLooks shape_looks_;
   double deepest_ = 0.0;  // of the points when the surface was measured, a share of the size
   Moment moment_;
   std::vector<double> further_;
-  BodyReport report_;
+  SceneBodyReport report_;
   SurfaceDepth depth_;
   SharedLooks* shared_;
   Rebound rebound_;

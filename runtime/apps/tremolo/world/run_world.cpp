@@ -12,222 +12,26 @@
 #include <nlohmann/json.hpp>
 
 #include "common/processor.h"
-#include "common/units.h"
 #include "formats/file/atomic_file.h"
 #include "runtime/apps/tremolo/output/plot.h"
-#include "runtime/apps/tremolo/output/scene_places.h"
 #include "runtime/apps/tremolo/output/tell.h"
-#include "runtime/apps/tremolo/output/text_values.h"
-#include "runtime/apps/tremolo/output/warnings.h"
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/run/run_files.h"
 #include "runtime/apps/tremolo/run/run_progress.h"
 #include "runtime/apps/tremolo/start/run_notes.h"
 #include "runtime/apps/tremolo/world/body_log.h"
-#include "runtime/apps/tremolo/world/scene_ending.h"
 #include "runtime/apps/tremolo/world/world_commands.h"
+#include "runtime/apps/tremolo/world/world_report.h"
 #include "runtime/apps/tremolo/world/world_sound.h"
-#include "runtime/contact/solve/contact_step.h"
-#include "runtime/contact/solve/shape_reach.h"
 
 namespace tremolo {
 namespace {
 
-constexpr std::size_t kShown = 12;  // bodies whose lines a run prints
-
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
-// The end of a run of a world.
-struct WorldEnding : SceneEnding {
-  double seconds = 0.0;    // of the steps: processor time, with several threads by the clock
-  std::int64_t steps = 0;  // that this run made
-};
 
 double wall_time() {
   const auto now = std::chrono::steady_clock::now().time_since_epoch();
   return std::chrono::duration<double>(now).count();
-}
-
-Json json_quaternion(const Eigen::Quaterniond& q) {
-  return {number_or_null(q.w()), number_or_null(q.x()), number_or_null(q.y()),
-          number_or_null(q.z())};
-}
-
-Json json_causes(const EnergyAccount& account) {
-  return {{"load", number_or_null(account.load)},
-          {"support", number_or_null(account.support)},
-          {"gravity", number_or_null(account.gravity)},
-          {"contact", number_or_null(account.contact_given)},
-          {"friction", number_or_null(account.friction)},
-          {"restitution", number_or_null(account.restitution)},
-          {"damping", number_or_null(account.damping)},
-          {"hand", number_or_null(account.hand)},
-          {"joint", number_or_null(account.joint)}};
-}
-
-Json body_json(const SceneBody& body, const BodyReport& report, double step) {
-  Json json;
-  json["body"] = body.name;
-  json["model"] = solid_name(body);
-  json["integrator"] = body.integrator;
-  json["kind"] = kind_name(body);
-  json["steps"] = report.steps;
-  json["reached"] = static_cast<double>(report.steps) * step;
-  json["iterations_per_step"] =
-      number_or_null(static_cast<double>(report.iterations) / static_cast<double>(report.steps));
-  json["halved_steps"] = report.halved_steps;
-  const std::pair<const char*, const BodyPlace&> places[] = {{"_initial", report.start},
-                                                             {"_final", report.end}};
-  for (const auto& [when, place] : places) {
-    const std::string ending = when;
-    json["position" + ending] = vector_json(place.pose.position);
-    json["quaternion" + ending] = json_quaternion(place.pose.rotation);
-    json["linear_momentum" + ending] = vector_json(place.momenta.linear);
-    json["angular_momentum" + ending] = vector_json(place.momenta.angular);
-  }
-  const EnergyAccount& account = report.account;
-  json["energy_initial"] = number_or_null(account.at_start);
-  json["energy_final"] = number_or_null(account.total());
-  json["energy_max"] = number_or_null(report.energy_max);
-  json["energy_by_cause"] = json_causes(account);
-  json["energy_balance_error"] = number_or_null(report.balance_error());
-  json["high_band_final"] = number_or_null(report.high_band_final);
-  json["work"] = number_or_null(account.given() - account.damping);
-  json["dissipated"] = number_or_null(-account.damping);
-  json["size"] = number_or_null(report.size);
-  json["largest_displacement"] = number_or_null(report.largest_displacement);
-  json["largest_displacement_share"] = number_or_null(report.largest_displacement / report.size);
-  json["contacts"] = report.contacts;
-  json["contact_energy"] = number_or_null(account.contact);
-  json["contact_error"] = number_or_null(account.contact_error);
-  json["penetration_max"] = number_or_null(report.penetration_max);
-  json["penetration_surface_max"] = number_or_null(report.penetration_surface_max);
-  json["rebound"] = report.rebound ? number_or_null(*report.rebound) : Json(nullptr);
-  json["contact_begins_within"] = number_or_null(report.begins_within);
-  json["friction_held_steps"] = report.friction_held_steps;
-  Json impulses = Json::object();
-  for (const auto& [collider, impulse] : report.collider_impulses)
-    impulses[collider] = {number_or_null(impulse.x()), number_or_null(impulse.y()),
-                          number_or_null(impulse.z())};
-  json["collider_impulses"] = impulses;
-  json["contact_speed_max"] = number_or_null(report.contact_speed_max);
-  json["passed_through"] = report.passed_through;
-  json["asleep"] = report.asleep;
-  json["exit_code"] = report.exit_code;
-  json["reason"] = report.reason.empty() ? Json(nullptr) : Json(report.reason);
-  json["notes"] = report.notes;
-  json["files"] = report.files;
-  return json;
-}
-
-// joint: null where its time is over.
-Json joint_json(const SceneJoint& wanted, const Joint* joint) {
-  const Joint now = joint == nullptr ? Joint{} : *joint;
-  return {{"body", wanted.body},
-          {"to", wanted.to},
-          {"holds", joint != nullptr},
-          {"stiffness", joint == nullptr ? Json(nullptr) : Json(now.stiffness)},
-          {"damping", joint == nullptr ? Json(nullptr) : Json(now.damping)},
-          {"force", vector_json(now.force)},
-          {"energy", number_or_null(now.energy)},
-          {"damped", number_or_null(now.damped)}};
-}
-
-Json hand_json(const SceneHand& wanted, const MovingHand& hand, const Eigen::Vector3d& force) {
-  Json json{{"body", wanted.body}, {"at", wanted.at}, {"holds", hand.holds()}};
-  const auto& spring = hand.spring();
-  json["stiffness"] = spring ? number_or_null(spring->stiffness) : Json(nullptr);
-  json["damping"] = spring ? number_or_null(spring->damping) : Json(nullptr);
-  json["force"] = vector_json(force);
-  return json;
-}
-
-// Springs that mass and step do not allow.
-void add_spring_warnings(const Scene& scene, const SceneWorld& world, Warnings& warnings) {
-  const auto warn = [&warnings](const std::string& whose, double asked, double used) {
-    if (used < asked)
-      warnings.push_back(fmt::format(
-          "{}: its stiffness of {:.4g} N/m is more than mass and step allow, {:.4g} N/m is used: "
-          "a shorter step allows more, as one over its square",
-          whose, asked, used));
-  };
-  for (std::size_t i = 0; i < scene.hands.size(); ++i) {
-    const SceneHand& wanted = scene.hands[i];
-    if (const auto& spring = world.hand(i).spring(); spring && !wanted.pin)
-      warn(fmt::format("hand {} (body '{}', at {})", i + 1, wanted.body, wanted.at),
-           wanted.stiffness, spring->stiffness);
-  }
-  for (std::size_t i = 0; i < scene.joints.size(); ++i) {
-    const SceneJoint& wanted = scene.joints[i];
-    if (world.joint(i) != nullptr && wanted.options.stiffness)
-      warn(fmt::format("joint {} (body '{}', to '{}')", i + 1, wanted.body, wanted.to),
-           *wanted.options.stiffness, world.joint(i)->stiffness);
-  }
-}
-
-// Adds a warning per model about bodies whose first mode the step does not resolve.
-void add_step_warnings(const Scene& scene, const SceneWorld& world, Warnings& warnings) {
-  std::vector<const Model*> seen;
-  for (std::size_t i = 0; i < world.size(); ++i) {
-    const Model& model = world.body(i).model();
-    if (std::find(seen.begin(), seen.end(), &model) != seen.end()) continue;
-    seen.push_back(&model);
-    if (model.modes() == 0) continue;
-    const std::string warning =
-        step_warning(hertz(model.lambda()(0)), world.step_size(),
-                     "body '" + scene.bodies[i].name + "': its ", "a step of ");
-    if (!warning.empty()) warnings.push_back(warning);
-  }
-}
-
-// Shapes that extend beyond their bodies, one warning a model.
-void add_shape_warnings(const Scene& scene, const SceneWorld& world, Warnings& warnings) {
-  std::vector<const Model*> seen;
-  for (std::size_t i = 0; i < world.size(); ++i) {
-    const Model& model = world.body(i).model();
-    const ContactStep* contact = world.body(i).contact();
-    if (contact == nullptr || !contact->surface().shape) continue;
-    if (std::find(seen.begin(), seen.end(), &model) != seen.end()) continue;
-    seen.push_back(&model);
-    const ShapeReach reach = shape_beyond(model, *contact->surface().shape);
-    if (reach.distance <= kShapeBeyond * reach.size) continue;
-    warnings.push_back(fmt::format(
-        "body '{}': its shape: {}: other bodies bump into what its own points do not feel; use a "
-        "smaller shape",
-        scene.bodies[i].name, reach_text(*contact->surface().shape, reach)));
-  }
-}
-
-Json world_json(const SceneFile& file, const SceneWorld& world, const std::vector<BodyLog>& logs,
-                const WorldEnding& ending, const Warnings& warnings) {
-  Json json;
-  json["schema"] = kReportSchema;
-  json["scene"] = file.path;
-  json["step"] = world.step_size();
-  json["duration"] = file.scene.duration;
-  json["steps"] = world.steps();
-  json["reached"] = world.time();
-  const double each = 1e6 * ending.seconds / static_cast<double>(ending.steps);
-  json["microseconds_per_step"] = number_or_null(each);
-  json["real_time_factor"] = number_or_null(world.step_size() * 1e6 / each);
-  double worst = 0.0;
-  for (const BodyLog& log : logs) worst = std::max(worst, log.report().balance_error());
-  json["energy_balance_error"] = number_or_null(worst);
-  json["contact_speed_limit"] = number_or_null(world.contact_speed_limit());
-  json["exit_code"] = ending.exit_code;
-  json["reason"] = ending.reason.empty() ? Json(nullptr) : Json(ending.reason);
-  json["bodies"] = Json::array();
-  for (std::size_t i = 0; i < logs.size(); ++i)
-    json["bodies"].push_back(body_json(file.scene.bodies[i], logs[i].report(), world.step_size()));
-  json["joints"] = Json::array();
-  for (std::size_t i = 0; i < file.scene.joints.size(); ++i)
-    json["joints"].push_back(joint_json(file.scene.joints[i], world.joint(i)));
-  json["hands"] = Json::array();
-  for (std::size_t i = 0; i < file.scene.hands.size(); ++i)
-    json["hands"].push_back(hand_json(file.scene.hands[i], world.hand(i), world.hand_force(i)));
-  json["warnings"] = warnings;
-  return json;
 }
 
 // Lists the files that a run of the scene writes.
@@ -260,7 +64,7 @@ void tell_end(const std::vector<BodyLog>& logs, WorldEnding& ending) {
   for (const BodyLog& log : logs) {
     if (log.report().exit_code == 0 || ending.exit_code != 0) continue;
     ending.exit_code = log.report().exit_code;
-    ending.reason = "body '" + log.name() + "': " + log.report().reason;
+    ending.reason = "body '" + log.report().name + "': " + log.report().reason;
   }
 }
 
@@ -313,41 +117,6 @@ void take_notes(const SceneFile& file, const SceneWorld& world, std::vector<Body
   }
 }
 
-void print_bodies(const SceneFile& file, const SceneWorld& world,
-                  const std::vector<BodyLog>& logs) {
-  const std::size_t shown = std::min(logs.size(), kShown);
-  for (std::size_t i = 0; i < shown; ++i) {
-    const BodyReport& report = logs[i].report();
-    const EnergyAccount& account = report.account;
-    tell("  {} ({}, {}): energy {:.6g} -> {:.6g} J; ", file.scene.bodies[i].name,
-         kind_name(file.scene.bodies[i]), file.scene.bodies[i].integrator, account.at_start,
-         account.total());
-    tell("load {:.4g}, support {:.4g}, gravity {:.4g}, damping {:.4g} J; balance to {:.1e}\n",
-         account.load, account.support, account.gravity, account.damping, report.balance_error());
-    if (world.body(i).contact() != nullptr)
-      tell(
-          "    contact {:.4g}, restitution {:.4g}, friction {:.4g}, hand {:.4g}, joint {:.4g} J; "
-          "{} "
-          "contacts, its points {:.3g} % of its size deep at most, its surface {:.3g} %{}\n",
-          account.contact_given, account.restitution, account.friction, account.hand, account.joint,
-          report.contacts, 100 * report.penetration_max,
-          100 * report.penetration_surface_max / report.size,
-          report.rebound ? fmt::format(", rebound {:.3g}", *report.rebound) : std::string());
-    if (report.size > 0)
-      tell("    deformed by {:.4g} m at most, {:.3g} % of its size\n", report.largest_displacement,
-           100 * report.largest_displacement / report.size);
-    if (!report.files.empty())
-      tell("    wrote into {}: {}\n", logs[i].folder(), list_files(report.files));
-  }
-  std::int64_t passed = 0;
-  for (const BodyLog& log : logs) passed += log.report().passed_through;
-  if (passed > 0)
-    tell(
-        "  {} times a contact point went through what it met within a step: say a shorter --step\n",
-        passed);
-  if (shown < logs.size()) tell("  and {} more bodies; --json lists all\n", logs.size() - shown);
-}
-
 Status begin_where_saved(const SceneFile& file, SceneWorld& world) {
   if (file.outputs.restore.empty()) return Success{};
   if (Status s = world.restore(file.outputs.restore); !s) return s;
@@ -367,13 +136,6 @@ Status save_end(const SceneFile& file, const SceneWorld& world, const WorldEndin
   return Success{};
 }
 
-// written: paths.
-struct WorldRun {
-  Json json;
-  WorldEnding ending;
-  std::vector<std::string> written;
-};
-
 // Creates the world. If --wav is given without a step, the step of `file` is divided so that its
 // modes are accurate.
 Result<SceneWorld> make_world(SceneFile& file) {
@@ -387,7 +149,7 @@ Result<SceneWorld> make_world(SceneFile& file) {
   });
 }
 
-Result<WorldRun> run_world(SceneFile file, unsigned threads) {
+Result<SceneRun> run_world(SceneFile file, unsigned threads) {
   Result<SceneWorld> world = make_world(file);
   if (!world) return error_of_file(file.path, value_error(world.error()));
   if (Status s = world->set_threads(threads); !s) return s.error();
@@ -424,10 +186,7 @@ Result<WorldRun> run_world(SceneFile file, unsigned threads) {
        fs::path(file.path).stem().string(), world->size(), world->time(), file.scene.duration,
        world->step_size(), 1e6 * ending->seconds / static_cast<double>(ending->steps));
   print_bodies(file, *world, logs);
-  Warnings warnings = keyframe_warnings(file.scene.bodies, file.scene.colliders);
-  add_step_warnings(file.scene, *world, warnings);
-  add_shape_warnings(file.scene, *world, warnings);
-  add_spring_warnings(file.scene, *world, warnings);
+  Warnings warnings = world_warnings(file.scene, *world);
   if (sound)
     for (std::string& warning :
          sound_warnings(*world, 1.0 / (world->step_size() * file.outputs.sound_steps)))
@@ -436,21 +195,10 @@ Result<WorldRun> run_world(SceneFile file, unsigned threads) {
   std::vector<std::string> written;
   for (const BodyLog& log : logs)
     written.insert(written.end(), log.report().files.begin(), log.report().files.end());
-  return WorldRun{world_json(file, *world, logs, *ending, warnings), *ending, std::move(written)};
+  return SceneRun{world_json(file, *world, logs, *ending, warnings), *ending, std::move(written)};
 }
 
 }  // namespace
-
-const char* kind_name(const SceneBody& body) {
-  if (body.rigid) return "rigid";
-  if (body.kind == FrameKind::kFree) return "free";
-  return body.kind == FrameKind::kDriven ? "driven" : "fixed";
-}
-
-std::string solid_name(const SceneBody& body) {
-  if (!body.rigid) return body.model;
-  return body.rigid->shape ? shape_name(*body.rigid->shape) : body.rigid->mesh;
-}
 
 std::vector<NamedFile> inputs_of(const Scene& scene) {
   std::vector<NamedFile> inputs;
@@ -490,13 +238,8 @@ std::vector<NamedFile> inputs_of(const SceneFile& file) {
 }
 
 int run_world_command(const SceneFile& file, unsigned threads, bool json) {
-  const std::vector<NamedFile> inputs = inputs_of(file);
-  const RunOutputs outputs = outputs_of(file);
-  if (Status s = outputs.check(inputs); !s) return report_error(s.error());
-  const GuardedInputs guard(inputs);
-  const Result<WorldRun> run = run_world(file, threads);
-  if (!run) return report_error(run.error());
-  return end_scene_run(file.outputs, outputs, run->written, run->json, run->ending, json);
+  return run_scene(inputs_of(file), outputs_of(file), file.outputs, json,
+                   [&] { return run_world(file, threads); });
 }
 
 }  // namespace tremolo

@@ -47,9 +47,20 @@ bool SceneEnding::interrupted(int now, double time) {
   return true;
 }
 
-int end_scene_run(const SceneOutputs& outputs, const RunOutputs& files,
-                  std::vector<std::string> written, const nlohmann::ordered_json& json,
-                  const SceneEnding& ending, bool print) {
+void add_ending(const SceneEnding& ending, nlohmann::ordered_json& json) {
+  json["exit_code"] = ending.exit_code;
+  json["reason"] = ending.reason.empty() ? nlohmann::ordered_json(nullptr)
+                                         : nlohmann::ordered_json(ending.reason);
+}
+
+int run_scene(const std::vector<NamedFile>& inputs, const RunOutputs& files,
+              const SceneOutputs& outputs, bool print,
+              const std::function<Result<SceneRun>()>& run) {
+  if (Status s = files.check(inputs); !s) return report_error(s.error());
+  const GuardedInputs guard(inputs);
+  Result<SceneRun> made = run();
+  if (!made) return report_error(made.error());
+  auto& [json, ending, written] = *made;
   if (!outputs.out.empty()) {
     const std::string path = (std::filesystem::path(outputs.out) / kReportName).string();
     if (Status s = write_file(path, json_text(json)); !s) return report_error(s.error());

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/result.h"
+#include "formats/file/output_guard.h"
 #include "runtime/apps/tremolo/run/run_files.h"
 #include "runtime/apps/tremolo/run/run_options.h"
 #include "runtime/io/scenes/scene_keys.h"
@@ -33,11 +34,22 @@ struct SceneEnding {
   bool interrupted(int now, double time);
 };
 
-// Writes report.json into the run's folder, removes files of earlier runs there, prints why the run
-// ended early, prints the JSON if requested, and raises the signal again. written: the paths of all
-// other files of the run. Returns the program's exit code.
-int end_scene_run(const SceneOutputs& outputs, const RunOutputs& files,
-                  std::vector<std::string> written, const nlohmann::ordered_json& json,
-                  const SceneEnding& ending, bool print);
+// Adds exit_code and reason.
+void add_ending(const SceneEnding& ending, nlohmann::ordered_json& json);
+
+// The result of a run. written: the paths of all files but the report.
+struct SceneRun {
+  nlohmann::ordered_json json;
+  SceneEnding ending;
+  std::vector<std::string> written;
+};
+
+// Runs a scene by `run`, once all files are known to be writable. Writes report.json into the run's
+// folder, removes files of earlier runs there, prints why the run ended early, prints the JSON if
+// requested, and raises the signal again. Returns the program's exit code; errors are printed on
+// stderr.
+int run_scene(const std::vector<NamedFile>& inputs, const RunOutputs& files,
+              const SceneOutputs& outputs, bool print,
+              const std::function<Result<SceneRun>()>& run);
 
 }  // namespace tremolo
