@@ -14,7 +14,6 @@
 #include <utility>
 
 #include "common/text.h"
-#include "runtime/bodies/reduced/frames/frame_inertia.h"
 #include "runtime/contact/collider.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/scene/scene_start.h"
@@ -35,25 +34,6 @@ double reach_of(const Model& model) {
   double reach = 0.0;
   for (const Vector3d& x : model.surface().rest) reach = std::max(reach, x.norm());
   return reach;
-}
-
-// Momenta of the body of one frame. poses: of the frame one step before, now, and one step later.
-Momenta momenta_in_frame(const FrameInertia& inertia, const Eigen::VectorXd& q,
-                         const Eigen::VectorXd& v, const std::array<Pose, 3>& poses, double h) {
-  const auto& [before, pose, behind] = poses;
-  // The frame's velocities at the time between two steps are the means of the two steps.
-  const Vector3d velocity =
-      pose.rotation.conjugate() * (behind.position - before.position) / (2.0 * h);
-  const Vector3d spin = (turn_of(before.rotation.conjugate() * pose.rotation) +
-                         turn_of(pose.rotation.conjugate() * behind.rotation)) /
-                        (2.0 * h);
-  InertiaAt at(q.size());
-  at.compute(inertia, q);
-  const Vector3d moment = inertia.first_moment + inertia.s * q;
-  const Vector3d linear = inertia.mass * velocity + spin.cross(moment) + inertia.s * v;
-  const Vector3d angular = moment.cross(velocity) + at.J * spin + inertia.a * v + at.couple(v);
-  const Vector3d world = pose.rotation * linear;
-  return {world, pose.position.cross(world) + pose.rotation * angular};
 }
 
 // Rigid bodies with the same key share a model.
@@ -362,121 +342,6 @@ void SceneWorld::move_hands() {
   }
 }
 
-namespace {
-
-// Means over the points of a contact in a step.
-struct PlaceSum {
-  double impulse = 0.0;
-  Vector3d push = Vector3d::Zero(), position = push, normal = push;
-
-  // sign: -1 for a point of the body's partner.
-  void add(const ContactedPoint& point, double sign) {
-    const double size = point.impulse.norm();
-    impulse += size;
-    push += sign * point.impulse;
-    position += size * point.position;
-    normal += (sign * size) * point.normal;
-  }
-  void put_into(ContactPlace& place) const {
-    place.impulse += impulse;
-    place.push += push;
-    if (impulse > 0.0) place.position = position / impulse;
-    const double length = normal.norm();
-    place.normal = length > 1e-9 * impulse ? Vector3d(normal / length) : Vector3d(Vector3d::Zero());
-  }
-};
-
-}  // namespace
-
-// After a step of the body that was made.
-void SceneWorld::note_contact(std::size_t i) {
-  Actor& actor = actors_[i];
-  if (actor.body.contact() == nullptr) return;
-  if (asleep(i)) return;
-  const ContactAccount account = actor.body.contact_account();
-  if (actor.size > 0.0)
-    actor.penetration = std::max(actor.penetration, account.penetration / actor.size);
-  actor.speed = std::max(actor.speed, account.way / scene_.step);
-  actor.passed += account.passed;
-  const std::span<const double> impulses = actor.body.contact()->record().impulses;
-  for (std::size_t c = 0; c < std::min(impulses.size(), felt_by(i).size()); ++c) {
-    Touching& touching = touching_[i * colliders_.placed().size() + c];
-    touching.whole += actor.body.contact()->record().collider_impulses[c];
-    const bool before = std::exchange(touching.now, impulses[c] > 0.0);
-    if (touching.now) {
-      if (!before) touching.place = {};
-      PlaceSum sum;
-      for (const ContactedPoint& point : actor.body.contact()->record().contacted)
-        if (!point.on_body && point.obstacle == c) sum.add(point, 1.0);
-      sum.put_into(touching.place);
-    }
-    if (touching.now == before) continue;
-    if (touching.now) ++actor.contacts;
-    events_.push_back({i, c, ContactEvent::kNone,
-                       before ? ContactEvent::Kind::kEnd : ContactEvent::Kind::kBegin,
-                       touching.place});
-  }
-}
-
-// The points of a that met b in the last step, with the sign 1, and of b that met a, with -1.
-template <class Visit>
-void SceneWorld::for_points_of(std::size_t a, std::size_t b, Visit&& visit) const {
-  const auto points = [&](std::size_t own, std::size_t other, double sign) {
-    if (actors_[own].body.contact() == nullptr) return;
-    for (const ContactedPoint& point : actors_[own].body.contact()->record().contacted)
-      if (point.on_body && point.obstacle == place_[other]) visit(point, sign);
-  };
-  points(a, b, 1.0);
-  points(b, a, -1.0);
-}
-
-std::vector<ContactedPoint> SceneWorld::points_of(const ContactEvent& event) const {
-  std::vector<ContactedPoint> points;
-  if (event.kind == ContactEvent::Kind::kEnd) return points;
-  if (event.collider == ContactEvent::kNone) {
-    for_points_of(event.body, event.other, [&points](const ContactedPoint& point, double sign) {
-      points.push_back(point);
-      points.back().normal *= sign;
-      points.back().impulse *= sign;
-    });
-    return points;
-  }
-  for (const ContactedPoint& point : actors_[event.body].body.contact()->record().contacted)
-    if (!point.on_body && point.obstacle == event.collider) points.push_back(point);
-  return points;
-}
-
-// Bodies that began to touch each other in the step, and that ended it. Those that sleep stay as
-// they were.
-void SceneWorld::note_pairs() {
-  for (Pair& pair : pairs_) pair.seen = asleep(pair.a) && asleep(pair.b);
-  for (const BodyGroup::Touch& touch : group_->touches()) {
-    const std::size_t first = order_[touch.a], second = order_[touch.b];
-    const std::size_t a = std::min(first, second), b = std::max(first, second);
-    bool began = false;
-    auto found = std::find_if(pairs_.begin(), pairs_.end(),
-                              [a, b](const Pair& pair) { return pair.a == a && pair.b == b; });
-    if (found == pairs_.end()) {
-      pairs_.push_back({a, b, {}, true});
-      found = pairs_.end() - 1;
-      ++actors_[a].contacts;
-      ++actors_[b].contacts;
-      events_.push_back({a, ContactEvent::kNone, b, ContactEvent::Kind::kBegin, {}});
-      began = true;
-    }
-    PlaceSum sum;
-    for_points_of(a, b, [&sum](const ContactedPoint& point, double sign) { sum.add(point, sign); });
-    sum.put_into(found->place);
-    if (began) events_.back().place = found->place;
-    found->seen = true;
-  }
-  for (const Pair& pair : pairs_)
-    if (!pair.seen)
-      events_.push_back(
-          {pair.a, ContactEvent::kNone, pair.b, ContactEvent::Kind::kEnd, pair.place});
-  std::erase_if(pairs_, [](const Pair& pair) { return !pair.seen; });
-}
-
 Status SceneWorld::set_method(std::size_t i, std::string_view integrator) {
   ContactBody& body = actors_[i].body;
   if (Status s = body.set_method(integrator, scene_.step); !s)
@@ -533,58 +398,6 @@ std::span<const SceneWorld::Failure> SceneWorld::step() {
   note_pairs();
   ++steps_;
   return failures_;
-}
-
-EnergyAccount SceneWorld::account(std::size_t i) const {
-  const ContactBody& body = actors_[i].body;
-  const Energy energy = body.energy();
-  EnergyAccount account;
-  account.kinetic = energy.kinetic;
-  account.potential = energy.potential;
-  account.at_start = actors_[i].energy_at_start;
-  account.support = body.sums().support;
-  account.gravity = body.sums().gravity;
-  account.contact = body.contact_account().energy;
-  account.contact_given = body.contact_sums().given;
-  account.restitution = 0.0 - body.contact_sums().lost;
-  account.friction = 0.0 - body.contact_sums().rubbed;
-  account.hand = body.contact_sums().hand;
-  account.joint = body.contact_sums().joint;
-  account.contact_error = body.contact_sums().error;
-  account.load = body.sums().work - account.support - account.gravity - body.contact_sums().work -
-                 account.hand - account.joint;
-  account.damping = 0.0 - body.sums().dissipated;
-  return account;
-}
-
-Momenta SceneWorld::momenta(std::size_t i) const {
-  const Actor& actor = actors_[i];
-  const ContactBody& body = actor.body;
-  if (body.frame() == FrameKind::kFree) return {body.momentum().linear, body.momentum().angular};
-  if (!actor.inertia) return {};
-  Eigen::VectorXd v(body.model().modes());
-  body.integrator().synchronized_momentum(body.state(), v);
-  const double h = scene_.step, t = time();
-  if (actor.bones) {
-    const std::size_t count = actor.bones->size();
-    std::vector<Pose> before(count), behind(count);
-    actor.bones->poses(t - h, before);
-    actor.bones->poses(t + h, behind);
-    Momenta sum;
-    for (std::size_t b = 0; b < count; ++b) {
-      const Momenta one = momenta_in_frame(*body.skin()->shares[b], body.state().q, v,
-                                           {before[b], body.pose(b), behind[b]}, h);
-      sum.linear += one.linear;
-      sum.angular += one.angular;
-    }
-    return sum;
-  }
-  const Pose pose = body.pose();
-  if (actor.path.still())
-    return momenta_in_frame(*actor.inertia, body.state().q, v, {pose, pose, pose}, h);
-  return momenta_in_frame(
-      *actor.inertia, body.state().q, v,
-      {actor.path.pose_in(actor.piece, t - h), pose, actor.path.pose_in(actor.piece, t + h)}, h);
 }
 
 Result<std::optional<SceneWorld::Hit>> SceneWorld::pick(const Vector3d& origin,

@@ -49,12 +49,8 @@ VertexRows probe_of(py::handle at, const Model& model, Eigen::Index mode) {
 }
 
 double size_of(const Model& model) {
-  Eigen::Vector3d low = model.drawn().rest.front(), high = low;
-  for (const Eigen::Vector3d& rest : model.drawn().rest) {
-    low = low.cwiseMin(rest);
-    high = high.cwiseMax(rest);
-  }
-  return (high - low).maxCoeff();
+  const BoundingBox box = bounding_box(model.drawn().rest);
+  return (box.high - box.low).maxCoeff();
 }
 
 CurveOptions options_of(int harmonics, bool stability, const VertexRows& probe, double largest) {

@@ -34,12 +34,8 @@ Result<BodyScene> scene_of(const PeriodicOptions& options) {
 }
 
 double size_of(const Model& model) {
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY), high = -low;
-  for (const Eigen::Vector3d& rest : model.drawn().rest) {
-    low = low.cwiseMin(rest);
-    high = high.cwiseMax(rest);
-  }
-  return (high - low).maxCoeff();
+  const BoundingBox box = bounding_box(model.drawn().rest);
+  return (box.high - box.low).maxCoeff();
 }
 
 Status set_load(const PeriodicOptions& options, bool needed, PeriodicModel& made) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "common/mesh/median_split.h"
 #include "common/processor.h"
 
 namespace tremolo {
@@ -89,22 +90,11 @@ std::size_t SurfaceTree::build(std::size_t first, std::size_t count) {
     bound_leaf(node);
     return node;
   }
-  const auto begin = order_.begin() + static_cast<std::ptrdiff_t>(first);
-  const auto end = begin + static_cast<std::ptrdiff_t>(count);
-  const auto half = begin + static_cast<std::ptrdiff_t>(count / 2);
-  Vector3d low = middles_[*begin], high = low;
-  for (auto at = begin; at != end; ++at) {
-    low = low.cwiseMin(middles_[*at]);
-    high = high.cwiseMax(middles_[*at]);
-  }
-  Index axis = 0;
-  (high - low).maxCoeff(&axis);
-  std::nth_element(begin, half, end, [&](std::uint32_t a, std::uint32_t b) {
-    const double x = middles_[a][axis], y = middles_[b][axis];
-    return x < y || (x == y && a < b);
-  });
-  const std::size_t left = build(first, count / 2);
-  const std::size_t right = build(first + count / 2, count - count / 2);
+  const std::size_t half =
+      split_at_median(std::span(order_).subspan(first, count),
+                      [this](std::uint32_t triangle) { return middles_[triangle]; });
+  const std::size_t left = build(first, half);
+  const std::size_t right = build(first + half, count - half);
   nodes_[node].first = static_cast<std::uint32_t>(right);
   bound_parent(node, left, right);
   return node;

@@ -8,6 +8,8 @@
 
 #include <Eigen/LU>
 
+#include "common/mesh/median_split.h"
+
 namespace tremolo {
 namespace {
 
@@ -46,30 +48,20 @@ TetTree::TetTree(TetModelPointer model) : model_(std::move(model)) {
   std::vector<std::uint32_t> elements(count);
   std::iota(elements.begin(), elements.end(), 0U);
   items_.reserve(2 * count);
-  split(elements, 0, count);
+  split(elements);
   middles_.clear();
   middles_.shrink_to_fit();
 }
 
-// Divides along the longest side of the midpoints' box.
-void TetTree::split(std::vector<std::uint32_t>& elements, std::size_t begin, std::size_t end) {
+void TetTree::split(std::span<std::uint32_t> elements) {
   const std::size_t at = items_.size();
-  items_.push_back({0, elements[begin], end - begin == 1});
-  if (end - begin == 1) return;
-  Box box;
-  for (std::size_t i = begin; i < end; ++i) box.extend(middles_[elements[i]]);
-  Eigen::Index axis = 0;
-  box.sizes().maxCoeff(&axis);
-  const std::size_t half = (begin + end) / 2;
-  const auto place = [&](std::size_t i) {
-    return elements.begin() + static_cast<std::ptrdiff_t>(i);
-  };
-  std::nth_element(place(begin), place(half), place(end), [&](std::uint32_t a, std::uint32_t b) {
-    return std::pair(middles_[a][axis], a) < std::pair(middles_[b][axis], b);
-  });
-  split(elements, begin, half);
+  items_.push_back({0, elements.front(), elements.size() == 1});
+  if (elements.size() == 1) return;
+  const std::size_t half =
+      split_at_median(elements, [this](std::uint32_t element) { return middles_[element]; });
+  split(elements.first(half));
   items_[at].second = static_cast<std::uint32_t>(items_.size());
-  split(elements, half, end);
+  split(elements.subspan(half));
 }
 
 void TetTree::fit(const Eigen::VectorXd& x, std::vector<Box>& boxes) const {

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -61,7 +62,7 @@ class TetTree {
     std::uint32_t element = 0;  // of a leaf
     bool leaf = false;
   };
-  void split(std::vector<std::uint32_t>& elements, std::size_t begin, std::size_t end);
+  void split(std::span<std::uint32_t> elements);
 
   TetModelPointer model_;
   std::vector<Item> items_;
