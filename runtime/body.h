@@ -240,9 +240,9 @@ class Body {
   // another solver, then end_step(). begin_step: a report if the loads are not valid.
   std::optional<StepReport> begin_step();
   StepReport advance();
-  // outside: work of forces that are not among the body's loads, J. booked: the energies of the
+  // outside: work of forces that are not among the body's loads, J. summed: the energies of the
   // step are in the sums already.
-  StepReport end_step(StepReport report, double outside, bool booked);
+  StepReport end_step(StepReport report, double outside, bool summed);
   // Adds the energies of a step, or of a part of it, to the sums.
   void book_step(const StepReport& report, double outside);
   // Undoes advance(): the state is that of begin_step(). p: the momentum before it.
@@ -259,7 +259,7 @@ class Body {
   void keep_sound_state();
   // One step of time for a body at rest.
   void rest_a_step();
-  // Where the sums of a derived body are kept with the state of a valid check, and put back.
+  // Keep the sums of a derived body with the state of a valid check, and put them back.
   virtual void keep_outside_sums() {}
   virtual void put_back_outside_sums() {}
   // Rotation from the axes of the world to those at a place of Model::response_places().
@@ -347,6 +347,6 @@ class Body {
 ErrorKind error_kind(StepFailure failure);
 
 // The reason why the step from `time` (s) failed, a sentence without a full stop.
-std::string why_not_made(const StepReport& report, double time);
+std::string failure_message(const StepReport& report, double time);
 
 }  // namespace tremolo

@@ -22,16 +22,20 @@ namespace tremolo {
 class BodyGroup;
 class ContactStep;
 
-// Sums of contact since the start, J. work: on the body, a part of BodySums::work. lost, rubbed:
-// taken by restitution and friction. given: by moving colliders. error: contact energy found at the
-// start of a step but not at the end of the step before; it should be zero. Then work = given -
-// lost - rubbed - growth of contact_account().energy + error. hand, joint: work of grabs and joints
-// on the body, also parts of it.
+// Sums of contact since the start. work = given - lost - friction_loss - growth of
+// contact_account().energy + error.
 struct ContactSums {
-  double work = 0.0, lost = 0.0, rubbed = 0.0, given = 0.0, error = 0.0;
-  double hand = 0.0, joint = 0.0;
+  double work = 0.0;           // on the body, a part of BodySums::work, J
+  double lost = 0.0;           // taken by restitution, J
+  double friction_loss = 0.0;  // taken by friction, J
+  double given = 0.0;          // by moving colliders, J
+  // Contact energy found at the start of a step but not at the end of the step before, J; it should
+  // be zero.
+  double error = 0.0;
+  double hand = 0.0;   // work of grabs on the body, a part of BodySums::work, J
+  double joint = 0.0;  // the same for joints, J
 
-  void carry(StateStream& stream) { stream(work, lost, rubbed, given, error, hand, joint); }
+  void carry(StateStream& stream) { stream(work, lost, friction_loss, given, error, hand, joint); }
 };
 
 // Without set_contact() it is a Body. Not thread-safe; different bodies may step on different

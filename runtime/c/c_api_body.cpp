@@ -142,7 +142,7 @@ tremolo_status tremolo_body_step(tremolo_body* body, int64_t count, int64_t* don
       const tremolo::StepReport report = known.step();
       if (!report.converged)
         return tremolo::Error{tremolo::error_kind(report.failure),
-                              tremolo::why_not_made(report, known.time())};
+                              tremolo::failure_message(report, known.time())};
       if (done != nullptr) *done = step + 1;
     }
     return Success{};

@@ -178,7 +178,7 @@ tremolo_status tremolo_body_step_among(tremolo_body* body, const tremolo_placed_
     const tremolo::StepReport report = known.step(body->around);
     if (report.converged) return Success{};
     return tremolo::Error{tremolo::error_kind(report.failure),
-                          tremolo::why_not_made(report, known.time())};
+                          tremolo::failure_message(report, known.time())};
   });
 }
 
@@ -246,7 +246,7 @@ tremolo_status tremolo_body_contact_work(const tremolo_body* body, double* store
     put(known.contact_account().energy, stored);
     put(known.contact_sums().given, given);
     put(0.0 - known.contact_sums().lost, restitution);
-    put(0.0 - known.contact_sums().rubbed, friction);
+    put(0.0 - known.contact_sums().friction_loss, friction);
     put(known.contact_sums().hand, hand);
     put(known.contact_sums().error, error);
     return Success{};

@@ -67,7 +67,7 @@ Status failures(const tremolo_contacts& contacts, std::span<uint32_t> failed, si
   const tremolo::StepReport& report = contacts.reports[*first];
   return tremolo::Error{tremolo::error_kind(report.failure),
                         "body " + std::to_string(*first) + ": " +
-                            tremolo::why_not_made(report, contacts.bodies[*first]->body.time())};
+                            tremolo::failure_message(report, contacts.bodies[*first]->body.time())};
 }
 
 Result<tremolo::Joint> joint_between(const tremolo_joint_options& wanted, const tremolo_body& a,

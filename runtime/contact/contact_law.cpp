@@ -161,7 +161,7 @@ ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const C
   const double stored = 0.5 * law.shear * held.slip.squaredNorm();
   if (gap.pressure == 0.0) held.limit -= limits * held.limit;
   if (gap.pressure == 0.0 && held.limit == 0.0) {
-    contact.rubbed = stored;
+    contact.friction_loss = stored;
     return contact;
   }
   contact.acts = true;
@@ -177,7 +177,7 @@ ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const C
       friction_force(friction_law(law, time.h), held.limit, held.slip, tangential(law, way, held));
   // A contact that ends forgets its slip; the stored energy becomes friction loss.
   const bool ends = gap.d1 >= law.begins;
-  contact.rubbed = friction.lost + (ends ? friction.energy : 0.0);
+  contact.friction_loss = friction.lost + (ends ? friction.energy : 0.0);
   contact.slip = ends ? Vector3d(Vector3d::Zero()) : friction.slip;
   contact.energy = energy + (ends ? 0.0 : friction.energy);
   contact.force = s * point_normal + friction.force;

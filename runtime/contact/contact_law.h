@@ -132,19 +132,19 @@ struct ContactForce {
   Eigen::Vector3d bend_force = Eigen::Vector3d::Zero();
   Eigen::Vector3d rub = Eigen::Vector3d::Zero();  // of a round point: the part that is friction, N
   bool acts = false;                              // there is a force
-  double pressure = 0.0;  // the length of s n without restitution and friction, N
-  double limit = 0.0;     // friction limit mu |s n| found in this evaluation, N
-  double energy = 0.0;    // psi(d1) and that of friction, J
-  double lost = 0.0;      // taken by restitution, J
-  double rubbed = 0.0;    // taken by friction, J
-  double distance = 0.0;  // d1, m
+  double pressure = 0.0;       // the length of s n without restitution and friction, N
+  double limit = 0.0;          // friction limit mu |s n| found in this evaluation, N
+  double energy = 0.0;         // psi(d1) and that of friction, J
+  double lost = 0.0;           // taken by restitution, J
+  double friction_loss = 0.0;  // taken by friction, J
+  double distance = 0.0;       // d1, m
   Eigen::Vector3d slip = Eigen::Vector3d::Zero();  // xi1, in the frame of the displacement, m
 
   // Sets all forces to zero. The energy `stored` (J) in friction's memory becomes friction loss.
   void clear(double at, double stored) {
     acts = false;
     pressure = limit = energy = lost = 0.0;
-    rubbed = stored;
+    friction_loss = stored;
     distance = at;
     slip.setZero();
     rub.setZero();

@@ -12,7 +12,7 @@ void add_account(ContactAccount& sum, const ContactAccount& part) {
   const ContactAccount before = sum;
   sum = part;
   for (double ContactAccount::*each :
-       {&ContactAccount::work, &ContactAccount::lost, &ContactAccount::rubbed,
+       {&ContactAccount::work, &ContactAccount::lost, &ContactAccount::friction_loss,
         &ContactAccount::given, &ContactAccount::surplus, &ContactAccount::hand_work,
         &ContactAccount::hand_damped, &ContactAccount::joint_work, &ContactAccount::impulse})
     sum.*each += before.*each;

@@ -51,11 +51,14 @@ struct StepPush {
 
 // Energy balance and statistics of contact in one step.
 struct ContactAccount {
-  // J. energy: stored in contact at the end. work: of contact forces on the body, or on the motion
-  // of a driven body relative to its frame. lost, rubbed: taken by restitution and friction. given:
-  // by moving colliders and supports. surplus: contact energy at the start of the step minus that
-  // at the end of the step before.
-  double energy = 0.0, work = 0.0, lost = 0.0, rubbed = 0.0, given = 0.0, surplus = 0.0;
+  double energy = 0.0;  // stored in contact at the end, J
+  // Of contact forces on the body, or on the motion of a driven body relative to its frame, J.
+  double work = 0.0;
+  double lost = 0.0;           // taken by restitution, J
+  double friction_loss = 0.0;  // taken by friction, J
+  double given = 0.0;          // by moving colliders and supports, J
+  // Contact energy at the start of the step minus that at the end of the step before, J.
+  double surplus = 0.0;
   double hand_work = 0.0, hand_damped = 0.0;  // J
   double joint_work = 0.0;                    // J
   double penetration = 0.0;                   // greatest depth of a point behind a surface, m
@@ -78,7 +81,7 @@ struct ContactedPoint {
 };
 
 inline void carry(StateStream& stream, ContactAccount& account) {
-  stream(account.energy, account.work, account.lost, account.rubbed, account.given);
+  stream(account.energy, account.work, account.lost, account.friction_loss, account.given);
   stream(account.surplus, account.hand_work, account.hand_damped, account.penetration);
   stream(account.joint_work);
   stream(account.impulse, account.active, account.way, account.passed, account.impulse_vector);

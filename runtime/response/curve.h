@@ -52,7 +52,7 @@ struct CorrectorReport {
   int factorizations = 0;
 };
 
-// How closely a corrector solves: the last correction relative to the state's size.
+// Tolerance of a corrector: the last correction relative to the state's size.
 inline constexpr double kCurveTolerance = 1e-10;
 inline constexpr double kSharpTolerance = 1e-12;
 

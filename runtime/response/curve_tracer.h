@@ -9,7 +9,7 @@
 
 namespace tremolo {
 
-// Where a curve ends.
+// The end of a curve.
 struct CurveGoal {
   // Negative before the requested end and positive behind it.
   std::function<double(const CurvePoint&)> beyond;

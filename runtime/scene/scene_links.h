@@ -1,4 +1,4 @@
-// What holds the bodies of a scene from outside and to each other: hands, joints.
+// Hands, which hold bodies of a scene from outside, and joints between bodies.
 #pragma once
 
 #include <cstddef>

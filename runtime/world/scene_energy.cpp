@@ -43,7 +43,7 @@ EnergyAccount SceneWorld::account(std::size_t i) const {
   account.contact = body.contact_account().energy;
   account.contact_given = body.contact_sums().given;
   account.restitution = 0.0 - body.contact_sums().lost;
-  account.friction = 0.0 - body.contact_sums().rubbed;
+  account.friction = 0.0 - body.contact_sums().friction_loss;
   account.hand = body.contact_sums().hand;
   account.joint = body.contact_sums().joint;
   account.contact_error = body.contact_sums().error;

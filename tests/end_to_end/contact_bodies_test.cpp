@@ -87,8 +87,8 @@ TEST(BodiesInContact, KeepBothMomentaAndTheEnergy) {
       ASSERT_TRUE(reports[0].converged && reports[1].converged) << i;
       touched += group.touches().size();
       const Sum now = sum_of(bodies);
-      const double taken = left.contact_sums().lost + left.contact_sums().rubbed +
-                           right.contact_sums().lost + right.contact_sums().rubbed;
+      const double taken = left.contact_sums().lost + left.contact_sums().friction_loss +
+                           right.contact_sums().lost + right.contact_sums().friction_loss;
       const double error = left.contact_sums().error + right.contact_sums().error;
       worst_linear = std::max(worst_linear, (now.linear - start.linear).norm());
       worst_angular = std::max(worst_angular, (now.angular - start.angular).norm());

@@ -82,7 +82,7 @@ TEST(ContactPhysics, ABeltThatBeginsToGlideDragsABlockThatRests) {
         const double speed = body.rigid_state().velocity.x() - before;
         EXPECT_NEAR(speed, kFriction * kGravity * 0.15, 0.005 * kFriction * kGravity * 0.15)
             << young << " " << points << " " << h;
-        EXPECT_GT(body.contact_sums().rubbed, 0.0);
+        EXPECT_GT(body.contact_sums().friction_loss, 0.0);
         EXPECT_NEAR(balance(body), 0.0, 1e-9);
       }
 }
@@ -130,7 +130,7 @@ TEST(ContactPhysics, AThrownBlockStopsAfterItsSquaredSpeedOverTwiceFriction) {
       EXPECT_NEAR(body.rigid_state().centre.x(), expected, 0.005 * expected) << points << " " << h;
       // All of its energy goes to friction, except for the part that restitution took on the way
       // down.
-      EXPECT_NEAR(body.contact_sums().rubbed, 2.0, 0.01) << points << " " << h;
+      EXPECT_NEAR(body.contact_sums().friction_loss, 2.0, 0.01) << points << " " << h;
     }
 }
 

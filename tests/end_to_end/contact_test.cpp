@@ -75,7 +75,7 @@ TEST(Contact, RestitutionOneKeepsTheEnergyOverManyBounces) {
   EXPECT_LT(highest, 1e-6 * fallen);
   EXPECT_LT(std::abs(body.contact_sums().error), 1e-6 * fallen);
   EXPECT_EQ(body.contact_sums().lost, 0.0);
-  EXPECT_EQ(body.contact_sums().rubbed, 0.0);
+  EXPECT_EQ(body.contact_sums().friction_loss, 0.0);
   // Kinetic, elastic, contact and potential energy together equal the energy of the fall.
   const double total = body.energy().total() + body.contact_account().energy - body.sums().gravity;
   EXPECT_NEAR(total, 0.0, 1e-6 * fallen);
@@ -115,7 +115,7 @@ TEST(Contact, ASlidingBodyStopsWhereCoulombSays) {
   EXPECT_NEAR(way, speed * speed / (2.0 * mu * kGravity), 0.02 * way);
   EXPECT_LT(body.rigid_state().velocity.norm(), 5e-3);
   // Friction has taken the energy of the motion.
-  EXPECT_NEAR(body.contact_sums().rubbed, 0.5 * speed * speed, 0.02);
+  EXPECT_NEAR(body.contact_sums().friction_loss, 0.5 * speed * speed, 0.02);
 }
 
 TEST(Contact, ASlopeHoldsBelowTheAngleOfFrictionAndNotAbove) {
@@ -183,11 +183,11 @@ TEST(Contact, TheAccountClosesWithEverythingAtOnce) {
   }
   EXPECT_LT(worst, 1e-9 * most);
   EXPECT_GT(body.contact_sums().lost, 0.0);
-  EXPECT_GT(body.contact_sums().rubbed, 0.0);
+  EXPECT_GT(body.contact_sums().friction_loss, 0.0);
   EXPECT_NE(body.contact_sums().given, 0.0);
   EXPECT_NE(body.contact_sums().hand, 0.0);
   const double contact = body.contact_sums().given - body.contact_sums().lost -
-                         body.contact_sums().rubbed - body.contact_account().energy +
+                         body.contact_sums().friction_loss - body.contact_account().energy +
                          body.contact_sums().error;
   EXPECT_NEAR(body.contact_sums().work, contact, 1e-9 * most);
 }

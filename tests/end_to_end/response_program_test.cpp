@@ -154,8 +154,8 @@ TEST_F(Response, UnderTheDefaultLoadOnAFaceTheShownShapeIsThatOfTheWholeMesh) {
     for (const VertexId vertex : {tip, corner}) {
       const auto& u = truth[probe++]["displacement"];
       const Vector3d expected(u[0].get<double>(), u[1].get<double>(), u[2].get<double>());
-      // What is not linear in a displacement of 1e-8 is below 1e-6 of it; equal shares are off by
-      // more than 1e-3.
+      // The part that is not linear in a displacement of 1e-8 is below 1e-6 of it; equal shares are
+      // off by more than 1e-3.
       EXPECT_LE((*body.displacement(vertex) - expected).norm(), 1e-6 * expected.norm())
           << order << " " << vertex;
     }

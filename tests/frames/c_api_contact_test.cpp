@@ -46,7 +46,7 @@ class CApiContact : public ::testing::Test {
         TREMOLO_OK);
     EXPECT_EQ(given, other.contact_sums().given);
     EXPECT_EQ(restitution, 0.0 - other.contact_sums().lost);
-    EXPECT_EQ(friction, 0.0 - other.contact_sums().rubbed);
+    EXPECT_EQ(friction, 0.0 - other.contact_sums().friction_loss);
     EXPECT_EQ(held, other.contact_sums().hand);
     EXPECT_EQ(error, other.contact_sums().error);
     // Everything together is where the energy is.

@@ -86,11 +86,11 @@ TEST(ContactParts, ThePairGivesWhatItStored) {
                                                alone(law, d0, d1), i % 4 == 0 ? 1.0 : 0.0, held);
     const double work = contact.force.dot(way.path) - contact.bend_force.dot(way.bend);
     const double before = law.energy(d0) + slip;
-    EXPECT_NEAR(work, before - contact.energy - contact.lost - contact.rubbed,
-                1e-12 * (before + contact.energy + contact.rubbed))
+    EXPECT_NEAR(work, before - contact.energy - contact.lost - contact.friction_loss,
+                1e-12 * (before + contact.energy + contact.friction_loss))
         << i;
     EXPECT_GE(contact.lost, -1e-12 * before) << i;
-    EXPECT_GE(contact.rubbed, -1e-12 * before) << i;
+    EXPECT_GE(contact.friction_loss, -1e-12 * before) << i;
     if (contact.pressure == 0.0) continue;
     ++pushed;
     // No correction is longer than the change of distance that the normal leaves unexplained.

@@ -107,7 +107,7 @@ TEST(SceneContact, AccountsCloseWithEverythingAtOnce) {
   std::vector<double> most(world.size(), 0.0);
   for (int k = 0; k < 1'000; ++k) {
     const auto failed = world.step();
-    ASSERT_TRUE(failed.empty()) << why_not_made(failed[0].report, world.time()) << " of body "
+    ASSERT_TRUE(failed.empty()) << failure_message(failed[0].report, world.time()) << " of body "
                                 << failed[0].body;
     for (std::size_t i = 0; i < world.size(); ++i) {
       const EnergyAccount account = world.account(i);

@@ -56,7 +56,7 @@ template <class Look>
 void run_until(SceneWorld& world, double time, const Look& look) {
   while (world.time() < time - 0.5 * world.step_size()) {
     const auto failed = world.step();
-    if (!failed.empty()) FAIL() << why_not_made(failed[0].report, world.time());
+    if (!failed.empty()) FAIL() << failure_message(failed[0].report, world.time());
     look();
   }
 }

@@ -82,7 +82,7 @@ TEST(EnergyBound, BodyWhoseMethodExplodesSaysSoAndIsPutBackToASoundState) {
     EXPECT_EQ(report.failure, StepFailure::kEnergy) << method;
     EXPECT_LE(body.energy().total(), 10.0 * most) << method;
     EXPECT_LT(body.state().q.norm(), 100.0) << method;
-    EXPECT_NE(why_not_made(report, body.time()).find("exploded"), std::string::npos);
+    EXPECT_NE(failure_message(report, body.time()).find("exploded"), std::string::npos);
     // The failed step was not made, and its force still acts.
     const std::int64_t steps = body.counts().steps;
     EXPECT_TRUE(body.load_to_come());
@@ -164,7 +164,7 @@ TEST(EnergyBound, SoundRunsOfEveryMethodWithLoadAndDampingNeverFail) {
           ASSERT_TRUE(body.apply_force(5, {3.0, -2.0, 4.0}, 2));
         }
         const StepReport report = body.step();
-        ASSERT_TRUE(report.converged) << method << " " << why_not_made(report, body.time());
+        ASSERT_TRUE(report.converged) << method << " " << failure_message(report, body.time());
       }
     }
 }
@@ -318,7 +318,7 @@ TEST(EnergyBound, ForceThatIsTooLargeIsRefusedOrNamedAndCanBeCleared) {
       const StepReport report = step_until_failure(pushed, 3);
       ASSERT_FALSE(report.converged) << method;
       EXPECT_EQ(report.failure, StepFailure::kLoad) << method << size;
-      const std::string why = why_not_made(report, 0.0);
+      const std::string why = failure_message(report, 0.0);
       EXPECT_NE(why.find("overflow under the load"), std::string::npos) << why;
       pushed.clear_forces();
       EXPECT_TRUE(pushed.step().converged) << method << size;

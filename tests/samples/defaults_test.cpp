@@ -124,7 +124,7 @@ void Defaults::run_body() {
   drift.observe(0.0, 0.0, 0.0, true);
   for (int k = 0; k < kSteps; ++k) {
     const StepReport report = body.step();
-    ASSERT_TRUE(report.converged) << why_not_made(report, body.time());
+    ASSERT_TRUE(report.converged) << failure_message(report, body.time());
     orbit.q.col(k) = body.state().q;
     orbit.energy[k] = body.energy().total();
     drift.observe(orbit.energy[k], body.sums().work, body.sums().dissipated, body.load_to_come());

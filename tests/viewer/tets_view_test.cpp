@@ -70,7 +70,7 @@ Result<TetsScenes> scenes_of(const std::string& file) {
 
 TEST(TetsView, SheetsAreTheBodiesSurfacesNumberedByTheirDegrees) {
   const std::string file = two_bars(fresh_folder());
-  EXPECT_TRUE(is_tets_file(file));
+  EXPECT_TRUE(is_scene_of(SceneKind::kTets, file));
   const Result<TetScene> scene = parse_tets_scene(testing::slurp(file), file);
   ASSERT_TRUE(scene) << scene.error().message;
   Result<TetsScenes> scenes = TetsScenes::create(*scene, true);

@@ -99,10 +99,10 @@ int view(int count, char** words) {
   if (const std::optional<int> code = read_words(parser.app, count, words)) return *code;
   const ViewFlags flags{options.body,
                         [&parser](const char* flag) { return is_given(parser.app, flag); }};
-  if (is_cloth_file(options.file)) return view_cloth_command(options, flags);
+  if (is_scene_of(SceneKind::kCloth, options.file)) return view_cloth_command(options, flags);
   if (!options.beside.empty())
     return report_error(usage_error("--beside applies only to scenes of cloth"));
-  if (is_tets_file(options.file)) return view_tets_command(options, flags);
+  if (is_scene_of(SceneKind::kTets, options.file)) return view_tets_command(options, flags);
   if (options.colour == "degree")
     return report_error(usage_error("--colour degree applies only to bodies of kind \"tets\""));
   const Result<ViewedScene> viewed = read_viewed_scene(options.file, flags);

@@ -23,13 +23,13 @@ std::optional<StepReport> Body::begin_step() {
 }
 
 // Adds a step that succeeded to the sums, or sets the reason of its failure.
-StepReport Body::end_step(StepReport report, double outside, bool booked) {
+StepReport Body::end_step(StepReport report, double outside, bool summed) {
   counts_.iterations += report.iterations;
   if (!report.converged) {
     end_frame_motion(false);
     return explain(report);
   }
-  if (!booked) book_step(report, outside);
+  if (!summed) book_step(report, outside);
   if (++steps_since_look_ >= kStepsBetweenLooks && !look()) {
     put_back();
     report.converged = false;
@@ -163,7 +163,7 @@ ErrorKind error_kind(StepFailure failure) {
   return failure == StepFailure::kEnergy ? ErrorKind::kBound : ErrorKind::kSolver;
 }
 
-std::string why_not_made(const StepReport& report, double time) {
+std::string failure_message(const StepReport& report, double time) {
   const std::string step = "the step from t = " + number_text(time) + " s";
   switch (report.failure) {
     case StepFailure::kLoad:

@@ -178,7 +178,7 @@ void ContactBody::book_step(const StepReport& report) {
   touched_.joint += account.joint_work;
   touched_.work += account.work;
   touched_.lost += account.lost;
-  touched_.rubbed += account.rubbed;
+  touched_.friction_loss += account.friction_loss;
   touched_.given += account.given;
   touched_.error += account.surplus;
   Body::book_step(report, account.work + account.hand_work + account.joint_work);

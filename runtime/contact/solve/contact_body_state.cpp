@@ -11,7 +11,7 @@ namespace tremolo {
 namespace {
 
 bool is_finite_account(const ContactAccount& account) {
-  for (const double value : {account.energy, account.work, account.lost, account.rubbed,
+  for (const double value : {account.energy, account.work, account.lost, account.friction_loss,
                              account.given, account.surplus, account.hand_work, account.hand_damped,
                              account.penetration, account.joint_work, account.way, account.impulse})
     if (!std::isfinite(value)) return false;
@@ -25,7 +25,7 @@ bool is_finite_grip(const Grip& grip) {
 
 bool are_finite(const ContactSums& sums) {
   for (const double value :
-       {sums.work, sums.lost, sums.rubbed, sums.given, sums.error, sums.hand, sums.joint})
+       {sums.work, sums.lost, sums.friction_loss, sums.given, sums.error, sums.hand, sums.joint})
     if (!std::isfinite(value)) return false;
   return true;
 }

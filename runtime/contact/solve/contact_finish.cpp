@@ -33,7 +33,7 @@ void ContactStep::settle_account(const ContactAccount& pairs, double start) {
         candidate.start.energy + 0.5 * candidate.law.shear * candidate.memory.slip.squaredNorm();
     account.energy += now.energy;
     account.lost += now.lost;
-    account.rubbed += now.rubbed;
+    account.friction_loss += now.friction_loss;
     account.work += now.force.dot(candidate.touch.x1 - candidate.touch.x0);
     const bool round = candidate.law.radius > 0.0;
     if (round) account.work += now.rub.dot(eq_.motion.turn_in_step().cross(surface_of(candidate)));
@@ -64,7 +64,7 @@ void ContactStep::settle_account(const ContactAccount& pairs, double start) {
     account.work =
         eq_.pushed.dot(eq_.z.head(model_->modes())) - account.hand_work - account.joint_work;
   account.surplus = start - before;
-  account.given = account.work + account.energy - start + account.lost + account.rubbed;
+  account.given = account.work + account.energy - start + account.lost + account.friction_loss;
 }
 
 // After a step: remembers the points that ended it within the margin, in order.

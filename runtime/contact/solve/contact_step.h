@@ -112,8 +112,8 @@ class ContactStep {
   // True if the body, at the present z, went farther than gather() predicted.
   bool went_far() const { return went_far(end_pose(), eq_.q1); }
   // Sets the state at the end of the step. pairs: the part of the energy balance that belongs to
-  // contact with other bodies (energy, lost, rubbed, work, given, penetration, impulse, active);
-  // start: their energy at the start of the step, J.
+  // contact with other bodies (energy, lost, friction_loss, work, given, penetration, impulse,
+  // active); start: their energy at the start of the step, J.
   void finish(State& state, StepReport& report, const ContactAccount& pairs = {},
               double start = 0.0);
 

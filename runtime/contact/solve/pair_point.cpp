@@ -310,7 +310,7 @@ void settle_pair(const PairPoint& pair, const ContactEquations& second, double h
   if (passes(pair, second, way)) ++a.passed;
   a.energy += pair.now.energy;
   a.lost += pair.now.lost;
-  a.rubbed += pair.now.rubbed;
+  a.friction_loss += pair.now.friction_loss;
   a.penetration = std::max(a.penetration, -pair.now.distance);
   if (!pair.now.acts) return;
   a.work += pair.now.force.dot(pair.touch_a.x1 - pair.touch_a.x0);

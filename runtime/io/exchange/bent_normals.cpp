@@ -38,7 +38,7 @@ std::vector<BodyFrame> chosen_frames(const Animation& animation, std::size_t sha
   return chosen;
 }
 
-// What the normals of a frame lack, 3s numbers.
+// The error of the normals of a frame, 3s numbers.
 class MissingNormals {
  public:
   MissingNormals(const Animation& animation, std::size_t shape, const TargetRanges& ranges,

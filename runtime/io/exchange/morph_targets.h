@@ -53,9 +53,9 @@ MorphTargets morph_targets(const AnimatedShape& shape, const TargetRanges& range
 // The weights of a frame, as many as targets.
 std::vector<float> target_weights(const Eigen::VectorXd& q, const TargetRanges& ranges);
 
-// What floats and the first order cost, over frames that lie evenly, at most 64. position: the
+// The error of floats and of the first order, over evenly spaced frames, at most 64. position: the
 // largest distance from X + U q, over the shape's size. normal_mean, normal_max: degrees between
-// the normals and those of the bent shape, each vertex counting alike; zero without normals.
+// the normals and those of the bent shape, each vertex with the same weight; zero without normals.
 // further: weights of each body, columns x frames, of the columns of the normals behind those of
 // the ranges (runtime/io/exchange/bent_normals.h); none: there are no such columns.
 struct MorphError {

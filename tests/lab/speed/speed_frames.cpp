@@ -43,7 +43,7 @@ void start(ContactBody& body, const State& state) {
 
 void step_once(ContactBody& body, std::span<const PlacedCollider> colliders = {}) {
   const StepReport report = body.step(colliders);
-  if (!report.converged) throw Failure({ErrorKind::kSolver, why_not_made(report, body.time())});
+  if (!report.converged) throw Failure({ErrorKind::kSolver, failure_message(report, body.time())});
 }
 
 // Moves a support that shakes, and rotates by `spin` (rad/s); its motion is known with it.

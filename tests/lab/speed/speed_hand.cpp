@@ -88,7 +88,8 @@ HandRun run_hand(const Model::Pointer& model, FrameKind frame, const PlacedColli
     const StepReport report = body.step(std::span(&collider, 1));
     const double force = body.hand_force(hand).norm();
     run.times.push_back(1e6 * (processor_time() - before));
-    if (!report.converged) throw Failure({ErrorKind::kSolver, why_not_made(report, body.time())});
+    if (!report.converged)
+      throw Failure({ErrorKind::kSolver, failure_message(report, body.time())});
     if (body.contact_account().active > 0) ++touching;
     run.largest = std::max(run.largest, force);
   }

@@ -80,7 +80,7 @@ void step(BodyHandle& self, std::int64_t count) {
   }
   self.last_report = report;
   self.pull_state();
-  if (!report.converged) raise({error_kind(report.failure), why_not_made(report, body.time())});
+  if (!report.converged) raise({error_kind(report.failure), failure_message(report, body.time())});
 }
 
 // Surfaces. The array `out` has 3 numbers a vertex; it decides between double and float.
@@ -194,7 +194,7 @@ py::dict energy(BodyHandle& self) {
   const ContactSums& sums = body.contact_sums();
   dict["contact"] = sums.work;
   dict["restitution"] = -sums.lost;
-  dict["friction"] = -sums.rubbed;
+  dict["friction"] = -sums.friction_loss;
   dict["grabs"] = sums.hand;
   dict["joints"] = sums.joint;
   return dict;

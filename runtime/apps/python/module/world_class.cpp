@@ -123,7 +123,7 @@ void step(const PyWorld& self, std::int64_t count) {
       for (const SceneWorld::Failure& failure : world.step()) {
         kind = error_kind(failure.report.failure);
         if (!failed.empty()) failed += "; ";
-        failed += world.name(failure.body) + ": " + why_not_made(failure.report, world.time());
+        failed += world.name(failure.body) + ": " + failure_message(failure.report, world.time());
       }
       for (const ContactEvent& event : world.events())
         parts.events.push_back({event, world.time()});
@@ -400,10 +400,11 @@ void add_world(py::module_& module) {
         "alive.");
   c.def("__getitem__", &body_of, py::arg("name"));
   c.def("__len__", [](const PyWorld& self) { return self.parts->world.size(); });
-  c.def("step", &step, py::arg("n") = 1,
-        "Takes n steps without the interpreter's lock. If a step of a body fails, SolverError or "
-        "BoundError names it; the world goes on without it at the next call. Ctrl-C ends the call "
-        "between two steps.");
+  c.def(
+      "step", &step, py::arg("n") = 1,
+      "Takes n steps without the interpreter's lock. If a step of a body fails, SolverError or "
+      "BoundError names it; the world continues without it at the next call. Ctrl-C ends the call "
+      "between two steps.");
   add_queries(c);
   c.def(
       "set_method",

@@ -82,7 +82,7 @@ Result<std::vector<StartedBody>> start_bodies(const std::vector<BodyScene>& bodi
 }
 
 Error step_error(const std::string& name, const StepReport& report, double time) {
-  return {error_kind(report.failure), "body '" + name + "': " + why_not_made(report, time)};
+  return {error_kind(report.failure), "body '" + name + "': " + failure_message(report, time)};
 }
 
 Status step_to(StartedBody& one, std::int64_t step) {

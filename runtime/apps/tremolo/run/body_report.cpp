@@ -23,7 +23,7 @@ void BodyReport::take_end(const Moment& last) {
 
 void BodyReport::give_up(const StepReport& step, double time) {
   exit_code = tremolo::exit_code(error_kind(step.failure));
-  reason = why_not_made(step, time);
+  reason = failure_message(step, time);
 }
 
 void BodyReport::leave_bound(double energy, double time) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 #include <limits>
 #include <utility>
@@ -38,14 +37,6 @@ std::pair<double, double> extent(const ClothWorld& world) {
 }
 
 }  // namespace
-
-bool is_cloth_file(const std::string& file) {
-  if (!file.ends_with(".toml")) return false;
-  const Result<std::string> text = read_whole_file(file);
-  if (!text) return false;
-  const Result<SceneKind> kind = scene_kind(*text, file);
-  return kind && *kind == SceneKind::kCloth;
-}
 
 Result<ClothFile> read_cloth_file(const std::string& file, const ViewFlags& flags) {
   const Result<std::string> text = read_whole_file(file);
@@ -220,7 +211,7 @@ Status ClothScenes::write_hand(const std::string& path) {
 
 bool ClothScenes::take(const CameraRay& ray) {
   let_go();
-  double nearest = std::numeric_limits<double>::infinity();
+  RayHit hit;
   for (std::size_t i = 0; i < shown_.size(); ++i) {
     const CameraRay into{ray.origin - shown_[i].aside, ray.direction};
     const ClothWorld& world = shown_[i].world;
@@ -228,16 +219,8 @@ bool ClothScenes::take(const CameraRay& ray) {
       const auto at = [&world, cloth](VertexId v) -> Vector3d {
         return world.positions(cloth).segment<3>(3 * static_cast<Eigen::Index>(v));
       };
-      for (const Triangle& t : world.triangles(cloth)) {
-        const auto far = meets(into, at(t[0]), at(t[1]), at(t[2]));
-        if (!far || *far >= nearest) continue;
-        nearest = *far;
-        const Vector3d place = into.origin + *far * into.direction;
-        const VertexId corner = *std::min_element(t.begin(), t.end(), [&](VertexId a, VertexId b) {
-          return (at(a) - place).squaredNorm() < (at(b) - place).squaredNorm();
-        });
-        hand_ = Hand{i, cloth, static_cast<std::size_t>(corner), at(corner), Vector3d::Zero()};
-      }
+      if (find_nearer(into, world.triangles(cloth), at, hit))
+        hand_ = Hand{i, cloth, hit.corner, at(static_cast<VertexId>(hit.corner)), Vector3d::Zero()};
     }
   }
   return hand_.has_value();
@@ -283,12 +266,7 @@ Result<int> view_cloth(const ViewerOptions& options, const ViewFlags& flags) {
 }  // namespace
 
 int view_cloth_command(const ViewerOptions& options, const ViewFlags& flags) {
-  const Result<int> code = view_cloth(options, flags);
-  if (!code) return report_error(code.error());
-  const int printed = flushed(*code);
-  // Whoever started the program shall see that a signal ended it.
-  if (*code > 128) ::raise(*code - 128);
-  return printed;
+  return end_view(view_cloth(options, flags));
 }
 
 void ClothHandRecord::before_step(const ClothWorld& world, std::size_t cloth, std::size_t particle,

@@ -39,10 +39,6 @@ class ClothHandRecord {
 Status write_recorded_cloth(const std::string& path, const ClothFile& file, const ClothScene& now,
                             const std::vector<ClothHand>& hands);
 
-// True for a scene file with [[cloths]]; also false for an unreadable file, which other readers
-// report.
-bool is_cloth_file(const std::string& file);
-
 // The scene with the command line's flags over it. Errors: those of parse_cloths() and
 // apply_cloth_flags(); kSystem where the file cannot be read.
 Result<ClothFile> read_cloth_file(const std::string& file, const ViewFlags& flags);

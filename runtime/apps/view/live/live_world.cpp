@@ -183,7 +183,7 @@ Status LiveWorld::step() {
   for (const auto& [body, report] : world_->step()) {
     if (!trouble_.empty()) continue;
     trouble_ =
-        "body '" + world_->name(body) + "': " + why_not_made(report, world_->body(body).time());
+        "body '" + world_->name(body) + "': " + failure_message(report, world_->body(body).time());
     trouble_code_ = exit_code(error_kind(report.failure));
   }
   newest_ = 1 - newest_;

@@ -1,6 +1,5 @@
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstring>
 #include <memory>
 
@@ -206,12 +205,7 @@ Result<int> photograph(const ViewerOptions& options, const ViewedScene& viewed) 
 }  // namespace
 
 int offscreen_command(const ViewerOptions& options, const ViewedScene& viewed) {
-  const Result<int> code = photograph(options, viewed);
-  if (!code) return report_error(code.error());
-  const int printed = flushed(*code);
-  // Whoever started the program shall see that a signal ended it.
-  if (*code > 128) ::raise(*code - 128);
-  return printed;
+  return end_view(photograph(options, viewed));
 }
 
 }  // namespace tremolo

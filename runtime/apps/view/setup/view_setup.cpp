@@ -4,11 +4,14 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <numbers>
 #include <string>
 #include <utility>
 
+#include "formats/file/input_file.h"
+#include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/view/draw/gl_objects.h"
 #include "runtime/apps/view/picture/picture_series.h"
 #include "runtime/apps/view/setup/viewer_options.h"
@@ -180,6 +183,21 @@ PictureLook look_of(const ViewerOptions& options, const ViewSetup& setup, double
   look.ground = ground;
   look.has_ground = has_ground;
   return look;
+}
+
+bool is_scene_of(SceneKind kind, const std::string& file) {
+  if (!file.ends_with(".toml")) return false;
+  const Result<std::string> text = read_whole_file(file);
+  if (!text) return false;
+  const Result<SceneKind> found = scene_kind(*text, file);
+  return found && *found == kind;
+}
+
+int end_view(const Result<int>& code) {
+  if (!code) return report_error(code.error());
+  const int printed = flushed(*code);
+  if (*code > 128) ::raise(*code - 128);
+  return printed;
 }
 
 std::vector<NamedFile> inputs_of_view(const ViewerOptions& options,

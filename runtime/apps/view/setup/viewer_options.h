@@ -9,6 +9,7 @@
 #include "formats/file/output_guard.h"
 #include "runtime/apps/tremolo/run/run_options.h"
 #include "runtime/apps/view/live/viewed_scene.h"
+#include "runtime/io/scenes/scene_keys.h"
 
 namespace tremolo {
 
@@ -53,6 +54,14 @@ std::vector<NamedFile> inputs_of_view(const ViewerOptions& options,
 // them is an input or another of them, or for flags that exclude each other; kSystem if one cannot
 // be written.
 Status check_view_outputs(const ViewerOptions& options, const std::vector<NamedFile>& inputs);
+
+// True if the file is a scene of that kind; also false for an unreadable file, which other readers
+// report.
+bool is_scene_of(SceneKind kind, const std::string& file);
+
+// Ends the program with the code, or the printed error. The calling process sees that a signal
+// ended it.
+int end_view(const Result<int>& code);
 
 // `tremolo view`: the window. Shows the scene until the window is closed. The exit code; errors are
 // printed on stderr.

@@ -2,7 +2,9 @@
 // Positions in m, as shown.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -117,6 +119,30 @@ inline std::optional<double> meets(const CameraRay& ray, const Eigen::Vector3d& 
   constexpr double kEdge = 1e-9;  // of the triangle
   if (!(u >= -kEdge && v >= -kEdge && u + v <= 1.0 + kEdge && far > 0.0)) return std::nullopt;
   return far;
+}
+
+// The nearest point at which a ray meets a surface.
+struct RayHit {
+  double distance = std::numeric_limits<double>::infinity();
+  std::size_t corner = 0;  // the vertex of the triangle that is nearest to the point
+};
+
+// Replaces `hit` by that of a nearer triangle; false if there is none. place(v): position of vertex
+// v, m.
+template <class Place>
+bool find_nearer(const CameraRay& ray, std::span<const Triangle> triangles, const Place& place,
+                 RayHit& hit) {
+  const double before = hit.distance;
+  for (const Triangle& t : triangles) {
+    const auto far = meets(ray, place(t[0]), place(t[1]), place(t[2]));
+    if (!far || *far >= hit.distance) continue;
+    hit.distance = *far;
+    const Eigen::Vector3d point = ray.origin + *far * ray.direction;
+    const auto off = [&](VertexId v) { return (place(v) - point).squaredNorm(); };
+    hit.corner = static_cast<std::size_t>(*std::min_element(
+        t.begin(), t.end(), [&off](VertexId a, VertexId b) { return off(a) < off(b); }));
+  }
+  return hit.distance < before;
 }
 
 }  // namespace tremolo

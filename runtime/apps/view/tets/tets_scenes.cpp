@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <limits>
 #include <utility>
 
@@ -30,14 +29,6 @@ float quadratic_share(const TetModel& model, const TetModelElement& element,
 }
 
 }  // namespace
-
-bool is_tets_file(const std::string& file) {
-  if (!file.ends_with(".toml")) return false;
-  const Result<std::string> text = read_whole_file(file);
-  if (!text) return false;
-  const Result<SceneKind> kind = scene_kind(*text, file);
-  return kind && *kind == SceneKind::kTets;
-}
 
 Result<TetsScenes> TetsScenes::create(TetScene scene, bool by_degree) {
   TetsScenes scenes;
@@ -125,28 +116,19 @@ std::vector<std::string> TetsScenes::panel_lines() const {
 
 bool TetsScenes::take(const CameraRay& ray) {
   let_go();
-  double nearest = std::numeric_limits<double>::infinity();
-  std::size_t body = 0, vertex = 0;
+  RayHit hit;
+  std::size_t body = 0;
   for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
     const TetSurface& surface = *bodies_.kind(i).surface;
     std::vector<Vector3d> at(surface.vertices());
     std::vector<Eigen::Vector3f> normals(surface.vertices());
     surface.place(bodies_.group->body(i).positions(), at, normals);
-    for (const Triangle& t : surface.rest().triangles) {
-      const auto place = [&at](VertexId v) { return at[v]; };
-      const auto far = meets(ray, place(t[0]), place(t[1]), place(t[2]));
-      if (!far || *far >= nearest) continue;
-      nearest = *far;
-      body = i;
-      const Vector3d met = ray.origin + *far * ray.direction;
-      const auto off = [&](VertexId v) { return (place(v) - met).squaredNorm(); };
-      vertex = static_cast<std::size_t>(*std::min_element(
-          t.begin(), t.end(), [&off](VertexId a, VertexId b) { return off(a) < off(b); }));
-    }
+    const auto place = [&at](VertexId v) { return at[v]; };
+    if (find_nearer(ray, surface.rest().triangles, place, hit)) body = i;
   }
-  if (!std::isfinite(nearest)) return false;
+  if (!std::isfinite(hit.distance)) return false;
   TetBody& held = bodies_.group->body(body);
-  TetHand hand = hand_at(held.model(), bodies_.kind(body).surface->rest(), vertex);
+  TetHand hand = hand_at(held.model(), bodies_.kind(body).surface->rest(), hit.corner);
   if (!suit_springs(held, hand)) return false;
   hand.point = hand.of(held.positions());
   hold_ = Hold{body, hand, hand.point};
@@ -193,12 +175,7 @@ Result<int> view_tets(const ViewerOptions& options, const ViewFlags& flags) {
 }  // namespace
 
 int view_tets_command(const ViewerOptions& options, const ViewFlags& flags) {
-  const Result<int> code = view_tets(options, flags);
-  if (!code) return report_error(code.error());
-  const int printed = flushed(*code);
-  // Whoever started the program shall see that a signal ended it.
-  if (*code > 128) ::raise(*code - 128);
-  return printed;
+  return end_view(view_tets(options, flags));
 }
 
 }  // namespace tremolo

@@ -13,10 +13,6 @@
 
 namespace tremolo {
 
-// True for a scene file whose bodies are of kind "tets"; also false for an unreadable file, which
-// other readers report.
-bool is_tets_file(const std::string& file);
-
 class TetsScenes : public MovingSurfaces {
  public:
   // by_degree: a vertex's number is the share of quadratic edges in its element. Errors: those of
