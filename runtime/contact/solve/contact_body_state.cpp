@@ -56,8 +56,7 @@ std::uint64_t ContactBody::content_hash() const {
 void ContactBody::carry(StateStream& stream) {
   Body::carry(stream);
   // The method's step and damping are the body's.
-  if (contact_ && stream.reads() && stream.good())
-    contact_->set_damping(options_.alpha, options_.beta);
+  if (contact_ && stream.reads() && stream.good()) contact_->set_damping(damping_of(options_));
   stream(touched_, sound_touched_);
   if (stream.reads()) stream.require(are_finite(touched_) && are_finite(sound_touched_));
   carry_hands(stream);
@@ -86,9 +85,9 @@ void ContactBody::carry_hands(StateStream& stream) {
   }
 }
 
-Status ContactBody::set_damping(double alpha, double beta) {
-  if (Status s = Body::set_damping(alpha, beta); !s) return s;
-  if (contact_) contact_->set_damping(alpha, beta);
+Status ContactBody::set_damping(const DampingRatios& damping) {
+  if (Status s = Body::set_damping(damping); !s) return s;
+  if (contact_) contact_->set_damping(damping);
   return Success{};
 }
 

@@ -235,9 +235,8 @@ void ContactStep::end_parts(bool made) {
   record_.contacted.assign(parts_.contacted.begin(), parts_.contacted.end());
 }
 
-void ContactStep::set_damping(double alpha, double beta) {
-  options_.alpha = alpha;
-  options_.beta = beta;
+void ContactStep::set_damping(const DampingRatios& damping) {
+  put_damping(damping, options_);
   damping_ = make_inertia_damping(*model_, options_, cotangent_weight);
   strain_ = StrainDamping(*model_, options_.beta);
   S_ = (0.5 + options_.step * damping_.theta.array() * damping_.D.array()).inverse();

@@ -157,8 +157,8 @@ class ContactStep {
   const ContactBall& ball() const { return ball_; }
   const StepPoses& poses() const { return poses_; }
 
-  // Sets Rayleigh damping alpha (1/s) and beta (s) from the next step on.
-  void set_damping(double alpha, double beta);
+  // Sets the damping from the next step on.
+  void set_damping(const DampingRatios& damping);
   // Sets the step (s) from the next step on. The contact law does not depend on it.
   void set_step(double step);
 
