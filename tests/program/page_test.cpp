@@ -194,8 +194,7 @@ TEST(EnergyPage, HasAPanelForTheHighBandWhereARunKnowsIt) {
   const std::string page = folder.file("a.html");
   ASSERT_TRUE(write_energy_page({{"mesh", folder.file("mesh.csv")}}, page));
   EXPECT_EQ(report_on(slurp(page))["sections"][0]["parts"][0]["charts"]["charts"].size(), 1U);
-  ASSERT_TRUE(
-      write_energy_page(plot_sources({folder.file("newmark"), folder.file("mesh.csv")}), page));
+  ASSERT_TRUE(write_energy_page(plot_sources({folder.file("newmark"), folder.file("mesh.csv")}), page));
   const PageJson charts = report_on(slurp(page))["sections"][0]["parts"][0]["charts"];
   ASSERT_EQ(charts["charts"].size(), 2U);
   EXPECT_EQ(charts["charts"][0]["curves"].size(), 2U);

@@ -465,18 +465,18 @@ void add_body(py::module_& module) {
   c.def("__repr__", &describe);
 
   auto model = module.attr("Model").cast<py::class_<PyModel, PyModelPointer>>();
-  model.def(
-      "body", &body_of_model, py::kw_only(), py::arg("integrator") = "ep4", py::arg("step") = 3e-3,
-      py::arg("alpha") = 0.0, py::arg("beta") = 0.0, py::arg("damping_ratio") = py::none(),
-      py::arg("frame") = py::none(), py::arg("split") = "default", py::arg("safety") = 0.9,
-      py::arg("newmark_beta") = 0.25, py::arg("newmark_gamma") = 0.5, py::arg("tolerance") = 1e-6,
-      py::arg("max_iterations") = 20, py::arg("halvings") = 6,
-      "A body of this model at rest, at time 0. integrator: one of integrators(). step: h, "
-      "s. alpha (1/s), beta (s): Rayleigh damping; or damping_ratio, the fraction of "
-      "critical damping of every mode, \"2%\" or 0.02, of each mode, \"2%,1%\" or a list, at "
-      "two frequencies (Hz), \"1:2%,30:5%\", or a table of more. frame: \"fixed\", \"driven\" "
-      "(follows move_to) or \"free\"; by default as the model is held. split, safety: of "
-      "the imexv methods. tolerance, max_iterations: of the solve in a step.");
+  model.def("body", &body_of_model, py::kw_only(), py::arg("integrator") = "ep4",
+            py::arg("step") = 3e-3, py::arg("alpha") = 0.0, py::arg("beta") = 0.0,
+            py::arg("damping_ratio") = py::none(), py::arg("frame") = py::none(),
+            py::arg("split") = "default", py::arg("safety") = 0.9, py::arg("newmark_beta") = 0.25,
+            py::arg("newmark_gamma") = 0.5, py::arg("tolerance") = 1e-6,
+            py::arg("max_iterations") = 20, py::arg("halvings") = 6,
+            "A body of this model at rest, at time 0. integrator: one of integrators(). step: h, "
+            "s. alpha (1/s), beta (s): Rayleigh damping; or damping_ratio, the fraction of "
+            "critical damping of every mode, \"2%\" or 0.02, of each mode, \"2%,1%\" or a list, "
+            "at two frequencies (Hz), \"1:2%,30:5%\", or a table of more. frame: \"fixed\", "
+            "\"driven\" (follows move_to) or \"free\"; by default as the model is held. split, "
+            "safety: of the imexv methods. tolerance, max_iterations: of the solve in a step.");
 }
 
 }  // namespace tremolo::python
