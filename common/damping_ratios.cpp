@@ -24,6 +24,12 @@ bool read_item(std::string_view item, RatioAt& out) {
   return error == std::errc{} && stop == item.data() + item.size();
 }
 
+// shown: the ratios' source, for errors.
+Status check_ratio(double ratio, const std::string& shown) {
+  if (ratio >= 0.0 && ratio < 1.0) return Success{};
+  return content_error(shown + "a ratio is a fraction of critical damping, from 0 to below 1");
+}
+
 Status check_table(const std::vector<RatioAt>& table, const std::string& shown) {
   for (std::size_t i = 0; i < table.size(); ++i) {
     const double f = table[i].frequency;
@@ -56,8 +62,7 @@ Result<DampingRatios> parse_damping(std::string_view text) {
   }
   if ((pairs != 0 && pairs != items.size()) || pairs == 1) return wrong;
   for (const RatioAt& item : items)
-    if (!(item.ratio >= 0.0) || !(item.ratio < 1.0))
-      return content_error(shown + "a ratio is a fraction of critical damping, from 0 to below 1");
+    if (Status s = check_ratio(item.ratio, shown); !s) return s.error();
   DampingRatios ratios;
   if (pairs == 2) {
     Status s = take(ratios.rayleigh, rayleigh_damping(items[0].frequency, items[0].ratio,
@@ -70,6 +75,30 @@ Result<DampingRatios> parse_damping(std::string_view text) {
     for (const RatioAt& item : items) ratios.of_modes.push_back(item.ratio);
   }
   return ratios;
+}
+
+Status check_ratios(const DampingRatios& ratios, std::size_t modes) {
+  const std::string shown = "damping ratios: ";
+  if (!ratios.of_modes.empty() && !ratios.table.empty())
+    return content_error(shown + "give a list by mode or a table, not both");
+  for (const double ratio : ratios.of_modes)
+    if (Status s = check_ratio(ratio, shown); !s) return s;
+  for (const RatioAt& row : ratios.table)
+    if (Status s = check_ratio(row.ratio, shown); !s) return s;
+  if (Status s = check_table(ratios.table, shown); !s) return s;
+  if (ratios.of_modes.size() <= modes) return Success{};
+  return content_error(
+      shown + std::to_string(ratios.of_modes.size()) + " by mode are given, but " +
+      (modes == 0 ? std::string("a rigid body has no modes")
+                  : "there are " + std::to_string(modes) + " modes; leave the last ratios out"));
+}
+
+std::string ratios_text(const DampingRatios& ratios) {
+  std::string text;
+  for (const double ratio : ratios.of_modes) text += (text.empty() ? "" : ",") + number_text(ratio);
+  for (const RatioAt& row : ratios.table)
+    text += (text.empty() ? "" : ",") + number_text(row.frequency) + ":" + number_text(row.ratio);
+  return text;
 }
 
 double ratio_of(const DampingRatios& ratios, std::size_t mode, double frequency) {

@@ -1,11 +1,13 @@
 // Damping as it is measured: fractions of critical damping.
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "common/material.h"
 #include "common/result.h"
+#include "common/state_stream.h"
 
 namespace tremolo {
 
@@ -13,6 +15,9 @@ namespace tremolo {
 struct RatioAt {
   double frequency = 0.0;  // Hz
   double ratio = 0.0;      // of critical damping
+
+  bool operator==(const RatioAt&) const = default;
+  void carry(StateStream& stream) { stream(frequency, ratio); }
 };
 
 // Only one of the three is set.
@@ -24,6 +29,15 @@ struct DampingRatios {
   std::vector<RatioAt> table;
 
   bool of_each_mode() const { return !of_modes.empty() || !table.empty(); }
+  bool operator==(const DampingRatios& other) const {
+    return rayleigh.alpha == other.rayleigh.alpha && rayleigh.beta == other.rayleigh.beta &&
+           of_modes == other.of_modes && table == other.table;
+  }
+  void carry(StateStream& stream) {
+    stream(rayleigh.alpha, rayleigh.beta);
+    stream.sized(of_modes);
+    stream.sized(table);
+  }
 };
 
 // text: "2%" or "0.02", every mode's ratio; "2%,1%,0.5%", one for each mode; "F1:Z1,F2:Z2",
@@ -32,10 +46,19 @@ struct DampingRatios {
 // do not ascend, and the reasons of rayleigh_damping.
 Result<DampingRatios> parse_damping(std::string_view text);
 
-// Rayleigh damping with the ratio z1 at f1 (Hz) and z2 at f2. text: their source, for errors, which
-// are the kContent ones of parse_damping_ratios.
+// Errors (kContent): a ratio outside [0, 1), a frequency that is not positive, or that does not
+// ascend, both a list and a table, more ratios than `modes`.
+Status check_ratios(const DampingRatios& ratios, std::size_t modes);
+
+// Rayleigh damping with the ratio z1 at f1 (Hz) and z2 at f2. Modes between them are damped less,
+// modes outside more. text: their source, for errors (kContent): frequencies that are not positive
+// or equal, ratios outside [0, 1), and a pair of ratios that alpha and beta could give only if one
+// of them were negative, with the bounds.
 Result<RayleighDamping> rayleigh_damping(double f1, double z1, double f2, double z2,
                                          std::string_view text);
+
+// A text that parse_damping reads as these ratios of each mode; empty for none.
+std::string ratios_text(const DampingRatios& ratios);
 
 // The ratio of mode `mode` (from 0) of this frequency (Hz); 0 of Rayleigh damping.
 double ratio_of(const DampingRatios& ratios, std::size_t mode, double frequency);

@@ -91,18 +91,6 @@ Result<Eigen::Matrix3d> material_axes(const Eigen::Vector3d& first, const Eigen:
   return axes;
 }
 
-Result<RayleighDamping> parse_damping_ratios(std::string_view text) {
-  const auto wrong = [&] {
-    return usage_error("damping ratios " + std::string(text) +
-                       ": expected F1:Z1,F2:Z2, two frequencies in Hz and the ratio at each, as in "
-                       "1:0.02,30:0.05; a ratio of each mode is known to `tremolo response` only");
-  };
-  if (text.find(':') == std::string_view::npos) return wrong();
-  const Result<DampingRatios> ratios = parse_damping(text);
-  if (!ratios) return ratios.error().kind == ErrorKind::kUsage ? wrong() : ratios.error();
-  return ratios->of_each_mode() ? Result<RayleighDamping>(wrong()) : ratios->rayleigh;
-}
-
 Result<RayleighDamping> rayleigh_damping(double f1, double z1, double f2, double z2,
                                          std::string_view text) {
   const std::string shown = "damping ratios " + std::string(text) + ": ";

@@ -100,6 +100,7 @@ std::vector<NamedFile> inputs_of(const CommandLine& line, const ProblemRequest& 
   add_files_of_selector(line.select, "--select", inputs);
   inputs.push_back({line.import_basis, "--import-basis"});
   inputs.push_back({line.import_cubic, "--import-cubic"});
+  inputs.push_back({line.fit.measured, "--fit"});
   return inputs;
 }
 

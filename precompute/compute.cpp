@@ -1,9 +1,13 @@
 #include <cstdio>
+#include <optional>
+
+#include <nlohmann/json.hpp>
 
 #include "formats/basis/basis_writer.h"
 #include "formats/file/standard_streams.h"
 #include "precompute/checkpoint/checkpoint.h"
 #include "precompute/command.h"
+#include "precompute/fit_solid.h"
 #include "precompute/problem/model_geometry.h"
 #include "precompute/problem/preview.h"
 #include "precompute/ranks/rank_agreement.h"
@@ -30,13 +34,14 @@ void find_encoding_error(PrecomputeResult& result, StageLog& log) {
 
 // Writes the files on rank 0, while other ranks send their rows.
 void write_result(const PrecomputeRequest& request, const LoadedProblem& loaded,
-                  PrecomputeResult& result, bool rows_are_here, StageLog& log) {
+                  PrecomputeResult& result, const SolidFit* fit, bool rows_are_here,
+                  StageLog& log) {
   const OutputRequest& output = request.output;
   if (output.encoding == BasisEncoding::kCompact) find_encoding_error(result, log);
   const auto& render = result.data.render;
   const bool on_bones = render && render->surface.rig != nullptr;
   if (output.keep_elements || on_bones) add_elements(loaded.problem, result.data);
-  result.data.provenance = provenance_json(request, loaded.problem, result);
+  result.data.provenance = provenance_json(request, loaded.problem, result, fit);
   log.begin("file");
   Status written = rows_are_here
                        ? write_basis(output.basis, result.data, output.encoding)
@@ -82,12 +87,34 @@ LocalResponse collect_response(const LoadedProblem& loaded, const PrecomputeResu
   return response;
 }
 
+// Without a basis file: the fit and the sensitivities alone.
+void report_modes(const PrecomputeRequest& request, const LoadedProblem& loaded,
+                  const std::optional<SolidFit>& fit, StageLog& log) {
+  const ModeSensitivities found = solve_modes(request, loaded, log);
+  if (mpi_rank() != 0) return;
+  const MaterialTable& materials = loaded.problem.materials;
+  if (fit) print_fit(*fit);
+  if (request.output.sensitivities) print_sensitivities(found, materials);
+  if (!request.output.json) return;
+  nlohmann::ordered_json json{{"fit", nullptr}, {"sensitivities", nullptr}};
+  if (fit) json["fit"] = fit_json(*fit);
+  if (request.output.sensitivities) json["sensitivities"] = sensitivities_json(found, materials);
+  print_json(json);
+}
+
 }  // namespace
 
 void compute(const PrecomputeRequest& request) {
   StageLog log(mpi_rank() != 0);
-  const LoadedProblem loaded = load_mesh(request, log);
+  LoadedProblem loaded = load_mesh(request, log);
   if (mpi_rank() == 0) write_preview(request.output.preview, loaded.problem);
+  std::optional<SolidFit> fit;
+  if (request.fit) fit = fit_solid(request, loaded, log);
+  if (request.output.basis.empty()) {
+    report_modes(request, loaded, fit, log);
+    if (mpi_rank() == 0) unwrap(flush_standard_output());
+    return;
+  }
   PrecomputeResult result = request.basis.target_error ? precompute_to_target(request, loaded, log)
                                                        : run_precompute(request, loaded, log);
   // These need all rows at once.
@@ -97,7 +124,7 @@ void compute(const PrecomputeRequest& request) {
   result.data.response = collect_response(loaded, result);
   if (mpi_rank() != 0) return serve_first_rank(loaded, result, collect, log);
   try {
-    write_result(request, loaded, result, collect, log);
+    write_result(request, loaded, result, fit ? &*fit : nullptr, collect, log);
     measure_budget(request, loaded.problem, result, log);
   } catch (...) {
     if (mpi_ranks() > 1) stop_all_ranks(current_error());
@@ -109,7 +136,10 @@ void compute(const PrecomputeRequest& request) {
   print_spectrum(result.data);
   // Stages read from a checkpoint have not read their solver's options.
   if (!result.findings.resumed) warn_of_unused_options();
-  if (request.output.json) print_result(loaded, result, log, ranks);
+  if (fit) print_fit(*fit);
+  if (result.findings.sensitivities)
+    print_sensitivities(*result.findings.sensitivities, loaded.problem.materials);
+  if (request.output.json) print_result(loaded, result, fit ? &*fit : nullptr, log, ranks);
   unwrap(flush_standard_output());
 }
 

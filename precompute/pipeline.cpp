@@ -65,6 +65,7 @@ struct Plan {
   ModeCounts counts;
   LinearSolver solver = LinearSolver::kCholmod;
   bool certify = true;
+  bool sensitivities = false;
   MassKind mass = MassKind::kConsistent;
   unsigned threads = 1;
 };
@@ -121,6 +122,12 @@ struct StageRunner {
   }
 };
 
+// Frontal matrices of a small factor are too small to share; more threads would only wait.
+int blas_threads_for(const LoadedProblem& loaded, unsigned threads) {
+  constexpr int kSmall = 50'000;  // dofs
+  return 3 * loaded.map.nodes() < kSmall ? 1 : static_cast<int>(threads);
+}
+
 // Results of the stages that need the solver.
 struct Solution {
   Modes modes;
@@ -130,6 +137,7 @@ struct Solution {
   RestResponse response;
   InertiaCertificate certificate;
   bool certified = false;
+  std::optional<ModeSensitivities> sensitivities;
 };
 
 Solution solve(const Plan& plan, const LoadedProblem& loaded, const System& system,
@@ -144,6 +152,8 @@ Solution solve(const Plan& plan, const LoadedProblem& loaded, const System& syst
   const Modes& modes = solution.modes;
   solution.counts = counts_of(plan, modes, loaded.free_dofs());
   solution.psi = expand_to_vertices(loaded.map, loaded.local, modes.vectors);
+  if (plan.sensitivities)
+    solution.sensitivities = stage(sensitivities_stage(on, modes, solution.psi, plan.mass));
   solution.source =
       find_source(modes, solution.psi, solution.counts, plan.basis.linear, checkpoint);
   if (!solution.source.finished && !plan.basis.linear)
@@ -168,6 +178,7 @@ PrecomputeFindings findings_of(const Solution& solution) {
   findings.mode_residuals.assign(modes.residuals.begin(), modes.residuals.end());
   findings.certified = solution.certified;
   findings.inertia_count = solution.certificate.counted;
+  findings.sensitivities = solution.sensitivities;
   return findings;
 }
 
@@ -260,13 +271,32 @@ LoadedProblem load_mesh(const PrecomputeRequest& request, StageLog& log) {
                    {}, log);
 }
 
+ModeSensitivities solve_modes(const PrecomputeRequest& request, const LoadedProblem& loaded,
+                              StageLog& log) {
+  PrecomputeRequest modes_only = request;
+  modes_only.basis.linear = true;
+  modes_only.checkpoint = {};
+  const ModeCounts counts = choose_mode_counts(modes_only.basis, loaded.free_dofs());
+  const BlasThreads blas(blas_threads_for(loaded, request.solid.threads));
+  const SolverChoice choice = choose(modes_only, loaded, counts);
+  Checkpoint none({}, {}, log);
+  const MachineLimits unknown;
+  const StageRunner stage{unknown, log, none};
+  const MassKind mass = request.solid.elements.mass;
+  const System system = stage(matrices_stage(loaded, mass));
+  const Pencil pencil = make_pencil(loaded, system, choice.solver, request.solid.threads);
+  const std::unique_ptr<ShiftedSolver> solver = make_shifted_solver(pencil);
+  const Solved on{loaded, system, pencil, *solver};
+  const Modes modes = stage(modes_stage(on, counts.linear, true, none)).modes;
+  const BasisRows psi = expand_to_vertices(loaded.map, loaded.local, modes.vectors);
+  return stage(sensitivities_stage(on, modes, psi, mass));
+}
+
 PrecomputeResult run_precompute(const PrecomputeRequest& request, const LoadedProblem& loaded,
                                 StageLog& log, TargetSearch* target) {
   const ModeCounts counts = choose_mode_counts(request.basis, loaded.free_dofs());
-  // Frontal matrices of a small factor are too small to share; more threads would only wait.
-  constexpr int kSmall = 50'000;  // dofs
   const unsigned threads = request.solid.threads;
-  const int blas_threads = 3 * loaded.map.nodes() < kSmall ? 1 : static_cast<int>(threads);
+  const int blas_threads = blas_threads_for(loaded, threads);
   const BlasThreads blas(blas_threads);
   MachineLimits machine;
   if (request.solve.limits && mpi_ranks() == 1)
@@ -278,9 +308,13 @@ PrecomputeResult run_precompute(const PrecomputeRequest& request, const LoadedPr
   Checkpoint checkpoint(
       request.checkpoint,
       checkpoint_identity(request, loaded.problem, counts, choice.solver, blas_threads), log);
-  const Plan plan{
-      request.basis, counts, choice.solver, request.solve.certify, request.solid.elements.mass,
-      threads};
+  const Plan plan{request.basis,
+                  counts,
+                  choice.solver,
+                  request.solve.certify,
+                  request.output.sensitivities,
+                  request.solid.elements.mass,
+                  threads};
   const StageRunner stage{machine, log, checkpoint};
   const System system = stage(matrices_stage(loaded, plan.mass));
   Solution solution = solve(plan, loaded, system, stage);

@@ -12,6 +12,7 @@
 #include "precompute/ranks/row_gather.h"
 #include "precompute/reduction/encoding_error.h"
 #include "precompute/reduction/local_response.h"
+#include "precompute/sensitivity/modal_forms.h"
 #include "precompute/target_findings.h"
 
 namespace tremolo {
@@ -31,6 +32,13 @@ struct LoadedProblem {
   int free_dofs() const { return 3 * map.nodes() - rigid_motions(); }
 };
 
+// Derivatives of the squared frequencies of the linear modes.
+struct ModeSensitivities {
+  Eigen::VectorXd squared_frequencies;  // k, (rad/s)^2
+  std::vector<Cluster> clusters;        // of equal frequencies
+  std::vector<ModeDerivatives> by;      // one a material
+};
+
 // Findings of a run, for the report and the file's provenance.
 struct PrecomputeFindings {
   std::string factorisation;           // package of the factor
@@ -43,11 +51,12 @@ struct PrecomputeFindings {
   double polynomial_error = 0;         // |U^T f(Uq) - grad V(q)| / |grad V(q)|
   bool resumed = false;                // some stage was read from a checkpoint
   bool certified = false;
-  int inertia_count = 0;                        // modes below the bound, by inertia
-  std::optional<EncodingError> encoding_error;  // of a compact file
-  std::optional<TargetFindings> target;         // of --target-error
-  std::optional<ErrorBudget> budget;            // of --error-budget
-  std::vector<std::string> notes;               // for the user
+  int inertia_count = 0;                           // modes below the bound, by inertia
+  std::optional<EncodingError> encoding_error;     // of a compact file
+  std::optional<TargetFindings> target;            // of --target-error
+  std::optional<ErrorBudget> budget;               // of --error-budget
+  std::optional<ModeSensitivities> sensitivities;  // of --sensitivities
+  std::vector<std::string> notes;                  // for the user
 };
 
 struct PrecomputeResult {
@@ -69,5 +78,10 @@ LoadedProblem load_mesh(const PrecomputeRequest& request, StageLog& log);
 struct TargetSearch;
 PrecomputeResult run_precompute(const PrecomputeRequest& request, const LoadedProblem& loaded,
                                 StageLog& log, TargetSearch* target = nullptr);
+
+// The linear modes alone, with their derivatives: no basis, no certificate, no checkpoint. Throws
+// Failure. Collective.
+ModeSensitivities solve_modes(const PrecomputeRequest& request, const LoadedProblem& loaded,
+                              StageLog& log);
 
 }  // namespace tremolo

@@ -163,6 +163,25 @@ Stage<WholeModes> modes_stage(const Solved& on, int count, bool extend, Checkpoi
           .keep = [&checkpoint](const WholeModes& whole) { keep_modes(checkpoint, whole); }};
 }
 
+Stage<ModeSensitivities> sensitivities_stage(const Solved& on, const Modes& modes,
+                                             const BasisRows& psi, MassKind mass) {
+  const auto make = [&modes, &psi, on, mass] {
+    const Eigen::VectorXd& squared = modes.squared_frequencies;
+    ModeSensitivities found;
+    found.squared_frequencies = squared;
+    found.clusters = find_clusters(squared, nearness(squared[0], modes.cancellation));
+    const auto counted = static_cast<std::size_t>(on.loaded.local.counted);
+    for (const ModalForms& forms : modal_forms(on.system.solid, counted, psi, mass))
+      found.by.push_back(mode_derivatives(forms, squared, found.clusters));
+    return found;
+  };
+  return {.name = "sensitivities", .make = make, .outcome = [](const ModeSensitivities& found) {
+            return text("%d modes, %d materials",
+                        static_cast<int>(found.squared_frequencies.size()),
+                        static_cast<int>(found.by.size()));
+          }};
+}
+
 Stage<ModalDerivatives> derivatives_stage(const Solved& on, const Modes& modes,
                                           const BasisRows& psi, int order, Checkpoint& checkpoint) {
   const auto count = [](const ModalDerivatives& derivatives) {

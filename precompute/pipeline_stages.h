@@ -39,6 +39,10 @@ Stage<WholeModes> modes_stage(const Solved& on, int count, bool extend, Checkpoi
 Stage<ModalDerivatives> derivatives_stage(const Solved& on, const Modes& modes,
                                           const BasisRows& psi, int order, Checkpoint& checkpoint);
 
+// psi: the modes at the vertices of this rank's part.
+Stage<ModeSensitivities> sensitivities_stage(const Solved& on, const Modes& modes,
+                                             const BasisRows& psi, MassKind mass);
+
 Stage<RestResponse> response_stage(const Solved& on, const Modes& modes);
 
 // Releases the solver's factor. Throws Failure (kSolver) if modes were missed.

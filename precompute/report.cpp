@@ -11,6 +11,7 @@
 #include "common/units.h"
 #include "formats/file/standard_streams.h"
 #include "formats/vtk/vtu_writer.h"
+#include "precompute/fit_solid.h"
 #include "precompute/problem/material_rules.h"
 #include "precompute/system/failure.h"
 #include "precompute/system/petsc.h"
@@ -83,8 +84,8 @@ void write_vtu(const std::string& path, const TetMesh& mesh, const BasisData& da
   log.end(path);
 }
 
-void print_result(const LoadedProblem& loaded, const PrecomputeResult& result, const StageLog& log,
-                  const RankTable& ranks) {
+void print_result(const LoadedProblem& loaded, const PrecomputeResult& result, const SolidFit* fit,
+                  const StageLog& log, const RankTable& ranks) {
   const BasisData& data = result.data;
   const std::size_t r = data.lambda.size();
   Json frequencies = Json::array();
@@ -95,35 +96,40 @@ void print_result(const LoadedProblem& loaded, const PrecomputeResult& result, c
   std::vector<std::string> notes = loaded.problem.notes;
   notes.insert(notes.end(), result.findings.notes.begin(), result.findings.notes.end());
   const Json provenance = Json::parse(data.provenance);
-  const Json json = {{"order", loaded.problem.order},
-                     {"elements", data.tetrahedron_count},
-                     {"dofs", 3 * loaded.map.nodes()},
-                     {"n", data.vertex_count},
-                     {"m", data.tetrahedron_count},
-                     {"r", r},
-                     {"linear_modes", data.linear_mode_count},
-                     {"rigid_modes", data.rigid_mode_count},
-                     {"frequencies_hz", frequencies},
-                     {"explicit_step_limit_s", explicit_step_limit(data)},
-                     {"total_mass_kg", data.total_mass},
-                     {"materials", materials_json(provenance)},
-                     {"point_masses", provenance.value("point_masses", Json::array())},
-                     {"factorisation", result.findings.factorisation},
-                     {"mode_residuals", result.findings.mode_residuals},
-                     {"derivative_residual", result.findings.derivative_residual},
-                     {"inertia_count", result.findings.inertia_count},
-                     {"certified_by_inertia", result.findings.certified},
-                     {"mass_orthonormality_error", result.findings.orthonormality_error},
-                     {"polynomial_error", result.findings.polynomial_error},
-                     {"cut_singular_values", cut},
-                     {"locking", to_json(loaded.locking)},
-                     {"target_error", target_json(result.findings.target)},
-                     {"error_budget", budget_json(result.findings.budget)},
-                     {"encoding", provenance.value("encoding", Json{{"name", "full"}})},
-                     {"notes", notes},
-                     {"ranks", mpi_ranks()},
-                     {"stages", stages_json(log)},
-                     {"stages_of_ranks", ranks_json(ranks)}};
+  const auto& sensitivities = result.findings.sensitivities;
+  const Json json = {
+      {"order", loaded.problem.order},
+      {"elements", data.tetrahedron_count},
+      {"dofs", 3 * loaded.map.nodes()},
+      {"n", data.vertex_count},
+      {"m", data.tetrahedron_count},
+      {"r", r},
+      {"linear_modes", data.linear_mode_count},
+      {"rigid_modes", data.rigid_mode_count},
+      {"frequencies_hz", frequencies},
+      {"explicit_step_limit_s", explicit_step_limit(data)},
+      {"total_mass_kg", data.total_mass},
+      {"materials", materials_json(provenance)},
+      {"point_masses", provenance.value("point_masses", Json::array())},
+      {"factorisation", result.findings.factorisation},
+      {"mode_residuals", result.findings.mode_residuals},
+      {"derivative_residual", result.findings.derivative_residual},
+      {"inertia_count", result.findings.inertia_count},
+      {"certified_by_inertia", result.findings.certified},
+      {"mass_orthonormality_error", result.findings.orthonormality_error},
+      {"polynomial_error", result.findings.polynomial_error},
+      {"cut_singular_values", cut},
+      {"locking", to_json(loaded.locking)},
+      {"target_error", target_json(result.findings.target)},
+      {"error_budget", budget_json(result.findings.budget)},
+      {"fit", fit != nullptr ? fit_json(*fit) : Json(nullptr)},
+      {"sensitivities", sensitivities ? sensitivities_json(*sensitivities, loaded.problem.materials)
+                                      : Json(nullptr)},
+      {"encoding", provenance.value("encoding", Json{{"name", "full"}})},
+      {"notes", notes},
+      {"ranks", mpi_ranks()},
+      {"stages", stages_json(log)},
+      {"stages_of_ranks", ranks_json(ranks)}};
   print_json(json);
 }
 
@@ -199,7 +205,7 @@ void add_materials(const Problem& problem, Json& json) {
 }  // namespace
 
 std::string provenance_json(const PrecomputeRequest& request, const Problem& problem,
-                            const PrecomputeResult& result) {
+                            const PrecomputeResult& result, const SolidFit* fit) {
   const PrecomputeFindings& findings = result.findings;
   const std::size_t r = result.data.lambda.size();
   Json json;
@@ -229,6 +235,7 @@ std::string provenance_json(const PrecomputeRequest& request, const Problem& pro
                    {"residuals", findings.mode_residuals},
                    {"certified_by_inertia", findings.certified}};
   if (!request.basis.linear) json["derivatives"] = request.basis.derivatives;
+  if (fit != nullptr) json["fit"] = fit_json(*fit);
   json["derivative_residual"] = findings.derivative_residual;
   json["mass_orthonormality_error"] = findings.orthonormality_error;
   json["stiffness_diagonality_error"] = findings.diagonality_error;

@@ -120,10 +120,12 @@ class Body {
   // A hash of the body that the data must be restored into.
   std::uint64_t content_hash() const;
 
-  // Sets Rayleigh damping alpha (1/s) and beta (s) from the next step on and wakes the body. Energy
-  // totals are kept. Discards the method's cached state; allocates. Error kUsage: a value is
-  // negative or not finite.
-  Status set_damping(double alpha, double beta);
+  // Sets Rayleigh damping alpha (1/s) and beta (s), or a ratio of each mode, from the next step on
+  // and wakes the body: all damping before is replaced. Energy totals are kept. Discards the
+  // method's cached state; allocates. Errors: kUsage, alpha or beta is negative or not finite;
+  // those of check_ratios.
+  Status set_damping(double alpha, double beta) { return set_damping({{alpha, beta}, {}, {}}); }
+  Status set_damping(const DampingRatios& damping);
   // Sets another method and step (s) from the next step on. State, frame, loads and sums are
   // kept; the method's state is discarded. Time becomes the nearest multiple of the new step.
   // Errors: same as for make_integrator; kUsage, with nothing changed, for a method that does not

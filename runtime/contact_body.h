@@ -57,7 +57,8 @@ class ContactBody : public Body {
   Status restore(std::span<const std::byte> bytes);
   void carry(StateStream& stream);
   std::uint64_t content_hash() const;
-  Status set_damping(double alpha, double beta);
+  Status set_damping(double alpha, double beta) { return set_damping({{alpha, beta}, {}, {}}); }
+  Status set_damping(const DampingRatios& damping);
   // kUsage also for a method that does not support contact.
   Status set_method(std::string_view integrator, double step);
 

@@ -1,7 +1,8 @@
 // One step of a body: (q, p) at t -> (q, p) at t + h, for  q'' + D q' + grad V(q) = f(t).
 //
-// The mass matrix is the identity, so p is both momentum and velocity. D is Rayleigh damping
-// (runtime/bodies/reduced/integrators/solve/damping.h); f is given as a StepLoad (runtime/load.h).
+// The mass matrix is the identity, so p is both momentum and velocity. D is Rayleigh damping, or
+// has a ratio of each mode (runtime/bodies/reduced/integrators/solve/damping.h); f is given as a
+// StepLoad (runtime/load.h).
 #pragma once
 
 #include <memory>
@@ -11,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include "common/damping_ratios.h"
 #include "common/result.h"
 #include "common/state_stream.h"
 #include "runtime/load.h"
@@ -48,6 +50,9 @@ struct IntegratorOptions {
   double step = 3e-3;  // h, s
   double alpha = 0.0;  // Rayleigh's, 1/s
   double beta = 0.0;   // Rayleigh's, s
+  // In addition, of_modes or table: the coordinate i has the rate 2 zeta_i omega_i. `rayleigh` is
+  // not read: alpha and beta are above.
+  DampingRatios ratios = {};
   // Newmark's beta and gamma.
   double newmark_beta = 0.25;
   double newmark_gamma = 0.5;
@@ -63,6 +68,21 @@ struct IntegratorOptions {
   // StepLoad::coupling will be set, which only the energy-preserving family reads.
   bool moving_frame = false;
 };
+
+// Puts `damping` in place of all damping that the options have.
+inline void put_damping(const DampingRatios& damping, IntegratorOptions& options) {
+  options.alpha = damping.rayleigh.alpha;
+  options.beta = damping.rayleigh.beta;
+  options.ratios = damping;
+  options.ratios.rayleigh = {};
+}
+
+// All damping of the options.
+inline DampingRatios damping_of(const IntegratorOptions& options) {
+  DampingRatios damping = options.ratios;
+  damping.rayleigh = {options.alpha, options.beta};
+  return damping;
+}
 
 // The default of a body, a group of a World, the C header and the programs: it cannot explode, at
 // any step and load.
@@ -106,12 +126,11 @@ class Integrator {
 std::span<const std::string_view> integrator_names();
 
 // Errors (kUsage): an unknown name (the message lists the known ones), a step that is not positive
-// and finite, negative damping, a Newmark pair outside beta >= 0, gamma >= 0, a split out of range,
-// a tolerance that is not positive, max_iterations < 1, a negative number of
-// halvings.
-// On a linear model (Potential::linear) "ep4" is the exact solution, coordinate by coordinate, for
-// any r and in O(r) a step (runtime/bodies/reduced/integrators/exact_linear.cpp); every other
-// method is its usual map.
+// and finite, negative alpha or beta, a Newmark pair outside beta >= 0, gamma >= 0, a split out of
+// range, a tolerance that is not positive, max_iterations < 1, a negative number of halvings.
+// kContent: those of check_ratios. On a linear model (Potential::linear) "ep4" is the exact
+// solution, coordinate by coordinate, for any r and in O(r) a step
+// (runtime/bodies/reduced/integrators/exact_linear.cpp); every other method is its usual map.
 Result<std::unique_ptr<Integrator>> make_integrator(std::string_view name, Model::Pointer model,
                                                     const IntegratorOptions& options);
 

@@ -164,6 +164,10 @@ typedef struct tremolo_body_options {
   double tolerance;       /* of a step's solve, relative; 1e-6 */
   int32_t frame;          /* its support, a tremolo_frame; TREMOLO_FIXED */
   int32_t reserved;       /* 0 */
+  /* Fractions of critical damping in place of alpha and beta, which must then be 0: "2%" of every
+   * mode, "2%,1%" of modes 1, 2 and all further ones, "1:2%,30:5%" Rayleigh damping with these at
+   * two frequencies (Hz), or a table of three and more such pairs; NULL: alpha and beta. */
+  const char* damping_ratio;
 } tremolo_body_options;
 
 void tremolo_body_options_init(tremolo_body_options* options);
@@ -232,9 +236,12 @@ tremolo_status tremolo_body_save(const tremolo_body* body, void* bytes, size_t c
  * version, or of a body with another model, method, frame or contact. */
 tremolo_status tremolo_body_restore(tremolo_body* body, const void* bytes, size_t size);
 
-/* Sets Rayleigh damping alpha (1/s) and beta (s) from the next step on. TREMOLO_USAGE: a value is
- * negative or not finite. */
+/* Sets Rayleigh damping alpha (1/s) and beta (s), or ratios as in tremolo_body_options, from the
+ * next step on, in place of all damping before. TREMOLO_USAGE: alpha or beta is negative or not
+ * finite, or the text has another form; TREMOLO_CONTENT: a ratio is not in [0, 1), frequencies do
+ * not ascend, or there are more ratios than modes. */
 tremolo_status tremolo_body_set_damping(tremolo_body* body, double alpha, double beta);
+tremolo_status tremolo_body_set_damping_ratio(tremolo_body* body, const char* ratios);
 
 /* J; any of the three may be NULL. high_band: energy of the oscillation of the
  * coordinates above the split (runtime/energy.h). */

@@ -22,11 +22,11 @@ std::string without_output_options(const std::vector<std::string>& words) {
   std::string line;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& word = words[i];
-    if (word == "--json" || word == "--limits" || word == "--error-budget" ||
-        word.starts_with("--checkpoint") || word.starts_with("--resume") ||
-        word.starts_with("--output=") || word.starts_with("--modes-vtu=") ||
-        word.starts_with("--preview=") || word.starts_with("--threads=") ||
-        (word.starts_with("-o") && word.size() > 2))
+    if (word == "--json" || word == "--sensitivities" || word == "--limits" ||
+        word == "--error-budget" || word.starts_with("--checkpoint") ||
+        word.starts_with("--resume") || word.starts_with("--output=") ||
+        word.starts_with("--modes-vtu=") || word.starts_with("--preview=") ||
+        word.starts_with("--threads=") || (word.starts_with("-o") && word.size() > 2))
       continue;
     if (word == "-o" || word == "--output" || word == "--threads" || word == "--modes-vtu" ||
         word == "--preview") {
@@ -91,6 +91,24 @@ void add_model_options(CLI::App& app, CommandLine& line) {
       ->capture_default_str();
 }
 
+void add_fit(CLI::App& app, CommandLine& line) {
+  app.add_flag("--sensitivities", line.output.sensitivities,
+               "tell how each frequency depends on each material's E, nu and density; without "
+               "--output the modes alone are computed");
+  CLI::Option* fit = app.add_option(
+      "--fit", line.fit.measured,
+      "CSV of measured frequencies and damping: the materials are fitted to it first, and told "
+      "with their uncertainty; without --output nothing else is computed");
+  app.add_option("--fit-for", line.fit.unknowns,
+                 "what is fitted: young, poisson, density, or young:REGION, separated by commas")
+      ->capture_default_str()
+      ->needs(fit);
+  app.add_option("--fit-mass", line.fit.mass,
+                 "KG or KG:SD, the measured mass and its standard deviation; with it the density "
+                 "can be fitted")
+      ->needs(fit);
+}
+
 void add_import(CLI::App& app, CommandLine& line) {
   CLI::Option* basis = app.add_option(
       "--import-basis", line.import_basis,
@@ -100,7 +118,7 @@ void add_import(CLI::App& app, CommandLine& line) {
   // --up: the rows of an imported basis refer to the axes of the mesh's file.
   for (const char* other :
        {"--linear-modes", "--modes", "--linear", "--target-error", "--error-budget", "--point-mass",
-        "--up", "--refine", "--keep-elements", "--response-at"})
+        "--up", "--refine", "--keep-elements", "--response-at", "--fit", "--sensitivities"})
     basis->excludes(app.get_option(other));
   CLI::Option* cubic =
       app.add_option("--import-cubic", line.import_cubic,
@@ -137,9 +155,19 @@ bool check_options(const CLI::App& app, const std::vector<std::string>& words, C
       return word == flag || word.starts_with(flag + "=");
     });
   };
-  if (line.output.basis.empty() && line.select.empty() && line.output.preview.empty()) {
+  const bool modes_only = !line.fit.measured.empty() || line.output.sensitivities;
+  if (line.output.basis.empty() && line.select.empty() && line.output.preview.empty() &&
+      !modes_only) {
     std::cerr << "tremolo-precompute: --output is required\n";
     return false;
+  }
+  if (line.output.basis.empty() && modes_only) {
+    for (const char* flag : {"--checkpoint", "--resume", "--target-error", "--error-budget",
+                             "--modes-vtu", "--response-at", "--keep-elements"})
+      if (app.get_option(flag)->count() > 0) {
+        std::cerr << "tremolo-precompute: " << flag << " needs --output\n";
+        return false;
+      }
   }
   // On the command line --linear overrules the derivatives of a config file.
   if (line.basis.linear && app.get_option("--derivatives")->count() > 0 &&
@@ -195,6 +223,7 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   for (const char* flag : {"--fix-x", "--fix-y", "--fix-z"}) app.get_option(flag)->group("");
   add_outputs(app, line);
   add_model_options(app, line);
+  add_fit(app, line);
   add_import(app, line);
   add_solver_options(app, line);
   app.add_flag("--json", line.output.json, "print one JSON object on stdout");
@@ -246,6 +275,7 @@ PrecomputeRequest read_precompute(const CommandLine& line, const OutputRequest& 
   request.checkpoint = line.checkpoint;
   request.checkpoint.keep = line.checkpoint.keep || line.checkpoint.resume;
   request.checkpoint.folder = checkpoint_folder(output.basis);
+  if (!line.fit.measured.empty()) request.fit = line.fit;
   request.output = output;
   check_request(request);
   return request;
@@ -266,7 +296,8 @@ Command read_command(const CommandLine& line) {
     request.solid.imported = true;
     return request;
   }
-  if (!output.basis.empty()) return read_precompute(line, output);
+  if (!output.basis.empty() || !line.fit.measured.empty() || output.sensitivities)
+    return read_precompute(line, output);
   PreviewRequest request{read_problem_request(line.solid), output.preview};
   request.solid.imported = !line.import_basis.empty();
   return request;

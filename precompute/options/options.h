@@ -18,6 +18,7 @@ struct CommandLine {
   std::string solver = "auto";
   std::uint64_t memory = 0;      // bytes a rank may use; 0: the free memory
   CheckpointRequest checkpoint;  // without the folder
+  FitRequest fit;                // without `measured`: no fit
   OutputRequest output;          // without `encoding`
   std::string encoding = "full";
   std::string select;                      // selector of --select; empty: none

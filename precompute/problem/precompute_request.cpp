@@ -65,6 +65,8 @@ ModeCounts choose_mode_counts(const BasisRequest& request, int free_dofs) {
 }
 
 void check_request(const PrecomputeRequest& request) {
+  if (request.fit && mpi_ranks() > 1)
+    throw Failure({ErrorKind::kUsage, "--fit works in one process: start it without mpiexec"});
   require_measurable(request.output, request.solid.load);
   require_reachable(request.basis, request.solid.load);
   choose_mode_counts(request.basis, std::numeric_limits<int>::max());

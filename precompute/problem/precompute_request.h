@@ -58,17 +58,27 @@ struct OutputRequest {
   BasisEncoding encoding = BasisEncoding::kFull;
   bool keep_elements = false;  // the tetrahedra and their masses stay in the file, for bones
   bool error_budget = false;   // measure what mesh, basis and step leave out (error_budget.h)
+  bool sensitivities = false;  // derivatives of the frequencies with respect to the materials
   bool json = false;           // print a report on stdout
   std::string command_line;    // for the file's provenance
 };
 
-// Computes a basis.
+// Materials are fitted to measurements before anything else
+// (precompute/sensitivity/material_fit.h).
+struct FitRequest {
+  std::string measured;            // the CSV file
+  std::string unknowns = "young";  // read_unknowns
+  std::string mass;                // KG or KG:SD; empty: not known
+};
+
+// Computes a basis; without output.basis fits materials or finds sensitivities only.
 struct PrecomputeRequest {
   ProblemRequest solid;
   BasisRequest basis;
   LocalResponseRequest response;
   SolveRequest solve;
   CheckpointRequest checkpoint;
+  std::optional<FitRequest> fit;
   OutputRequest output;
 };
 

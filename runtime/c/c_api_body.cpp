@@ -23,6 +23,13 @@ Result<IntegratorOptions> to_integrator_options(const tremolo_body_options& opti
   result.step = options.step;
   result.alpha = options.alpha;
   result.beta = options.beta;
+  if (options.damping_ratio != nullptr) {
+    if (options.alpha != 0.0 || options.beta != 0.0)
+      return usage_error("damping_ratio gives the damping: leave alpha and beta at 0");
+    const Result<DampingRatios> damping = parse_damping(options.damping_ratio);
+    if (!damping) return damping.error();
+    put_damping(*damping, result);
+  }
   result.newmark_beta = options.newmark_beta;
   result.newmark_gamma = options.newmark_gamma;
   result.tolerance = options.tolerance;
@@ -92,7 +99,8 @@ void tremolo_body_options_init(tremolo_body_options* options) {
               .safety = defaults.split.safety,
               .tolerance = defaults.tolerance,
               .frame = TREMOLO_FIXED,
-              .reserved = 0};
+              .reserved = 0,
+              .damping_ratio = nullptr};
 }
 
 tremolo_status tremolo_body_create(const tremolo_model* model, const tremolo_body_options* options,
@@ -220,4 +228,11 @@ tremolo_status tremolo_body_restore(tremolo_body* body, const void* bytes, size_
 
 tremolo_status tremolo_body_set_damping(tremolo_body* body, double alpha, double beta) {
   return with(body, [&](ContactBody& known) { return known.set_damping(alpha, beta); });
+}
+
+tremolo_status tremolo_body_set_damping_ratio(tremolo_body* body, const char* ratios) {
+  return with(body, {{ratios, "the ratios"}}, [&](ContactBody& known) -> Status {
+    const Result<tremolo::DampingRatios> damping = tremolo::parse_damping(ratios);
+    return damping ? known.set_damping(*damping) : Status(damping.error());
+  });
 }

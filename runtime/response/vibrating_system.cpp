@@ -1,8 +1,5 @@
 #include "runtime/response/vibrating_system.h"
 
-#include <cmath>
-#include <numbers>
-
 #include "runtime/bodies/reduced/integrators/solve/damping.h"
 
 namespace tremolo {
@@ -37,15 +34,6 @@ void StrainRateForce::derivatives(const Eigen::VectorXd& q, const Eigen::VectorX
     force(point_, v, behind_);
     by_q.col(j) = (ahead_ - behind_) / (2.0 * step);
   }
-}
-
-Eigen::VectorXd modal_rates(const DampingRatios& ratios, const Eigen::VectorXd& lambda) {
-  Eigen::VectorXd rates(lambda.size());
-  for (Eigen::Index i = 0; i < lambda.size(); ++i) {
-    const double omega = std::sqrt(lambda[i]), frequency = 0.5 * omega / std::numbers::pi;
-    rates[i] = 2.0 * omega * ratio_of(ratios, static_cast<std::size_t>(i), frequency);
-  }
-  return rates;
 }
 
 Result<VibratingSystem> vibrating_system(const Model& model, double alpha, double beta,

@@ -10,7 +10,6 @@
 
 #include <Eigen/Core>
 
-#include "common/damping_ratios.h"
 #include "common/result.h"
 #include "runtime/math/kernels/potential.h"
 #include "runtime/math/kernels/strain_matrix.h"
@@ -48,12 +47,9 @@ class StrainRateForce {
   Eigen::VectorXd point_, unit_, ahead_, behind_;
 };
 
-// The rates 2 zeta_i omega_i of ratios of each mode, r, 1/s. lambda: r, (rad/s)^2.
-Eigen::VectorXd modal_rates(const DampingRatios& ratios, const Eigen::VectorXd& lambda);
-
 // The system of a model with Rayleigh damping alpha (1/s) and beta (s), the same as that of its
-// bodies, and in addition the rates `more` (r, 1/s, or empty). Errors: kContent if beta > 0 and the
-// model is nonlinear and has no strain matrix; those of reading it.
+// bodies, and in addition the rates `more` (r, 1/s, or empty), as modal_rates() gives them. Errors:
+// kContent if beta > 0 and the model is nonlinear and has no strain matrix; those of reading it.
 Result<VibratingSystem> vibrating_system(const Model& model, double alpha, double beta,
                                          const Eigen::VectorXd& more = {});
 

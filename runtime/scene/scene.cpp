@@ -65,6 +65,9 @@ Status check_loads(const SceneBody& body) {
 }
 
 Status check_damping(const SceneBody& body) {
+  const std::vector<double>& by_mode = body.options.ratios.of_modes;
+  if (Status s = check_ratios(body.options.ratios, std::max<std::size_t>(by_mode.size(), 1)); !s)
+    return s;
   for (const auto& [key, course] :
        {std::pair{"alpha", &body.alphas}, std::pair{"beta", &body.betas}}) {
     double before = -1.0;
@@ -126,9 +129,11 @@ Status check_rigid(const SceneBody& body) {
   if (body.rigid->shape && (body.contact.shape || !body.shape_file.empty()))
     return content_error("shape: the solid of a rigid body is also the shape of its contact");
   const IntegratorOptions& options = body.options;
-  if (options.alpha != 0.0 || options.beta != 0.0 || !body.alphas.empty() || !body.betas.empty())
+  if (options.alpha != 0.0 || options.beta != 0.0 || options.ratios.of_each_mode() ||
+      !body.alphas.empty() || !body.betas.empty())
     return content_error(
-        "alpha and beta damp what is relative to the frame: a rigid body has no such motion");
+        "alpha, beta and damping-ratio damp what is relative to the frame: a rigid body has no "
+        "such motion");
   const std::string& method = body.integrator;
   if (method != "avf" && method != "ep2" && method != "ep4")
     return content_error("integrator: a rigid body goes with avf, ep2 and ep4, not with '" +

@@ -115,6 +115,10 @@ std::uint64_t hash_of(const SceneBody& body, const Model& model, const Collider*
   identity.add(options.split.count, options.split.safety, options.tolerance);
   identity.add(options.max_iterations, options.halvings, body.pose, body.velocity, body.spin);
   identity.add(body.settled, body.loads.size());
+  if (options.ratios.of_each_mode()) {
+    identity.add(options.ratios.of_modes, options.ratios.table.size());
+    for (const RatioAt& row : options.ratios.table) identity.add(row.frequency, row.ratio);
+  }
   for (const std::vector<ValueFrom>* course : {&body.alphas, &body.betas}) {
     if (!course->empty()) identity.add(course->size());
     for (const ValueFrom& from : *course) identity.add(from.time, from.value);

@@ -35,7 +35,7 @@ TEST(DampingOfModes, ATableHasStraightLinesBetweenItsFrequencies) {
 
 TEST(DampingOfModes, TwoPairsAreRayleighDampingAlsoInPercent) {
   const Result<DampingRatios> ratios = parse_damping("1.5:2%,30:5%");
-  const Result<RayleighDamping> rayleigh = parse_damping_ratios("1.5:0.02,30:0.05");
+  const Result<RayleighDamping> rayleigh = rayleigh_damping(1.5, 0.02, 30.0, 0.05, "");
   ASSERT_TRUE(ratios);
   ASSERT_TRUE(rayleigh);
   EXPECT_FALSE(ratios->of_each_mode());

@@ -92,6 +92,59 @@ TEST_F(LoadsProgram, ARampEndsWhereAConstantLoadRests) {
   EXPECT_LT(std::abs(ramp[5]), 0.1 * std::abs(held[50]));
 }
 
+// The tip let go from its deflection under a small load swings in the first mode: its peaks fall by
+// the logarithmic decrement 2 pi zeta / sqrt(1 - zeta^2).
+TEST_F(LoadsProgram, ADampingRatioIsTheDecrementOfARun) {
+  const std::string start =
+      "run soft.tremolo --start near:0.6,0.05,0.05=0,0,1e-4 --load none --duration 9";
+  for (const std::string ratio : {"3%", "0.03,0.2", "0.1:1%,4:3%,40:30%"}) {
+    const std::vector<double> z = path(start + " --damping-ratio " + ratio);
+    std::vector<std::size_t> peaks;
+    for (std::size_t k = 1; k + 1 < z.size(); ++k)
+      if (z[k] > z[k - 1] && z[k] >= z[k + 1] && z[k] > 0) peaks.push_back(k);
+    ASSERT_GT(peaks.size(), 9U) << ratio;
+    // By the fourth peak the other modes have died out.
+    const double periods = 5.0, frequency = periods / (0.002 * double(peaks[8] - peaks[3]));
+    const double decrement = std::log(z[peaks[3]] / z[peaks[8]]) / periods;
+    const double zeta = ratio.starts_with("0.1:") ? 0.01 + 0.02 * (frequency - 0.1) / 3.9 : 0.03;
+    // The peaks lie between rows, (omega h/2)^2/2 = 4e-5 below each; the other modes' rest.
+    EXPECT_NEAR(decrement, 2.0 * std::numbers::pi * zeta / std::sqrt(1.0 - zeta * zeta),
+                0.01 * decrement)
+        << ratio;
+  }
+}
+
+TEST_F(LoadsProgram, AScenesDampingRatioIsThatOfTheFlag) {
+  const std::string flags = "run soft.tremolo --damping-ratio 5% --duration 0.4";
+  const std::vector<double> flagged = path(flags);
+  std::ofstream(folder_ + "/one.toml")
+      << "[bar]\nmodel = \"soft.tremolo\"\nstep = 0.002\nduration = 0.4\n"
+         "damping-ratio = 0.05\nprobe = \"near:0.6,0.05,0.05\"\n";
+  ASSERT_EQ(run("run one.toml --out one").code, 0);
+  EXPECT_EQ(slurp(folder_ + "/one/run.csv"), slurp(folder_ + "/out/run.csv"));
+  const std::string world =
+      "step = 0.002\nduration = 0.1\n[[bodies]]\nname = \"bar\"\nmodel = "
+      "\"soft.tremolo\"\n[[bodies.loads]]\nload = \"square\"\n";
+  std::ofstream(folder_ + "/world.toml") << "damping-ratio = 1\n" + world;
+  EXPECT_EQ(run("run world.toml").code, 3);
+  std::ofstream(folder_ + "/plain.toml") << world;
+  for (const auto& [ratio, code] : {std::pair{"5%", 0},
+                                    {"1:2%,5:2%,9:3%", 0},
+                                    {"5%,", 2},
+                                    {"150%", 3},
+                                    {"-0.1", 3},
+                                    {"nan", 3},
+                                    {"1%,1%,1%,1%,1%,1%,1%,1%,1%", 3}}) {
+    EXPECT_EQ(run(std::string("run plain.toml --damping-ratio ") + ratio).code, code) << ratio;
+    EXPECT_EQ(run(std::string("run soft.tremolo --duration 0.01 --damping-ratio ") + ratio).code,
+              code)
+        << ratio;
+  }
+  const ProgramResult many =
+      run("run soft.tremolo --duration 0.01 --damping-ratio 1%,1%,1%,1%,1%,1%,1%,1%,1%");
+  EXPECT_NE(many.err.find("there are 8 modes"), std::string::npos) << many.err;
+}
+
 TEST_F(LoadsProgram, ShapesThatDoNotApplyAreRefused) {
   for (const char* wrong :
        {"--load square --frequency 3", "--load sine --sweep 1,2", "--load chirp --sweep 1",

@@ -203,6 +203,19 @@ TEST(BodyOptions, AFlagReplacesTheKeysOfItsQuantityAndNoOther) {
   EXPECT_EQ(put_over_table(flags, {"--load"}, "signal = \"a.csv\"\n").signal, "");
 }
 
+TEST(BodyOptions, DampingRatiosAreTextsOrNumbers) {
+  const auto settings_of = [](const std::string& keys) {
+    const Result<BodyScene> scene = body_scene(put_over_table({}, {}, keys));
+    EXPECT_TRUE(scene) << scene.error().message;
+    return scene->settings();
+  };
+  EXPECT_EQ(settings_of("damping-ratio = \"2%\"\n").ratios.of_modes, std::vector<double>{0.02});
+  EXPECT_EQ(settings_of("damping-ratio = 0.02\n").ratios.of_modes, std::vector<double>{0.02});
+  EXPECT_EQ(settings_of("damping-ratio = [0.02, 0.01]\n").ratios.of_modes.size(), 2U);
+  EXPECT_EQ(settings_of("damping-ratio = \"1:1%,5:2%,9:1%\"\n").ratios.table.size(), 3U);
+  EXPECT_GT(settings_of("damping-ratio = \"1:1%,5:2%\"\n").beta, 0.0);
+}
+
 TEST(BodyOptions, SoundWithoutAStepChoosesTheStep) {
   RunOptions flags;
   flags.wav = "a.wav";

@@ -111,6 +111,25 @@ TEST(SceneReader, ReadsBodies) {
   EXPECT_EQ(b.loads[1].signal.kind, SignalKind::kSine);
 }
 
+TEST(SceneReader, ReadsDampingRatiosAsTextsAndNumbers) {
+  const auto ratios_of = [](const std::string& value) {
+    return read_scene_text(kBody + "damping-ratio = " + value + "\n").scene.bodies[0].options;
+  };
+  const std::vector<double> one = {0.02}, two = {0.02, 0.01};
+  EXPECT_EQ(ratios_of("\"2%\"").ratios.of_modes, one);
+  EXPECT_EQ(ratios_of("0.02").ratios.of_modes, one);
+  EXPECT_EQ(ratios_of("\"2%,1%\"").ratios.of_modes, two);
+  EXPECT_EQ(ratios_of("[0.02, 0.01]").ratios.of_modes, two);
+  EXPECT_EQ(ratios_of("\"1:2%,10:1%,30:5%\"").ratios.table.size(), 3U);
+  const IntegratorOptions rayleigh = ratios_of("\"1:2%,30:5%\"");
+  EXPECT_FALSE(rayleigh.ratios.of_each_mode());
+  EXPECT_GT(rayleigh.alpha, 0.0);
+  EXPECT_GT(rayleigh.beta, 0.0);
+  for (const char* value : {"true", "\"2%%\"", "-0.1", "nan", "1", "[]", "[0.1, 1.5]", "\"\"",
+                            "\"2%\"\nalpha = 1", "\"2%\"\nbeta = 1e-3"})
+    expect_refused(kBody + "damping-ratio = " + value + "\n", "damping-ratio");
+}
+
 TEST(SceneReader, ReadsMotions) {
   const SceneFile file = read_scene_text(
       kDriven +

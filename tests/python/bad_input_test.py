@@ -96,6 +96,7 @@ class Bodies(unittest.TestCase):
             m.body(frame="loose")
         for options in ({"step": 0.0}, {"step": np.nan}, {"alpha": -1.0}, {"frame": "free"}, {"split": "half"},
                         {"integrator": "imexv", "split": 99}, {"damping_ratio": "1:2"}, {"tolerance": 0.0},
+                        {"damping_ratio": -0.1}, {"damping_ratio": "150%"}, {"damping_ratio": [0.01] * 500},
                         {"damping_ratio": "1:0.1,2:0.1", "alpha": 1.0}, {"max_iterations": 0}, {"step": "long"}):
             with self.assertRaises((ValueError, TypeError)):
                 m.body(**options)

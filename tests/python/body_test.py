@@ -138,6 +138,28 @@ class Loads(unittest.TestCase):
             b.step(10)
         np.testing.assert_allclose(one.q, other.q, rtol=1e-12, atol=1e-15)
 
+    def test_damping_ratios_are_texts_numbers_or_lists(self):
+        m = support.clamped_bar()
+        moved = []
+        for ratio in ("3%", 0.03, [0.03, 0.03], np.array([0.03])):
+            b = m.body(damping_ratio=ratio, step=0.001)
+            b.add_load()
+            b.step(20)
+            moved.append(b.q.copy())
+        set_later = m.body(alpha=2.0, step=0.001)
+        set_later.set_damping(damping_ratio="3%")
+        set_later.add_load()
+        set_later.step(20)
+        moved.append(set_later.q.copy())
+        copied = copy.copy(set_later)
+        set_later.step(20)
+        copied.step(20)
+        np.testing.assert_array_equal(copied.q, set_later.q)
+        for q in moved[1:]:
+            np.testing.assert_array_equal(q, moved[0])
+        with self.assertRaises(tremolo.UsageError):
+            set_later.set_damping(1.0, damping_ratio="3%")
+
     def test_hold_a_body_in_its_equilibrium(self):
         m = support.clamped_bar()
         b = m.body(damping_ratio="1:0.5,10:0.5", step=0.01)

@@ -8,6 +8,7 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include "runtime/bodies/reduced/integrators/solve/damping.h"
 #include "runtime/body.h"
 #include "runtime/model.h"
 #include "runtime/response/backbone.h"
@@ -213,6 +214,50 @@ TEST(Response, SteppingInTimeStaysOnBothStableBranchesAndLeavesTheUnstableOne) {
   }
   EXPECT_EQ(branch, 2);
   for (const int count : on_branch) EXPECT_GT(count, 0);
+}
+
+// From rest, under the load that `response_curve` has, and with the same ratios: the transient of
+// 100 periods has died out by e^-30.
+TEST(Response, ABodyWithTheSameRatiosSettlesOntoItsAmplitude) {
+  const StrainModel strains = random_strain_model(spread_omega(3, 1.0, 4.0), 0.4, 3);
+  const Model::Pointer model = *Model::from_data(sample_basis(strains));
+  DampingRatios ratios;
+  ratios.of_modes = {0.05, 0.08, 0.02};
+  const VibratingSystem system =
+      *vibrating_system(*model, 0.0, 0.0, modal_rates(ratios, model->lambda()));
+  const Eigen::VectorXd unit = *reduce_force(*model, 3, {0.0, 0.0, 1.0});
+  const double load = 0.02 / std::abs(unit[0]);
+  FourierSeries force = FourierSeries::Zero(3, 3);
+  force.col(2) = load * unit;
+  const Result<MotionCurve> curve = response_curve(system, {force, 0.7, 1.2}, plain_options(9));
+  ASSERT_TRUE(curve) << curve.error().message;
+  ASSERT_EQ(curve->end, CurveEnd::kDone);
+  std::size_t seen = 0, nonlinear = 0;
+  for (std::size_t i = 0; i < curve->points.size(); i += curve->points.size() / 4) {
+    const CurvePoint& point = curve->points[i];
+    const double period = 2.0 * std::numbers::pi / point.omega;
+    constexpr int kSteps = 200;
+    IntegratorOptions options{.step = period / kSteps};
+    options.tolerance = 1e-10;
+    put_damping(ratios, options);
+    Body body = std::move(*Body::create(model, "ep4", options));
+    const Signal sine{.kind = SignalKind::kSine, .frequency = 1.0 / period};
+    ASSERT_TRUE(body.add_load(sine, 3, {0.0, 0.0, load}));
+    for (int n = 0; n < 100 * kSteps; ++n) ASSERT_TRUE(body.step().converged);
+    double largest = 0.0, expected = 0.0;
+    for (int n = 0; n < kSteps; ++n) {
+      ASSERT_TRUE(body.step().converged);
+      largest = std::max(largest, std::abs(body.state().q[0]));
+      const double angle = 2.0 * std::numbers::pi * (n + 1) / kSteps;
+      expected = std::max(expected,
+                          std::abs(point.motion.row(0).dot(fourier_row(point.harmonics(), angle))));
+    }
+    EXPECT_NEAR(largest, expected, 1e-4 * expected) << point.omega;
+    ++seen;
+    if (point.motion.col(0).norm() > 0.01 * expected) ++nonlinear;  // a mean displacement
+  }
+  EXPECT_GE(seen, 4U);
+  EXPECT_GE(nonlinear, 1U);
 }
 
 TEST(Backbone, ItsMotionsReturnAfterTheirPeriodUnderEp4) {

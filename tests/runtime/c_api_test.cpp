@@ -74,6 +74,45 @@ TEST_F(CApi, StepsAreThoseOfTheEngine) {
   EXPECT_EQ(p, body->state().p);
 }
 
+TEST_F(CApi, DampingRatiosAreThoseOfTheEngine) {
+  IntegratorOptions options;
+  options.ratios.of_modes = {0.02, 0.05};
+  Result<Body> body = Body::create(testing::make_model(c_strain_model()), "ep4", options);
+  tremolo_body_options given;
+  tremolo_body_options_init(&given);
+  EXPECT_EQ(given.damping_ratio, nullptr);
+  given.damping_ratio = "2%,5%";
+  tremolo_body *made = nullptr, *refused = nullptr;
+  ASSERT_EQ(tremolo_body_create(model_, &given, &made), TREMOLO_OK) << tremolo_last_error();
+  const double force[3] = {1.0, 2.0, 3.0};
+  ASSERT_EQ(tremolo_body_apply_force(made, 5, force, 3), TREMOLO_OK);
+  ASSERT_EQ(tremolo_body_apply_force(body_, 5, force, 3), TREMOLO_OK);
+  ASSERT_TRUE(body->apply_force(5, {1.0, 2.0, 3.0}, 3));
+  ASSERT_EQ(tremolo_body_set_damping_ratio(body_, "0.02,0.05"), TREMOLO_OK);
+  for (int k = 0; k < 20; ++k) ASSERT_TRUE(body->step().converged);
+  for (tremolo_body* one : {made, body_}) {
+    ASSERT_EQ(tremolo_body_step(one, 20, nullptr), TREMOLO_OK);
+    Eigen::VectorXd q(4);
+    ASSERT_EQ(tremolo_body_state(one, q.data(), nullptr, 4), TREMOLO_OK);
+    EXPECT_EQ(q, body->state().q);
+  }
+  tremolo_body_destroy(made);
+  for (const auto& [text, status] : {std::pair{"2%,", TREMOLO_USAGE},
+                                     {"-1%", TREMOLO_CONTENT},
+                                     {"nan", TREMOLO_CONTENT},
+                                     {"1,0.1", TREMOLO_CONTENT},
+                                     {"1%,1%,1%,1%,1%", TREMOLO_CONTENT}}) {
+    given.damping_ratio = text;
+    EXPECT_EQ(tremolo_body_create(model_, &given, &refused), status) << text;
+    EXPECT_EQ(tremolo_body_set_damping_ratio(body_, text), status) << text;
+  }
+  given.damping_ratio = "2%";
+  given.alpha = 1.0;
+  EXPECT_EQ(tremolo_body_create(model_, &given, &refused), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_body_set_damping_ratio(body_, nullptr), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_body_set_damping_ratio(nullptr, "2%"), TREMOLO_USAGE);
+}
+
 TEST_F(CApi, StateSurvivesARoundTrip) {
   const Eigen::VectorXd q = testing::random_vector(4, 0.1, 1),
                         p = testing::random_vector(4, 1.0, 2);

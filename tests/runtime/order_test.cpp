@@ -25,6 +25,7 @@ struct Setting {
   double alpha = 0.0;
   double beta = 0.0;
   bool loaded = false;
+  double ratio = 0.0;  // of critical damping of each mode
 };
 
 constexpr double kFrequency = 1.3;  // Hz
@@ -40,7 +41,7 @@ State reference(const Setting& setting) {
   };
   // Step 2.5e-5 s: fourth order leaves an error near 1e-12.
   return testing::reference_orbit(strong_strain_model(), strong_state(), setting.alpha,
-                                  setting.beta, force, kDuration, 16000);
+                                  setting.beta, force, kDuration, 16000, setting.ratio);
 }
 
 double error_of(std::string_view name, const Setting& setting, const State& exact, int steps) {
@@ -48,6 +49,7 @@ double error_of(std::string_view name, const Setting& setting, const State& exac
   IntegratorOptions options = precise_options(kDuration / steps);
   options.alpha = setting.alpha;
   options.beta = setting.beta;
+  if (setting.ratio > 0.0) options.ratios.of_modes = {setting.ratio};
   const auto integrator = make(name, model, options);
   State state = strong_state();
   Eigen::VectorXd momentum = state.p;
@@ -99,6 +101,19 @@ TEST(Order, EveryMethodButTheThesisFormIsOfItsOrderAgainstDamping) {
       EXPECT_NEAR(observed_order(name, {.alpha = 0.9}), testing::order_of(name), kOrder) << name;
       EXPECT_NEAR(observed_order(name, {.alpha = 0.9, .beta = 3e-3}), testing::order_of(name, 3e-3),
                   kOrder)
+          << name;
+    }
+}
+
+// With beta in addition, which only the library allows.
+TEST(Order, EveryMethodButTheThesisFormIsOfItsOrderAgainstARatioOfEachMode) {
+  for (const std::string_view name : integrator_names())
+    if (name != "imexv-thesis") {
+      const int order = testing::order_of(name);
+      EXPECT_NEAR(observed_order(name, {.ratio = 0.03}), order, kOrder) << name;
+      EXPECT_NEAR(observed_order(name, {.loaded = true, .ratio = 0.03}), order, kOrder) << name;
+      EXPECT_NEAR(observed_order(name, {.beta = 3e-3, .ratio = 0.03}),
+                  testing::order_of(name, 3e-3), kOrder)
           << name;
     }
 }

@@ -93,13 +93,15 @@ inline void run(Integrator& integrator, State& state, const std::vector<Load>& l
 }
 
 // Classical Runge-Kutta on q' = p, p' = f(t) - D(q) p - grad V(q), with the strain form of V and of
-// the damping: has no code in common with the tested method.
+// the damping: has no code in common with the tested method. ratio: of critical damping of every
+// coordinate, in addition to alpha and beta.
 inline State reference_orbit(const StrainModel& model, State state, double alpha, double beta,
                              const std::function<Eigen::VectorXd(double)>& force, double duration,
-                             int steps) {
+                             int steps, double ratio = 0.0) {
+  const Eigen::VectorXd rates = alpha + 2.0 * ratio * model.omega.array();
   const auto slope = [&](double t, const State& s) {
-    return State{s.p, force(t) - alpha * s.p - beta * strain_damping_force(model, s.q, s.p) -
-                          strain_force(model, s.q)};
+    return State{s.p, force(t) - rates.cwiseProduct(s.p) -
+                          beta * strain_damping_force(model, s.q, s.p) - strain_force(model, s.q)};
   };
   const auto moved = [](const State& s, const State& d, double h) {
     return State{s.q + h * d.q, s.p + h * d.p};

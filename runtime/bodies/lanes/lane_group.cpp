@@ -44,11 +44,11 @@ Result<LaneGroup> LaneGroup::create(const Model::Pointer& model_pointer,
   group.modes_ = modes;
   group.low_ = *low;
   group.step_ = options.step;
-  group.damped_ = options.alpha > 0.0 || options.beta > 0.0;
   const Eigen::VectorXd lambda = model.lambda().head(r);
   const Split split{static_cast<Eigen::Index>(*low), r - static_cast<Eigen::Index>(*low)};
   const double h = options.step;
-  const Eigen::VectorXd rates = damping_rates(lambda, options.alpha, options.beta);
+  const Eigen::VectorXd rates = damping_rates(lambda, options);
+  group.damped_ = r > 0 && rates.maxCoeff() > 0.0;
   Eigen::VectorXd low_rates = rates;
   low_rates.tail(split.high).setZero();
   const DampedKick kick(low_rates, h);

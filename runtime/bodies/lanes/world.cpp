@@ -74,6 +74,8 @@ Result<GroupId> World::add_group(Model::Pointer model, const GroupOptions& optio
     return usage_error("asked for " + std::to_string(options.modes) + " modes; the model has " +
                        std::to_string(available));
   const Eigen::Index modes = options.modes == 0 ? available : options.modes;
+  const auto moving = static_cast<std::size_t>(modes);
+  if (Status s = check_ratios(options.options.ratios, moving); !s) return s.error();
   WorldGroup group;
   // Lanes support only the damping at rest. On a linear model ep4 is a closed form.
   const bool linear = model->potential().linear();
@@ -81,8 +83,8 @@ Result<GroupId> World::add_group(Model::Pointer model, const GroupOptions& optio
   const bool preserving = preserves_energy_in_lanes(options.integrator);
   if (steps_in_lanes(options.integrator) && !strain_damped &&
       !(preserving && (linear || modes != available))) {
-    Result<LaneGroup> lanes = LaneGroup::create(model, options.integrator, options.options,
-                                                static_cast<std::size_t>(modes), options.precision);
+    Result<LaneGroup> lanes =
+        LaneGroup::create(model, options.integrator, options.options, moving, options.precision);
     if (!lanes) return lanes.error();
     group.lanes.emplace(std::move(*lanes));
   } else if (modes != available) {
@@ -98,7 +100,7 @@ Result<GroupId> World::add_group(Model::Pointer model, const GroupOptions& optio
   if (!band) return band.error();
   group.integrator = options.integrator;
   group.options = options.options;
-  group.modes = static_cast<std::size_t>(modes);
+  group.modes = moving;
   group.low = band->low;
   group.threshold = quiet_energy(*model, options.sleep);
   group.quiet_time = options.sleep.time;

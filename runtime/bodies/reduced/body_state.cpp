@@ -54,9 +54,9 @@ Status Body::restore(std::span<const std::byte> bytes) {
 }
 
 void Body::carry(StateStream& stream) {
-  double alpha = options_.alpha, beta = options_.beta;
-  stream(alpha, beta);
-  if (stream.reads() && stream.good()) stream.require(bool(set_damping(alpha, beta)));
+  DampingRatios damping = damping_of(options_);
+  stream(damping);
+  if (stream.reads() && stream.good()) stream.require(bool(set_damping(damping)));
   stream(state_, counts_, sums_, bound_, steps_since_look_);
   stream(sound_, sound_rigid_, sound_sums_);
   stream.require(counts_.steps >= 0 && state_.q.allFinite() && state_.p.allFinite());
@@ -127,11 +127,10 @@ void Body::carry_forces(StateStream& stream) {
   }
 }
 
-Status Body::set_damping(double alpha, double beta) {
-  if (alpha == options_.alpha && beta == options_.beta) return Success{};
+Status Body::set_damping(const DampingRatios& damping) {
+  if (damping == damping_of(options_)) return Success{};
   IntegratorOptions options = options_;
-  options.alpha = alpha;
-  options.beta = beta;
+  put_damping(damping, options);
   Result<std::unique_ptr<Integrator>> made = make_integrator(integrator_->name(), model_, options);
   if (!made) return made.error();
   (*made)->follow(*integrator_);

@@ -33,7 +33,7 @@ bool BodyGroup::has_to_wake(std::size_t i) const {
   const ContactBody& body = *bodies_[i];
   return !body.grips_.empty() || body.load_to_come() || body.gravity() != rest_[i].gravity ||
          body.options().alpha != rest_[i].alpha || body.options().beta != rest_[i].beta ||
-         is_disturbed(*body.contact_, colliders_);
+         body.options().ratios != rest_[i].ratios || is_disturbed(*body.contact_, colliders_);
 }
 
 // Begins the step of an awake body, and finds the colliders that it may be in contact with.
@@ -182,6 +182,7 @@ void BodyGroup::put_to_sleep() {
     rest.gravity = body.gravity();
     rest.alpha = body.options().alpha;
     rest.beta = body.options().beta;
+    rest.ratios = body.options().ratios;
     if (!(rest.quiet >= kQuiet)) restless_[parent_[i]] = 1;
   }
   for (const std::size_t i : islands_) {

@@ -87,8 +87,9 @@ class BodyGroup {
     bool asleep = false;
     Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
     double alpha = 0.0, beta = 0.0;
+    DampingRatios ratios;
 
-    void carry(StateStream& stream) { stream(quiet, asleep, gravity, alpha, beta); }
+    void carry(StateStream& stream) { stream(quiet, asleep, gravity, alpha, beta, ratios); }
   };
   // Two bodies that may be in contact.
   struct Pair {

@@ -85,8 +85,8 @@ void ContactBody::carry_hands(StateStream& stream) {
   }
 }
 
-Status ContactBody::set_damping(double alpha, double beta) {
-  if (Status s = Body::set_damping(alpha, beta); !s) return s;
+Status ContactBody::set_damping(const DampingRatios& damping) {
+  if (Status s = Body::set_damping(damping); !s) return s;
   if (contact_) contact_->set_options(options_);
   return Success{};
 }

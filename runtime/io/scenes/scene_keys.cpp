@@ -2,24 +2,29 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 
-#include "common/material.h"
 #include "formats/file/input_file.h"
 #include "runtime/io/scenes/csv_rows.h"
 #include "runtime/io/scenes/toml_keys.h"
 
 namespace tremolo {
 
-void read_damping_ratio(TomlKeys& keys, double& alpha, double& beta) {
-  std::string ratios;
-  keys.read("damping-ratio", ratios);
-  if (!keys.has("damping-ratio")) return;
+std::optional<DampingRatios> read_damping_ratio(TomlKeys& keys) {
+  const toml::node* node = keys.find("damping-ratio");
+  if (node == nullptr) return std::nullopt;
+  const auto fail = [&](const std::string& problem) {
+    keys.fail("damping-ratio", problem);
+    return std::nullopt;
+  };
   if (keys.has("alpha") || keys.has("beta"))
-    return keys.fail("damping-ratio", "`damping-ratio` gives `alpha` and `beta`: leave those out");
-  const Result<RayleighDamping> damping = parse_damping_ratios(ratios);
-  if (!damping) return keys.fail("damping-ratio", damping.error().message);
-  alpha = damping->alpha;
-  beta = damping->beta;
+    return fail("`damping-ratio` gives the damping: leave `alpha` and `beta` out");
+  const auto text = damping_text(*node);
+  if (!text)
+    return fail("'damping-ratio' must be a text such as \"2%\", a number or a list of them");
+  Result<DampingRatios> damping = parse_damping(*text);
+  if (!damping) return fail(damping.error().message);
+  return std::move(*damping);
 }
 
 bool is_folder_name(const std::string& name) {

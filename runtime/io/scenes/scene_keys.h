@@ -1,10 +1,12 @@
 // Keys that scenes of bodies and scenes of cloths have in common.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "common/damping_ratios.h"
 #include "common/result.h"
 #include "runtime/io/scenes/toml_keys.h"
 #include "runtime/scene/scene.h"
@@ -29,8 +31,9 @@ struct SceneOutputs {
 void read_surface_outputs(TomlKeys& keys, SceneOutputs& outputs);
 void read_outputs(TomlKeys& keys, SceneOutputs& outputs);
 
-// damping-ratio = "F1:Z1,F2:Z2" in place of alpha and beta (common/material.h).
-void read_damping_ratio(TomlKeys& keys, double& alpha, double& beta);
+// damping-ratio in place of alpha and beta (common/damping_ratios.h); nullopt: no such key, or an
+// error, which `keys` has.
+std::optional<DampingRatios> read_damping_ratio(TomlKeys& keys);
 
 // A name becomes that of a folder or a file.
 bool is_folder_name(const std::string& name);

@@ -115,7 +115,7 @@ void read_method(TomlKeys& keys, SceneBody& body) {
               "unknown integrator '" + body.integrator + "'; there are " + list_of(names));
   read_course(keys, "alpha", options.alpha, body.alphas);
   read_course(keys, "beta", options.beta, body.betas);
-  read_damping_ratio(keys, options.alpha, options.beta);
+  if (const auto damping = read_damping_ratio(keys)) put_damping(*damping, options);
   keys.read("newmark-beta", options.newmark_beta);
   keys.read("newmark-gamma", options.newmark_gamma);
   keys.read("tolerance", options.tolerance);

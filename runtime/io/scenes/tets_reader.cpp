@@ -32,7 +32,14 @@ void read_tets_method(TomlKeys& keys, TetBodyOptions& options) {
     keys.fail("integrator", parsed.error().message);
   keys.read("alpha", options.alpha);
   keys.read("beta", options.beta);
-  read_damping_ratio(keys, options.alpha, options.beta);
+  if (const auto damping = read_damping_ratio(keys)) {
+    options.alpha = damping->rayleigh.alpha;
+    options.beta = damping->rayleigh.beta;
+    if (damping->of_each_mode())
+      keys.fail("damping-ratio",
+                "the whole mesh has no modes: give alpha and beta, or F1:Z1,F2:Z2, the fractions "
+                "of critical damping at two frequencies");
+  }
   keys.read("drag", options.drag);
   keys.read("tolerance", options.tolerance);
   keys.read("linear-tolerance", options.linear_tolerance);

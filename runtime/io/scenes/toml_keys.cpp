@@ -58,6 +58,16 @@ std::optional<std::string> sweep_text(const toml::node& node) {
   return text("%.17g,%.17g", (*numbers)[0], (*numbers)[1]);
 }
 
+std::optional<std::string> damping_text(const toml::node& node) {
+  if (const auto given = node.value_exact<std::string>(); given && !given->empty()) return given;
+  if (const auto number = node.value<double>()) return number_text(*number);
+  const auto numbers = numbers_of(node);
+  if (!numbers || numbers->empty()) return std::nullopt;
+  std::string text;
+  for (const double ratio : *numbers) text += (text.empty() ? "" : ",") + number_text(ratio);
+  return text;
+}
+
 std::optional<std::vector<double>> numbers_of(const toml::node& node) {
   const toml::array* array = node.as_array();
   if (array == nullptr) return std::nullopt;

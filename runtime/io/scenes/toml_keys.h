@@ -32,6 +32,10 @@ std::optional<std::vector<std::string>> list_of_texts(const toml::node& node);
 // "F1,F2" of a text or of two numbers; nothing for another node.
 std::optional<std::string> sweep_text(const toml::node& node);
 
+// Damping ratios as a text, "2%", or as one number or several, 0.02 or [0.02, 0.01]; nothing for
+// another node.
+std::optional<std::string> damping_text(const toml::node& node);
+
 // A list of finite numbers; nothing for another node.
 std::optional<std::vector<double>> numbers_of(const toml::node& node);
 

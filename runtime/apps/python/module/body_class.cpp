@@ -46,10 +46,8 @@ BodyPointer body_of_model(const PyModelPointer& model, const std::string& integr
   options.method.beta = beta;
   if (!damping_ratio.is_none()) {
     if (alpha != 0.0 || beta != 0.0)
-      raise(usage_error("damping_ratio gives alpha and beta: leave them out"));
-    const RayleighDamping damping = unwrap(parse_damping_ratios(text_of(damping_ratio)));
-    options.method.alpha = damping.alpha;
-    options.method.beta = damping.beta;
+      raise(usage_error("damping_ratio gives the damping: leave alpha and beta out"));
+    put_damping(damping_ratios_of(damping_ratio), options.method);
   }
   options.method.split = split_of(split, safety);
   options.method.newmark_beta = newmark_beta;
@@ -272,9 +270,15 @@ BodyPointer copied(BodyHandle& self) {
   return unpickled(pickled(self));
 }
 
-void set_damping(BodyHandle& self, double alpha, double beta) {
+void set_damping(BodyHandle& self, double alpha, double beta, py::handle damping_ratio) {
+  DampingRatios damping{{alpha, beta}, {}, {}};
+  if (!damping_ratio.is_none()) {
+    if (alpha != 0.0 || beta != 0.0)
+      raise(usage_error("damping_ratio gives the damping: leave alpha and beta out"));
+    damping = damping_ratios_of(damping_ratio);
+  }
   const BodyHandle::Call call(self);
-  check(self.body().set_damping(alpha, beta));
+  check(self.body().set_damping(damping));
 }
 
 void set_method(BodyHandle& self, const std::string& integrator, double step_size) {
@@ -360,8 +364,10 @@ void add_state(BodyClass& c) {
                           "the start: work (of all forces, with support, gravity, contact, grabs, "
                           "joints), dissipated (by damping), restitution and friction (never "
                           "positive).");
-  c.def("set_damping", &set_damping, py::arg("alpha"), py::arg("beta"),
-        "Rayleigh damping, 1/s and s, from the next step on.");
+  c.def("set_damping", &set_damping, py::arg("alpha") = 0.0, py::arg("beta") = 0.0, py::kw_only(),
+        py::arg("damping_ratio") = py::none(),
+        "Rayleigh damping, 1/s and s, or a ratio as in Model.body, from the next step on, in place "
+        "of all damping before.");
   c.def("set_method", &set_method, py::arg("integrator"), py::arg("step"),
         "Another method and step (s) from the next step on.");
 }
@@ -466,10 +472,11 @@ void add_body(py::module_& module) {
             py::arg("newmark_gamma") = 0.5, py::arg("tolerance") = 1e-6,
             py::arg("max_iterations") = 20, py::arg("halvings") = 6,
             "A body of this model at rest, at time 0. integrator: one of integrators(). step: h, "
-            "s. alpha (1/s), beta (s): Rayleigh damping; or damping_ratio \"F1:Z1,F2:Z2\", the "
-            "fractions of critical damping at two frequencies (Hz). frame: \"fixed\", \"driven\" "
-            "(follows move_to) or \"free\"; by default as the model is held. split, safety: of "
-            "the imexv methods. tolerance, max_iterations: of the solve in a step.");
+            "s. alpha (1/s), beta (s): Rayleigh damping; or damping_ratio, the fraction of "
+            "critical damping of every mode, \"2%\" or 0.02, of each mode, \"2%,1%\" or a list, "
+            "at two frequencies (Hz), \"1:2%,30:5%\", or a table of more. frame: \"fixed\", "
+            "\"driven\" (follows move_to) or \"free\"; by default as the model is held. split, "
+            "safety: of the imexv methods. tolerance, max_iterations: of the solve in a step.");
 }
 
 }  // namespace tremolo::python

@@ -62,6 +62,14 @@ std::string text_of(py::handle object) {
   return py::str(object).cast<std::string>();
 }
 
+DampingRatios damping_ratios_of(py::handle object) {
+  const bool one = py::isinstance<py::str>(object) || !py::isinstance<py::sequence>(object);
+  if (one) return unwrap(parse_damping(text_of(object)));
+  std::string text;
+  for (const py::handle ratio : object) text += (text.empty() ? "" : ",") + text_of(ratio);
+  return unwrap(parse_damping(text));
+}
+
 void check_pickle(const py::tuple& state, std::size_t size, const char* name, int version) {
   const std::string expected = std::string(name) + " of version " + std::to_string(version);
   if (state.size() < 2 || text_of(state[0]) != name)

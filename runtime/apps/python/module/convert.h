@@ -42,6 +42,8 @@ using Shape = std::vector<py::ssize_t>;
 
 // str(object)
 std::string text_of(py::handle object);
+// Damping ratios as a text, a number or a list of numbers. Raises.
+DampingRatios damping_ratios_of(py::handle object);
 // Raises ContentError unless the state of a pickle begins with this name and version.
 void check_pickle(const py::tuple& state, std::size_t size, const char* name, int version);
 

@@ -5,6 +5,7 @@
 
 #include "common/damping_ratios.h"
 #include "runtime/apps/python/module/model_class.h"
+#include "runtime/bodies/reduced/integrators/solve/damping.h"
 #include "runtime/load.h"
 #include "runtime/response/backbone.h"
 #include "runtime/response/response.h"
@@ -22,9 +23,10 @@ VibratingSystem system_of(const Model& model, double alpha, double beta, py::han
   if (!ratio.is_none()) {
     if (alpha != 0.0 || beta != 0.0)
       raise(usage_error("damping_ratio gives the damping: leave alpha and beta out"));
-    const DampingRatios ratios = unwrap(parse_damping(text_of(ratio)));
+    const DampingRatios ratios = damping_ratios_of(ratio);
     alpha = ratios.rayleigh.alpha;
     beta = ratios.rayleigh.beta;
+    check(check_ratios(ratios, static_cast<std::size_t>(model.modes())));
     more = modal_rates(ratios, model.lambda());
   }
   for (const double rate : {alpha, beta})

@@ -110,7 +110,7 @@ class Model:
         load_scale: float = ...,
         alpha: float = ...,
         beta: float = ...,
-        damping_ratio: Optional[str] = ...,
+        damping_ratio: Union[str, float, Sequence[float], None] = ...,
         constant: Optional[Numbers] = ...,
         probe: Optional[Vertices] = ...,
         harmonics: int = ...,
@@ -133,7 +133,7 @@ class Model:
         step: float = ...,
         alpha: float = ...,
         beta: float = ...,
-        damping_ratio: Optional[str] = ...,
+        damping_ratio: Union[str, float, Sequence[float], None] = ...,
         frame: Optional[str] = ...,
         split: Union[str, int] = ...,
         safety: float = ...,
@@ -193,7 +193,10 @@ class Body:
     def angular_momentum(self) -> Doubles: ...
     def set_state(self, q: Optional[Numbers] = ..., p: Optional[Numbers] = ...) -> None: ...
     def step(self, n: int = ...) -> None: ...
-    def set_damping(self, alpha: float, beta: float) -> None: ...
+    def set_damping(
+        self, alpha: float = ..., beta: float = ..., *,
+        damping_ratio: Union[str, float, Sequence[float], None] = ...,
+    ) -> None: ...
     def set_method(self, integrator: str, step: float) -> None: ...
     @overload
     def positions(self, out: _Out) -> _Out: ...

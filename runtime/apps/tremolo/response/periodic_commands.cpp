@@ -20,6 +20,7 @@
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/run/run_files.h"
 #include "runtime/apps/tremolo/run/run_progress.h"
+#include "runtime/bodies/reduced/integrators/solve/damping.h"
 #include "runtime/response/backbone.h"
 
 namespace tremolo {
@@ -206,6 +207,8 @@ Result<VibratingSystem> system_of(const ResponseOptions& options, const Model& m
     if (!ratios) return ratios.error();
     alpha = ratios->rayleigh.alpha;
     beta = ratios->rayleigh.beta;
+    if (Status s = check_ratios(*ratios, static_cast<std::size_t>(model.modes())); !s)
+      return s.error();
     if (ratios->of_each_mode()) more = modal_rates(*ratios, model.lambda());
   }
   return vibrating_system(model, alpha, beta, more);

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "common/material.h"
+#include "common/damping_ratios.h"
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/run/sound.h"
 #include "runtime/apps/tremolo/start/start_state.h"
@@ -63,10 +63,9 @@ Result<IntegratorOptions> integrator_options(const RunOptions& options) {
   settings.alpha = options.alpha;
   settings.beta = options.beta;
   if (!options.damping_ratio.empty()) {
-    const Result<RayleighDamping> damping = parse_damping_ratios(options.damping_ratio);
+    const Result<DampingRatios> damping = parse_damping(options.damping_ratio);
     if (!damping) return damping.error();
-    settings.alpha = damping->alpha;
-    settings.beta = damping->beta;
+    put_damping(*damping, settings);
   }
   settings.newmark_beta = options.newmark_beta;
   settings.newmark_gamma = options.newmark_gamma;

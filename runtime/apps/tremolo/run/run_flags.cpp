@@ -58,8 +58,8 @@ void add_body_flags(CLI::App& run, RunOptions& o) {
   CLI::Option* alpha = run.add_option("--alpha", o.alpha, "Rayleigh damping of the mass, 1/s");
   CLI::Option* beta = run.add_option("--beta", o.beta, "Rayleigh damping of the rest stiffness, s");
   run.add_option("--damping-ratio", o.damping_ratio,
-                 "F1:Z1,F2:Z2: alpha and beta from the fraction of critical damping at two "
-                 "frequencies (Hz), as in 1:0.02,30:0.05")
+                 "fraction of critical damping: 2% of every mode, 2%,1%,0.5% of each, 1:2%,30:5% "
+                 "Rayleigh damping by two frequencies (Hz), 1:2%,10:1%,30:5% a table")
       ->excludes(alpha)
       ->excludes(beta);
   run.add_option("--newmark-beta", o.newmark_beta, "Newmark's beta")->capture_default_str();

@@ -44,6 +44,12 @@ bool store_sweep(const toml::node& node, std::string& target) {
   return text.has_value();
 }
 
+bool store_damping(const toml::node& node, std::string& target) {
+  const auto text = damping_text(node);
+  if (text) target = *text;
+  return text.has_value();
+}
+
 bool store_list(const toml::node& node, std::vector<std::string>& target) {
   auto list = list_of_texts(node);
   if (list) target = std::move(*list);
@@ -109,7 +115,7 @@ constexpr Option kOptions[] = {
     option<&RunOptions::scale>("scale"),
     option<&RunOptions::alpha>("alpha"),
     option<&RunOptions::beta>("beta"),
-    option<&RunOptions::damping_ratio>("damping-ratio"),
+    option<&RunOptions::damping_ratio, store_damping>("damping-ratio"),
     option<&RunOptions::newmark_beta>("newmark-beta"),
     option<&RunOptions::newmark_gamma>("newmark-gamma"),
     option<&RunOptions::split>("split"),
@@ -155,9 +161,9 @@ Status read_body(const std::string& path, const toml::table& table, RunOptions& 
                         "': `signal` and `load` are two "
                         "courses of one load: leave one out");
   if (table.contains("damping-ratio") && (table.contains("alpha") || table.contains("beta")))
-    return error_at(
-        path, table.source(),
-        "body '" + body.name + "': `damping-ratio` gives `alpha` and `beta`: leave those out");
+    return error_at(path, table.source(),
+                    "body '" + body.name +
+                        "': `damping-ratio` gives the damping: leave `alpha` and `beta` out");
   body.scene = path;
   body.model = beside(path, body.model);
   if (!body.signal.empty()) body.signal = beside(path, body.signal);

@@ -35,7 +35,7 @@ struct RunOptions {
   std::string deflect;  // "5%": the load is scaled to this motion; empty: it is not
   std::string start;    // start_state.h; empty: at rest
   double alpha = 0.0, beta = 0.0;
-  std::string damping_ratio;  // "F1:Z1,F2:Z2": alpha and beta follow; empty: as they are
+  std::string damping_ratio;  // common/damping_ratios.h; empty: alpha and beta
   double newmark_beta = 0.25, newmark_gamma = 0.5;
   std::string split = "default";
   double safety = 0.9;

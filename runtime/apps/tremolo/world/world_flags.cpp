@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "common/material.h"
+#include "common/damping_ratios.h"
 #include "runtime/apps/tremolo/run/sound.h"
 #include "runtime/apps/tremolo/world/scene_ending.h"
 #include "runtime/apps/tremolo/world/world_commands.h"
@@ -21,6 +21,7 @@ Status apply_to_body(const RunOptions& flags, const std::function<bool(const cha
   if (given("--modes")) body.model_options.modes = flags.modes;
   if (given("--linear")) body.model_options.linear = flags.linear;
   if (given("--hull")) body.model_options.hull = flags.hull;
+  if (given("--alpha") || given("--beta")) options.ratios = {};
   if (given("--alpha")) {
     options.alpha = flags.alpha;
     body.alphas.clear();
@@ -30,10 +31,9 @@ Status apply_to_body(const RunOptions& flags, const std::function<bool(const cha
     body.betas.clear();
   }
   if (given("--damping-ratio")) {
-    const Result<RayleighDamping> damping = parse_damping_ratios(flags.damping_ratio);
+    const Result<DampingRatios> damping = parse_damping(flags.damping_ratio);
     if (!damping) return damping.error();
-    options.alpha = damping->alpha;
-    options.beta = damping->beta;
+    put_damping(*damping, options);
     body.alphas.clear();
     body.betas.clear();
   }

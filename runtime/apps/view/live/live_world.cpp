@@ -129,6 +129,7 @@ Status LiveWorld::begin_again(ModelCache& models) {
     body.integrator = world_->body(i).integrator().name();
     body.options.alpha = world_->body(i).options().alpha;
     body.options.beta = world_->body(i).options().beta;
+    body.options.ratios = world_->body(i).options().ratios;
   }
   return begin(models);
 }

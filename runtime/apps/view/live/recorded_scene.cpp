@@ -85,6 +85,13 @@ void say_method(const LiveWorld& live, std::size_t i, toml::table& table) {
   table.insert_or_assign("integrator", std::string(body.integrator().name()));
   // Values that the scene changes in time keep the scene's keys.
   const SceneBody& wanted = live.viewed().scene.bodies[i];
+  if (body.options().ratios.of_each_mode()) {
+    table.insert_or_assign("damping-ratio", ratios_text(body.options().ratios));
+    table.erase("alpha");
+    table.erase("beta");
+    return;
+  }
+  table.erase("damping-ratio");
   if (wanted.alphas.empty()) table.insert_or_assign("alpha", body.options().alpha);
   if (wanted.betas.empty()) table.insert_or_assign("beta", body.options().beta);
 }

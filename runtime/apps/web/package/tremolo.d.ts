@@ -32,6 +32,7 @@ export interface BodyOptions {
   split?: string;
   step?: number;
   alpha?: number;
+  dampingRatio?: string;
   beta?: number;
   newmarkBeta?: number;
   newmarkGamma?: number;

@@ -207,16 +207,16 @@ export class Model {
     return { rest: Float32Array.from(rest), shapes };
   }
 
-  // integrator, split: names; step, alpha, beta, newmarkBeta, newmarkGamma, safety, tolerance,
+  // integrator, split: names; dampingRatio: "2%" in place of alpha and beta; step, alpha, beta, newmarkBeta, newmarkGamma, safety, tolerance,
   // maxIterations: numbers; frame: 'fixed', or 'driven' or 'free' (full).
   createBody(options = {}) {
     const { tremolo } = this;
     const { engine } = tremolo;
     const handle = tremolo.make((out, scratch) => {
-      const at = scratch.bytes(80);
+      const at = scratch.bytes(88);
       engine._tremolo_body_options_init(at);
       const view = new DataView(engine.HEAPU8.buffer);
-      const texts = { integrator: 8, split: 12 };
+      const texts = { integrator: 8, split: 12, dampingRatio: 80 };
       for (const [name, offset] of Object.entries(texts))
         if (options[name] !== undefined) {
           const text = scratch.text(options[name]);

@@ -145,14 +145,14 @@ class ExactLinear final : public Integrator {
   ExactLinear(std::string_view name, Model::Pointer model, const IntegratorOptions& options)
       : name_(name),
         model_(std::move(model)),
-        damped_(options.alpha > 0.0 || options.beta > 0.0),
         shears_(model_->modes()),
         to_q_(model_->modes()),
         to_p_(model_->modes()),
         mean_q_(model_->modes()),
         double_integral_(model_->modes()),
         z0_{model_->lambda(), model_->lambda()} {
-    const Eigen::VectorXd D = damping_rates(model_->lambda(), options.alpha, options.beta);
+    const Eigen::VectorXd D = damping_rates(model_->lambda(), options);
+    damped_ = D.size() > 0 && D.maxCoeff() > 0.0;
     for (Index i = 0; i < model_->modes(); ++i) {
       set_shear(model_->lambda()[i], options.step, i, shears_);
       set_rows(model_->lambda()[i], D[i], options.step, i);
@@ -209,7 +209,7 @@ class ExactLinear final : public Integrator {
 
   std::string_view name_;
   Model::Pointer model_;
-  bool damped_;
+  bool damped_ = false;
   Shears shears_;
   Combination to_q_;             // q1
   Combination to_p_;             // p1

@@ -68,7 +68,7 @@ Status refuse(const std::string& what, double value, const char* range) {
   return usage_error(what + " is " + number_text(value) + ", must be " + range);
 }
 
-Status check_options(const IntegratorOptions& options) {
+Status check_options(const IntegratorOptions& options, std::size_t modes) {
   const auto not_below_zero = [](double value) { return value >= 0.0 && std::isfinite(value); };
   if (!(options.step > 0.0) || !std::isfinite(options.step))
     return refuse("the step", options.step, "positive and finite (s)");
@@ -85,7 +85,7 @@ Status check_options(const IntegratorOptions& options) {
   if (options.max_iterations < 1)
     return refuse("the number of iterations", options.max_iterations, "at least 1");
   if (options.halvings < 0) return refuse("the number of halvings", options.halvings, "at least 0");
-  return Success{};
+  return check_ratios(options.ratios, modes);
 }
 
 }  // namespace
@@ -101,7 +101,8 @@ MadeIntegrator make_integrator(std::string_view name, Model::Pointer model,
     if (const auto strains = model->strain_matrix(); !strains) return strains.error();
   for (const Entry& entry : kEntries) {
     if (entry.name != name) continue;
-    if (Status status = check_options(wanted); !status) return status.error();
+    const auto modes = static_cast<std::size_t>(model->modes());
+    if (Status status = check_options(wanted, modes); !status) return status.error();
     if (model->modes() == 0) return make_rigid_step(entry.name, wanted);
     // For a linear model the solution that ep4 approximates is known.
     if (entry.name == "ep4" && model->potential().linear() && !wanted.moving_frame)

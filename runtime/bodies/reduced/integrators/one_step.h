@@ -2,7 +2,8 @@
 //
 //     q'' + D q' + R(q) = f(t),     R = grad V,   K = grad R,   p = q'
 //
-// with D = alpha + beta Lambda + rest(q) (solve/damping.h, solve/strain_damping.h), from (q0, p0)
+// with D = alpha + beta Lambda + 2 zeta Lambda^(1/2) + rest(q) (solve/damping.h,
+// solve/strain_damping.h), from (q0, p0)
 // to (q1, p1) in the step h. A method derives from OneStep, starts its file with its equation and
 // implements it in step().
 #pragma once
@@ -32,7 +33,7 @@ class OneStep : public Integrator {
       : name_(name),
         model_(std::move(model)),
         h_(options.step),
-        D_(damping_rates(model_->lambda(), options.alpha, options.beta)),
+        D_(damping_rates(model_->lambda(), options)),
         V_(model_->potential(), want, uses),
         z0_{D_, D_},
         strain_(*model_, options.beta),

@@ -79,7 +79,7 @@ class Verlet4 final : public OneStep {
  public:
   Verlet4(Model::Pointer model, const IntegratorOptions& options)
       : OneStep("verlet4", std::move(model), options),
-        damped_(options.alpha > 0.0 || options.beta > 0.0),
+        damped_(D_.maxCoeff() > 0.0),
         f_(D_),
         dp_(D_),
         flow_{D_, D_, D_} {

@@ -15,8 +15,8 @@ using Eigen::VectorXd;
 DampedMidpoint make_split_midpoint(const Model& model, const IntegratorOptions& options,
                                    Split split) {
   const VectorXd& lambda = model.lambda();
-  DampedMidpoint midpoint = make_damped_midpoint(damping_rates(lambda, options.alpha, options.beta),
-                                                 lambda, options.step);
+  DampedMidpoint midpoint =
+      make_damped_midpoint(damping_rates(lambda, options), lambda, options.step);
   midpoint.g.head(split.low).setOnes();
   for (Index i = split.low; i < lambda.size(); ++i) {
     const double share = stiff_share(options.step * options.beta * lambda[i]);
@@ -81,9 +81,8 @@ HighRows::HighRows(const Model& model, Split split, const IntegratorOptions& opt
                    HighDamping damping, SolveNorm norm, std::shared_ptr<HighScratch> scratch)
     : potential_(model.potential()),
       split_(split),
-      midpoint_(make_damped_midpoint(
-          damping_rates(model.lambda().tail(split.high), options.alpha, options.beta),
-          model.lambda().tail(split.high), options.step)),
+      midpoint_(make_damped_midpoint(damping_rates(model.lambda(), options).tail(split.high),
+                                     model.lambda().tail(split.high), options.step)),
       tolerance_(options.tolerance),
       max_iterations_(options.max_iterations),
       damping_(damping),

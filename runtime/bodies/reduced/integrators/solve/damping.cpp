@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace tremolo {
 namespace {
@@ -33,6 +34,21 @@ double damp_most(double theta, double c, double w, double n) {
 }
 
 }  // namespace
+
+Eigen::VectorXd modal_rates(const DampingRatios& ratios, const Eigen::VectorXd& lambda) {
+  Eigen::VectorXd rates(lambda.size());
+  for (Eigen::Index i = 0; i < lambda.size(); ++i) {
+    const double omega = std::sqrt(lambda[i]), frequency = 0.5 * omega / std::numbers::pi;
+    rates[i] = 2.0 * omega * ratio_of(ratios, static_cast<std::size_t>(i), frequency);
+  }
+  return rates;
+}
+
+Eigen::VectorXd damping_rates(const Eigen::VectorXd& lambda, const IntegratorOptions& options) {
+  Eigen::VectorXd rates = damping_rates(lambda, options.alpha, options.beta);
+  if (options.ratios.of_each_mode()) rates += modal_rates(options.ratios, lambda);
+  return rates;
+}
 
 DampedWeights damped_weights(double c, double w, InertiaWeight undamped) {
   constexpr double kSmall = 1e-2;  // of w: below, theta and n differ from their limits by w^2

@@ -1,5 +1,6 @@
-// Rayleigh damping D = alpha M + beta K(0). In the model's coordinates M is the identity and K(0)
-// is diagonal, so D and its discrete forms are diagonal too.
+// The damping D: Rayleigh's alpha M + beta K(0), and a ratio zeta_i of each coordinate, 2 zeta_i
+// omega_i. In the model's coordinates M is the identity and K(0) is diagonal, so D and its discrete
+// forms are diagonal too.
 //
 // Two conditions must hold at any D h. A coordinate that moves freely must decay as s^2 + D s +
 // omega^2 = 0. A stiff coordinate that follows others, or a strongly damped one that follows the
@@ -34,12 +35,21 @@
 
 #include <Eigen/Core>
 
+#include "runtime/integrator.h"
+
 namespace tremolo {
 
 // The diagonal of D: alpha + beta lambda_i, 1/s. alpha: 1/s, beta: s, lambda: (rad/s)^2.
 inline Eigen::VectorXd damping_rates(const Eigen::VectorXd& lambda, double alpha, double beta) {
   return (alpha + beta * lambda.array()).matrix();
 }
+
+// The rates 2 zeta_i omega_i of ratios of each coordinate, r, 1/s; zeros for none. lambda: of all
+// coordinates, so that the first has the first ratio.
+Eigen::VectorXd modal_rates(const DampingRatios& ratios, const Eigen::VectorXd& lambda);
+
+// The diagonal of D of the options, r, 1/s. lambda: of all coordinates, (rad/s)^2.
+Eigen::VectorXd damping_rates(const Eigen::VectorXd& lambda, const IntegratorOptions& options);
 
 // theta and n of the header for one coordinate.
 struct DampedWeights {

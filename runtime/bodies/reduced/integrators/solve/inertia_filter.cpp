@@ -176,7 +176,7 @@ InertiaDamping make_inertia_damping(const Model& model, const IntegratorOptions&
   const double h = options.step;
   const Index r = model.modes();
   InertiaDamping damping;
-  damping.D = damping_rates(model.lambda(), options.alpha, options.beta);
+  damping.D = damping_rates(model.lambda(), options);
   damping.present = r > 0 && damping.D.maxCoeff() > 0.0;
   damping.z = (0.25 * h * h) * model.lambda();
   if (!model.potential().linear()) damping.strain = 2.0 * options.beta / h;
