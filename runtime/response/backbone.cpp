@@ -1,18 +1,23 @@
 #include "runtime/response/backbone.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
 
 #include "common/text.h"
 #include "runtime/response/curve_tracer.h"
+#include "runtime/response/half_period.h"
 #include "runtime/response/static_state.h"
 
 namespace tremolo {
 namespace {
 
 constexpr double kFirstAmplitude = 1e-3;  // of a backbone, relative to its last
+
+constexpr int kMostJoints = 8;              // with backbones of twice the frequency
 
 // A mode of small vibration about a state at rest.
 struct SmallVibration {
@@ -49,6 +54,13 @@ std::string equal_frequency(const VibratingSystem& system, Eigen::Index mode) {
              std::to_string(std::max(i, mode) + 1) +
              " have the same frequency, so that the direction of small vibration is not unique";
   return {};
+}
+
+void append(MotionCurve more, MotionCurve& curve) {
+  for (CurvePoint& point : more.points) curve.points.push_back(std::move(point));
+  for (Bifurcation& found : more.bifurcations) curve.bifurcations.push_back(std::move(found));
+  curve.end = more.end;
+  curve.largest_share = std::max(curve.largest_share, more.largest_share);
 }
 
 }  // namespace
@@ -129,7 +141,16 @@ Result<MotionCurve> backbone_curve(const VibratingSystem& system, const Backbone
   goal.returned = [&](const CurvePoint& point) {
     return point.amplitude < 0.5 * kFirstAmplitude * request.to_amplitude;
   };
-  return trace_curve(equations, undamped, std::move(y), direction, goal, true, options);
+  goal.ends_at_half_period = true;
+  Result<MotionCurve> curve =
+      trace_curve(equations, undamped, std::move(y), direction, goal, true, options);
+  const FreeMotions free{undamped, constant, size, mode.omega};
+  for (int i = 0; curve && curve->end == CurveEnd::kJoined && i < kMostJoints; ++i) {
+    std::optional<MotionCurve> more = past_half_period(free, goal, options, *curve);
+    if (!more) break;
+    append(std::move(*more), *curve);
+  }
+  return curve;
 }
 
 }  // namespace tremolo
