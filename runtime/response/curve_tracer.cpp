@@ -217,6 +217,7 @@ class Tracer {
     point.omega = equations_.omega(state.y);
     point.motion = equations_.motion(state.y);
     point.amplitude = options_.amplitude(point.motion);
+    point.load = equations_.load_factor(state.y);
     return point;
   }
 
