@@ -1,18 +1,23 @@
 #include "runtime/response/backbone.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
 
 #include "common/text.h"
 #include "runtime/response/curve_tracer.h"
+#include "runtime/response/half_period.h"
 #include "runtime/response/static_state.h"
 
 namespace tremolo {
 namespace {
 
 constexpr double kFirstAmplitude = 1e-3;  // of a backbone, relative to its last
+
+constexpr int kMostJoints = 8;              // with backbones of twice the frequency
 
 // A mode of small vibration about a state at rest.
 struct SmallVibration {
@@ -31,11 +36,11 @@ SmallVibration small_vibration(const Potential& potential, const Eigen::VectorXd
   return {solver.eigenvectors().col(mode), std::sqrt(solver.eigenvalues()[mode])};
 }
 
-Status check(const VibratingSystem& system, const BackboneRequest& request) {
-  if (request.mode < 0 || request.mode >= system.size())
-    return content_error("mode " + std::to_string(request.mode + 1) +
-                         ": the model has modes 1 to " + std::to_string(system.size()));
-  if (!(request.to_amplitude > 0.0) || !std::isfinite(request.to_amplitude))
+Status check(const VibratingSystem& system, Eigen::Index mode, double to_amplitude) {
+  if (mode < 0 || mode >= system.size())
+    return content_error("mode " + std::to_string(mode + 1) + ": the model has modes 1 to " +
+                         std::to_string(system.size()));
+  if (!(to_amplitude > 0.0) || !std::isfinite(to_amplitude))
     return content_error("the amplitude must be positive and finite");
   return Success{};
 }
@@ -49,6 +54,38 @@ std::string equal_frequency(const VibratingSystem& system, Eigen::Index mode) {
              std::to_string(std::max(i, mode) + 1) +
              " have the same frequency, so that the direction of small vibration is not unique";
   return {};
+}
+
+Eigen::VectorXd or_zero(const Eigen::VectorXd& vector, Eigen::Index size) {
+  return vector.size() > 0 ? vector : Eigen::VectorXd(Eigen::VectorXd::Zero(size));
+}
+
+// The mode's coordinate at the first amplitude. Error: kContent.
+Result<double> size_of_first(const SmallVibration& mode, double to_amplitude,
+                             const CurveOptions& options) {
+  FourierSeries unit = FourierSeries::Zero(mode.shape.size(), 3);
+  unit.col(cosine_column(1)) = mode.shape;
+  const double amplitude = options.amplitude(unit);
+  if (!(amplitude > 0.0))
+    return content_error("the mode does not move the point whose amplitude is asked");
+  return kFirstAmplitude * to_amplitude / amplitude;
+}
+
+CurveGoal amplitude_goal(double to_amplitude) {
+  CurveGoal goal;
+  goal.beyond = [=](const CurvePoint& point) { return point.amplitude / to_amplitude - 1.0; };
+  // An internal resonance may lead back to rest.
+  goal.returned = [=](const CurvePoint& point) {
+    return point.amplitude < 0.5 * kFirstAmplitude * to_amplitude;
+  };
+  return goal;
+}
+
+void append(MotionCurve more, MotionCurve& curve) {
+  for (CurvePoint& point : more.points) curve.points.push_back(std::move(point));
+  for (Bifurcation& found : more.bifurcations) curve.bifurcations.push_back(std::move(found));
+  curve.end = more.end;
+  curve.largest_share = std::max(curve.largest_share, more.largest_share);
 }
 
 }  // namespace
@@ -92,26 +129,20 @@ HarmonicPart largest_part(const FourierSeries& motion) {
 
 Result<MotionCurve> backbone_curve(const VibratingSystem& system, const BackboneRequest& request,
                                    const CurveOptions& options) {
-  if (Status s = check(system, request); !s) return s.error();
+  if (Status s = check(system, request.mode, request.to_amplitude); !s) return s.error();
   VibratingSystem undamped = system;
   undamped.damping.setZero();
   undamped.beta = 0.0;
   undamped.strains = nullptr;
-  const Eigen::VectorXd constant = request.constant.size() > 0
-                                       ? request.constant
-                                       : Eigen::VectorXd(Eigen::VectorXd::Zero(system.size()));
+  const Eigen::VectorXd constant = or_zero(request.constant, system.size());
   const Result<Eigen::VectorXd> rest = static_state(system.potential, constant);
   if (!rest) return rest.error();
   const SmallVibration mode = small_vibration(system.potential, *rest, request.mode);
+  const Result<double> first_size = size_of_first(mode, request.to_amplitude, options);
+  if (!first_size) return first_size.error();
+  const double size = *first_size;
   FourierSeries start = with_harmonics(*rest, options.harmonics);
-  start.col(0).setZero();
-  start.col(cosine_column(1)) = mode.shape;
-  const double unit = options.amplitude(start);
-  if (!(unit > 0.0))
-    return content_error("the mode does not move the point whose amplitude is asked");
-  const double size = kFirstAmplitude * request.to_amplitude / unit;
-  start.col(cosine_column(1)) *= size;
-  start.col(0) = *rest;
+  start.col(cosine_column(1)) = size * mode.shape;
   FreeEquations equations(undamped, constant, options.harmonics, size, mode.omega);
   Eigen::VectorXd y = equations.unknowns_of(start, mode.omega);
   equations.refer_to(y);
@@ -121,15 +152,56 @@ Result<MotionCurve> backbone_curve(const VibratingSystem& system, const Backbone
     return Error{ErrorKind::kSolver, "no free motion of small amplitude was found near mode " +
                                          std::to_string(request.mode + 1) +
                                          equal_frequency(system, request.mode)};
-  CurveGoal goal;
-  goal.beyond = [&](const CurvePoint& point) {
-    return point.amplitude / request.to_amplitude - 1.0;
-  };
-  // An internal resonance may lead back to rest.
-  goal.returned = [&](const CurvePoint& point) {
-    return point.amplitude < 0.5 * kFirstAmplitude * request.to_amplitude;
-  };
-  return trace_curve(equations, undamped, std::move(y), direction, goal, true, options);
+  CurveGoal goal = amplitude_goal(request.to_amplitude);
+  goal.ends_at_half_period = true;
+  Result<MotionCurve> curve =
+      trace_curve(equations, undamped, std::move(y), direction, goal, true, options);
+  const FreeMotions free{undamped, constant, size, mode.omega};
+  for (int i = 0; curve && curve->end == CurveEnd::kJoined && i < kMostJoints; ++i) {
+    std::optional<MotionCurve> more = past_half_period(free, goal, options, *curve);
+    if (!more) break;
+    append(std::move(*more), *curve);
+  }
+  return curve;
+}
+
+Result<MotionCurve> damped_backbone_curve(const VibratingSystem& system,
+                                          const DampedBackboneRequest& request,
+                                          const CurveOptions& options) {
+  // A share of the load that moves the mode less than this acts on it by rounding only.
+  constexpr double kLeastShare = 1e-6;
+  if (Status s = check(system, request.mode, request.to_amplitude); !s) return s.error();
+  if (!system.damped())
+    return content_error("a damped backbone needs damping; without it, it is the free one");
+  const Eigen::VectorXd constant = or_zero(request.constant, system.size());
+  const Result<Eigen::VectorXd> rest = static_state(system.potential, constant);
+  if (!rest) return rest.error();
+  const SmallVibration mode = small_vibration(system.potential, *rest, request.mode);
+  const double along = mode.shape.dot(request.load);
+  if (!(std::abs(along) > kLeastShare * request.load.norm()))
+    return content_error("the load does not move mode " + std::to_string(request.mode + 1) +
+                         "; a damped backbone needs a load that does");
+  const Result<double> size = size_of_first(mode, request.to_amplitude, options);
+  if (!size) return size.error();
+  // The force that keeps the mode alone at this size.
+  const double rate = mode.shape.dot(system.damping.cwiseProduct(mode.shape));
+  const double factor = *size * rate * mode.omega / along;
+  FourierSeries force = with_harmonics(constant, 1);
+  force.col(cosine_column(1)) = factor * request.load;
+  const Result<FourierSeries> start =
+      linear_motion(system, *rest, force, mode.omega, options.harmonics);
+  if (!start) return start.error();
+  QuadratureEquations equations(system, constant, request.load, options.harmonics, *size,
+                                mode.omega);
+  Eigen::VectorXd y = equations.unknowns_of(*start, mode.omega, factor);
+  Eigen::VectorXd direction = equations.unknowns_of(*start, 0.0, 0.0);
+  direction.head(system.size()).setZero();
+  if (!solve_on_border(equations, direction, kCurveTolerance, y).converged)
+    return Error{ErrorKind::kSolver, "no motion in phase resonance was found near mode " +
+                                         std::to_string(request.mode + 1) +
+                                         equal_frequency(system, request.mode)};
+  return trace_curve(equations, system, std::move(y), direction,
+                     amplitude_goal(request.to_amplitude), false, options);
 }
 
 }  // namespace tremolo

@@ -31,4 +31,19 @@ HarmonicPart largest_part(const FourierSeries& motion);
 Result<MotionCurve> backbone_curve(const VibratingSystem& system, const BackboneRequest& request,
                                    const CurveOptions& options);
 
+struct DampedBackboneRequest {
+  Eigen::Index mode = 0;      // as above
+  Eigen::VectorXd constant;   // r; empty: none
+  Eigen::VectorXd load;       // r: the shape of the force, N kg^-1/2, not zero in the mode
+  double to_amplitude = 0.0;  // in the unit of options.amplitude
+};
+
+// The motions of the damped body in which the displacement along the load lags it by 90 degrees
+// (phase resonance), with the factor of the load that keeps them (CurvePoint::load): the ridge of
+// the response curves. The load is factor . cos(omega t) load. Errors: as above, and kContent for a
+// system without damping or a load that does not move the mode.
+Result<MotionCurve> damped_backbone_curve(const VibratingSystem& system,
+                                          const DampedBackboneRequest& request,
+                                          const CurveOptions& options);
+
 }  // namespace tremolo

@@ -10,6 +10,10 @@ namespace {
 constexpr double kFirstStep = 0.01;
 constexpr double kShortestStep = 1e-7;
 constexpr double kLeastCosine = 0.87;  // between the tangents of neighbours: 30 degrees
+// Of the harmonics left out relative to the share of the highest: they decide on the frequency by
+// their square, and an internal resonance by as little.
+constexpr double kMissingPart = 0.1;
+constexpr double kFarBelow = 0.02;  // of both, before harmonics are taken away
 constexpr int kFewFactorizations = 2, kManyFactorizations = 3;
 // Distance of a multiplier from the unit circle that counts: above the errors of its computation.
 constexpr double kOutside = 1e-7, kOutsideConservative = 1e-5;
@@ -34,7 +38,7 @@ class Tracer {
     Result<CurveState> state = curve_state(equations_, std::move(first), direction);
     if (!state) return state.error();
     state_ = std::move(*state);
-    if (!raise_harmonics()) return Error{ErrorKind::kSolver, "more harmonics give no motion"};
+    if (!adapt_harmonics()) return Error{ErrorKind::kSolver, "more harmonics give no motion"};
     add_point(point_of(state_));
     while (!ended()) {
       if (!advance_once()) curve_.end = CurveEnd::kStuck, finished_ = true;
@@ -60,7 +64,9 @@ class Tracer {
     point.omega = equations_.omega(state.y);
     point.motion = equations_.motion(state.y);
     point.share = last_share(point.motion);
+    point.missing = equations_.missing_share(state.y);
     point.amplitude = options_.amplitude(point.motion);
+    point.load = equations_.load_factor(state.y);
     point.length = length_;
     if (!options_.stability) return point;
     point.multipliers =
@@ -86,30 +92,52 @@ class Tracer {
     if (options_.stopped && options_.stopped()) return end(CurveEnd::kStopped);
     if (last.amplitude > options_.largest_amplitude) return end(CurveEnd::kUnbounded);
     if (goal_.returned && goal_.returned(last)) return end(CurveEnd::kReturned);
+    if (goal_.enough && goal_.enough(curve_)) return end(CurveEnd::kDone);
     if (curve_.points.size() >= static_cast<std::size_t>(options_.most_points))
       return end(CurveEnd::kLong);
     return false;
   }
 
-  // More harmonics where the highest hold too much. False: the motion with more was not found.
-  bool raise_harmonics() {
-    while (equations_.harmonics() < options_.most_harmonics &&
-           last_share(equations_.motion(state_.y)) > options_.harmonic_share) {
-      const FourierSeries before = equations_.motion(state_.y);
-      const FourierSeries slope = equations_.motion(state_.tangent);
-      const double omega = equations_.omega(state_.y);
-      const double omega_slope = state_.omega_slope();
-      equations_.set_harmonics(std::min(equations_.harmonics() + 2, options_.most_harmonics));
-      Eigen::VectorXd y = equations_.unknowns_of(before, omega);
-      Eigen::VectorXd direction = equations_.unknowns_of(slope, omega_slope);
-      direction.array() *= equations_.weights(y).array().square();
-      equations_.refer_to(y);
-      if (!solve_on_border(equations_, direction, kCurveTolerance, y).converged) return false;
-      Result<CurveState> state = curve_state(equations_, std::move(y), direction);
-      if (!state) return false;
-      state_ = std::move(*state);
-    }
+  // More harmonics where the highest or those left out hold too much, fewer where they hold far
+  // less. False: the motion with more was not found.
+  bool adapt_harmonics() {
+    while (equations_.harmonics() < options_.most_harmonics && too_few_harmonics())
+      if (!change_harmonics(std::min(equations_.harmonics() + 2, options_.most_harmonics)))
+        return false;
+    if (equations_.harmonics() >= options_.harmonics + 2 && too_many_harmonics())
+      change_harmonics(equations_.harmonics() - 2);
     return true;
+  }
+  bool too_few_harmonics() {
+    return last_share(equations_.motion(state_.y)) > options_.harmonic_share ||
+           equations_.missing_share(state_.y) > kMissingPart * options_.harmonic_share;
+  }
+  bool too_many_harmonics() {
+    const double most = kFarBelow * options_.harmonic_share;
+    return last_share(equations_.motion(state_.y)) < most &&
+           equations_.last_strain_share(state_.y) < kMissingPart * most;
+  }
+  bool change_harmonics(Eigen::Index harmonics) {
+    const Eigen::Index before = equations_.harmonics();
+    const FourierSeries motion = equations_.motion(state_.y);
+    const FourierSeries slope = equations_.motion(state_.tangent);
+    const double omega = equations_.omega(state_.y), extra = equations_.extra(state_.y);
+    const double omega_slope = state_.omega_slope(), extra_slope = equations_.extra(state_.tangent);
+    equations_.set_harmonics(harmonics);
+    Eigen::VectorXd y = equations_.unknowns_of(motion, omega, extra);
+    Eigen::VectorXd direction = equations_.unknowns_of(slope, omega_slope, extra_slope);
+    direction.array() *= equations_.weights(y).array().square();
+    equations_.refer_to(y);
+    if (solve_on_border(equations_, direction, kCurveTolerance, y).converged) {
+      Result<CurveState> state = curve_state(equations_, std::move(y), direction);
+      if (state) {
+        state_ = std::move(*state);
+        return true;
+      }
+    }
+    equations_.set_harmonics(before);
+    equations_.refer_to(state_.y);
+    return false;
   }
 
   // One accepted step; shortens it until it succeeds. False: even the shortest fails.
@@ -130,11 +158,12 @@ class Tracer {
   bool accept(CurveState& next, const CorrectorReport& report) {
     length_ += ds_;
     CurvePoint point = point_of(next);
+    if (goal_.ends_at_half_period && meets_half_period(next)) return join(next);
     if (goal_.beyond(point) >= 0.0) return arrive(next, point);
     find_events(next, point);
     state_ = std::move(next);
     const Eigen::Index before = equations_.harmonics();
-    if (!raise_harmonics()) return add_point(std::move(point)), false;
+    if (!adapt_harmonics()) return add_point(std::move(point)), false;
     if (equations_.harmonics() != before) point = point_of(state_);
     add_point(std::move(point));
     // The coupling of soft and stiff coordinates makes old factors contract slowly, at steps that
@@ -144,6 +173,31 @@ class Tracer {
     else if (report.factorizations > kManyFactorizations)
       ds_ *= 0.6;
     return true;
+  }
+
+  // True if the odd harmonics vanish between state_ and `next`.
+  bool meets_half_period(const CurveState& next) const {
+    constexpr double kNearZero = 0.2;  // of the way, off a straight line through zero
+    const Eigen::VectorXd a = odd_harmonics(equations_.motion(state_.y)).reshaped();
+    const Eigen::VectorXd b = odd_harmonics(equations_.motion(next.y)).reshaped();
+    if (!(a.dot(b) < 0.0)) return false;
+    const double part = a.norm() / (a.norm() + b.norm());
+    return (a + part * (b - a)).norm() < kNearZero * (b - a).norm();
+  }
+  // Ends the curve at the even harmonics between state_ and `next`, which nearly solve.
+  bool join(const CurveState& next) {
+    const FourierSeries a = equations_.motion(state_.y), b = equations_.motion(next.y);
+    const double before = odd_harmonics(a).norm(), behind = odd_harmonics(b).norm();
+    const double part = before / (before + behind);
+    CurvePoint point = curve_.points.back();
+    point.motion = a + part * (b - a);
+    point.motion -= odd_harmonics(point.motion);
+    point.omega += part * (equations_.omega(next.y) - point.omega);
+    point.amplitude = options_.amplitude(point.motion);
+    point.length = length_;
+    add_point(std::move(point));
+    curve_.end = CurveEnd::kJoined;
+    return finished_ = true;
   }
 
   // The last point is at the goal itself.
@@ -163,6 +217,7 @@ class Tracer {
     point.omega = equations_.omega(state.y);
     point.motion = equations_.motion(state.y);
     point.amplitude = options_.amplitude(point.motion);
+    point.load = equations_.load_factor(state.y);
     return point;
   }
 

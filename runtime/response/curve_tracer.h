@@ -15,6 +15,11 @@ struct CurveGoal {
   std::function<double(const CurvePoint&)> beyond;
   // True if the curve has left its range by the other side. May be empty.
   std::function<bool(const CurvePoint&)> returned;
+  // True if the curve has all that is needed: it ends as done. May be empty.
+  std::function<bool(const MotionCurve&)> enough;
+  // The curve ends, as joined, where the odd harmonics vanish and change their sign: it meets a
+  // motion of half the period there and would then repeat itself, half a period later.
+  bool ends_at_half_period = false;
 };
 
 // first: the unknowns of a solution; direction: where to go, in the unknowns (curve_state).

@@ -46,6 +46,31 @@ FourierSeries shifted(const FourierSeries& series, double shift) {
   return result;
 }
 
+FourierSeries odd_harmonics(const FourierSeries& series) {
+  FourierSeries result = FourierSeries::Zero(series.rows(), series.cols());
+  for (Eigen::Index k = 1; k <= harmonics_of(series); k += 2)
+    result.middleCols(cosine_column(k), 2) = series.middleCols(cosine_column(k), 2);
+  return result;
+}
+
+FourierSeries doubled_period(const FourierSeries& series) {
+  const Eigen::Index H = harmonics_of(series);
+  FourierSeries result = FourierSeries::Zero(series.rows(), 4 * H + 1);
+  result.col(0) = series.col(0);
+  for (Eigen::Index k = 1; k <= H; ++k)
+    result.middleCols(cosine_column(2 * k), 2) = series.middleCols(cosine_column(k), 2);
+  return result;
+}
+
+FourierSeries halved_period(const FourierSeries& series) {
+  const Eigen::Index H = harmonics_of(series) / 2;
+  FourierSeries result(series.rows(), 2 * H + 1);
+  result.col(0) = series.col(0);
+  for (Eigen::Index k = 1; k <= H; ++k)
+    result.middleCols(cosine_column(k), 2) = series.middleCols(cosine_column(2 * k), 2);
+  return result;
+}
+
 double harmonic_size(const FourierSeries& series, Eigen::Index k) {
   if (k == 0) return series.col(0).norm();
   return std::sqrt(0.5 * (series.col(cosine_column(k)).squaredNorm() +

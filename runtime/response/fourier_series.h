@@ -30,6 +30,14 @@ FourierSeries with_harmonics(const FourierSeries& series, Eigen::Index harmonics
 // The series of x(t + shift / omega): all angles advance by `shift`, rad.
 FourierSeries shifted(const FourierSeries& series, double shift);
 
+// The odd harmonics alone; the others are zero.
+FourierSeries odd_harmonics(const FourierSeries& series);
+
+// A motion of period T/2 as one of period T: harmonic k becomes harmonic 2k. And back, of the even
+// harmonics of a motion of period T.
+FourierSeries doubled_period(const FourierSeries& series);
+FourierSeries halved_period(const FourierSeries& series);
+
 // The size of harmonic k: the root of the mean square of a_k and b_k over both, or |c_0| for k = 0.
 double harmonic_size(const FourierSeries& series, Eigen::Index k);
 

@@ -1,5 +1,6 @@
 #include "runtime/response/harmonic_balance.h"
 
+#include <cmath>
 #include <numbers>
 
 namespace tremolo {
@@ -45,9 +46,7 @@ void HarmonicBalance::sample(const FourierSeries& motion, double omega) {
   if (!strain_rates_.none()) v_.noalias() = omega * motion * slope_to_samples_;
 }
 
-void HarmonicBalance::residual(const FourierSeries& motion, double omega, double xi,
-                               const FourierSeries& force, FourierSeries& out) {
-  sample(motion, omega);
+void HarmonicBalance::sample_forces() {
   Eigen::VectorXd q(size_), extra(size_), v(size_);
   for (Eigen::Index n = 0; n < samples_; ++n) {
     q = q_.col(n);
@@ -58,6 +57,48 @@ void HarmonicBalance::residual(const FourierSeries& motion, double omega, double
     strain_rates_.force(q, v, extra);
     forces_.col(n) += extra;
   }
+}
+
+double HarmonicBalance::missing_share(const FourierSeries& motion, double omega) {
+  // A harmonic near a resonance is estimated as if it were this far from it.
+  constexpr double kLeastDistance = 0.1;
+  sample(motion, omega);
+  sample_forces();
+  const Eigen::ArrayXd lambda = system_.potential.lambda();
+  double known = 0.0, missing = 0.0;
+  for (Eigen::Index k = 1; k <= 2 * harmonics_; ++k) {
+    const Eigen::Index a = cosine_column(k), b = sine_column(k);
+    if (k <= harmonics_) {
+      known += (lambda * (motion.col(a).array().square() + motion.col(b).array().square())).sum();
+      continue;
+    }
+    Eigen::MatrixXd to_harmonic(samples_, 2);
+    for (Eigen::Index n = 0; n < samples_; ++n) {
+      const double theta = 2.0 * std::numbers::pi * static_cast<double>(k * n) /
+                           static_cast<double>(samples_);
+      to_harmonic.row(n) << std::cos(theta), std::sin(theta);
+    }
+    const double speed = static_cast<double>(k) * omega;
+    const Eigen::ArrayXd stiffness =
+        (lambda - speed * speed).abs().max(kLeastDistance * lambda.max(speed * speed));
+    const Eigen::ArrayXd squares =
+        (forces_ * to_harmonic * (2.0 / static_cast<double>(samples_))).rowwise().squaredNorm();
+    missing += (lambda * squares / stiffness.square()).sum();
+  }
+  return known > 0.0 ? std::sqrt(missing / known) : 0.0;
+}
+
+double HarmonicBalance::strain_share(const FourierSeries& motion, Eigen::Index first) const {
+  const Eigen::VectorXd roots = system_.potential.lambda().cwiseSqrt();
+  const double all = (roots.asDiagonal() * motion.rightCols(2 * harmonics_)).norm();
+  const Eigen::Index columns = 2 * (harmonics_ - first + 1);
+  return all > 0.0 ? (roots.asDiagonal() * motion.rightCols(columns)).norm() / all : 0.0;
+}
+
+void HarmonicBalance::residual(const FourierSeries& motion, double omega, double xi,
+                               const FourierSeries& force, FourierSeries& out) {
+  sample(motion, omega);
+  sample_forces();
   out.noalias() = forces_ * to_coefficients_;
   out -= force;
   for (Eigen::Index k = 1; k <= harmonics_; ++k) {

@@ -34,6 +34,13 @@ class HarmonicBalance {
   void residual(const FourierSeries& motion, double omega, double xi, const FourierSeries& force,
                 FourierSeries& out);
 
+  // An estimate of the harmonics H + 1 to 2H that the motion leaves out: the linear response to
+  // their forces, as the root of its strain energy relative to that of the motion. Energy, since
+  // small displacements of stiff coordinates decide on the frequency.
+  double missing_share(const FourierSeries& motion, double omega);
+  // The same measure of the motion's own harmonics from `first` to H.
+  double strain_share(const FourierSeries& motion, Eigen::Index first) const;
+
   // Sets the leading block of `out`: unknowns() x unknowns(), unknowns in the storage order of a
   // FourierSeries. by_omega, by_xi: derivatives of the residual, unknowns(); by_xi may be null.
   void jacobian(const FourierSeries& motion, double omega, double xi,
@@ -42,6 +49,7 @@ class HarmonicBalance {
 
  private:
   void sample(const FourierSeries& motion, double omega);
+  void sample_forces();
   void sample_tangents();
   void add_blocks(const Eigen::MatrixXd& weights, const Eigen::MatrixXd& samples,
                   Eigen::Ref<Eigen::MatrixXd> out);

@@ -1,5 +1,6 @@
 // Harmonic balance as the equations of a curve (curve.h): of a forced response and of a backbone.
-// The unknowns are the coefficients of the motion, possibly the artificial damping xi, and omega.
+// The unknowns are the coefficients of the motion, possibly one more number (the artificial damping
+// xi, or the load's factor), and omega.
 #pragma once
 
 #include <memory>
@@ -11,30 +12,41 @@ namespace tremolo {
 
 class MotionEquations : public CurveEquations {
  public:
-  // with_xi: xi is an unknown. least_size: the size of a motion below which lengths are not
-  // relative to it.
-  MotionEquations(const VibratingSystem& system, Eigen::Index harmonics, bool with_xi,
+  // with_extra: there is one more unknown than the motion and omega. least_size: the size of a
+  // motion below which lengths are not relative to it.
+  MotionEquations(const VibratingSystem& system, Eigen::Index harmonics, bool with_extra,
                   double least_size, double omega_scale);
 
-  Eigen::Index unknowns() const override { return balance_->unknowns() + (with_xi_ ? 2 : 1); }
+  Eigen::Index unknowns() const override { return balance_->unknowns() + (with_extra_ ? 2 : 1); }
   Eigen::VectorXd weights(const Eigen::VectorXd& y) const override;
 
   Eigen::Index harmonics() const { return balance_->harmonics(); }
   virtual void set_harmonics(Eigen::Index harmonics);
 
   FourierSeries motion(const Eigen::VectorXd& y) const;
+  // HarmonicBalance::missing_share.
+  double missing_share(const Eigen::VectorXd& y) {
+    return balance_->missing_share(motion(y), omega(y));
+  }
   double omega(const Eigen::VectorXd& y) const { return y[y.size() - 1]; }
-  // Unknowns of a motion with the present number of harmonics; xi is zero.
-  Eigen::VectorXd unknowns_of(const FourierSeries& motion, double omega) const;
+  // HarmonicBalance::strain_share of the two highest harmonics.
+  double last_strain_share(const Eigen::VectorXd& y) const {
+    return balance_->strain_share(motion(y), harmonics() - 1);
+  }
+  double extra(const Eigen::VectorXd& y) const { return with_extra_ ? y[y.size() - 2] : 0.0; }
+  // The factor of the load at y.
+  virtual double load_factor(const Eigen::VectorXd& y) const;
+  // Unknowns of a motion with the present number of harmonics.
+  Eigen::VectorXd unknowns_of(const FourierSeries& motion, double omega, double extra = 0.0) const;
 
  protected:
   HarmonicBalance& balance() { return *balance_; }
-  bool with_xi() const { return with_xi_; }
+  const VibratingSystem& system() const { return system_; }
 
  private:
   const VibratingSystem& system_;
   std::unique_ptr<HarmonicBalance> balance_;
-  bool with_xi_;
+  bool with_extra_;
   double least_size_, omega_scale_;
 };
 
@@ -73,6 +85,60 @@ class FreeEquations : public MotionEquations {
   Eigen::VectorXd constant_;
   FourierSeries force_;
   Eigen::VectorXd phase_row_;  // of the coefficients
+};
+
+// g = the residual under factor . cos(omega t) shape, and the condition that the displacement along
+// the shape is in quadrature: shape . a_1 = 0. Such a force balances the damping at each time as far
+// as one harmonic can (phase resonance). The factor is an unknown.
+class QuadratureEquations : public MotionEquations {
+ public:
+  // constant, shape: r.
+  QuadratureEquations(const VibratingSystem& system, Eigen::VectorXd constant,
+                      Eigen::VectorXd shape, Eigen::Index harmonics, double least_size,
+                      double omega_scale);
+
+  Eigen::VectorXd weights(const Eigen::VectorXd& y) const override;
+  double load_factor(const Eigen::VectorXd& y) const override { return extra(y); }
+  void residual(const Eigen::VectorXd& y, Eigen::VectorXd& out) override;
+  void jacobian(const Eigen::VectorXd& y, Eigen::MatrixXd& out) override;
+
+ private:
+  Eigen::VectorXd constant_, shape_;
+};
+
+// The folds of response curves over the load's factor: g = the residual under factor . force, and
+// h = 0, where h and the vectors v, w of a fold solve
+//
+//     [J  b] [v]   [0]        [J^T  c] [w]   [0]
+//     [c' 0] [h] = [1],       [b'   0] [h] = [1]
+//
+// with the Jacobian J of g by the motion and fixed b, c. Then dh = -w . dJ v. J is quadratic in
+// the motion and in omega, so that central differences of it are exact.
+class FoldEquations : public MotionEquations {
+ public:
+  // force: r x (2K + 1), kept by reference; its constant part has no factor.
+  FoldEquations(const VibratingSystem& system, const FourierSeries& force, Eigen::Index harmonics,
+                double least_size, double omega_scale);
+
+  void set_harmonics(Eigen::Index harmonics) override;
+  // Sets b and c to the present null vectors.
+  void refer_to(const Eigen::VectorXd& y) override;
+  Eigen::VectorXd weights(const Eigen::VectorXd& y) const override;
+  double load_factor(const Eigen::VectorXd& y) const override { return extra(y); }
+  void residual(const Eigen::VectorXd& y, Eigen::VectorXd& out) override;
+  void jacobian(const Eigen::VectorXd& y, Eigen::MatrixXd& out) override;
+
+ private:
+  struct NullVectors {
+    Eigen::VectorXd v, w;
+    double h = 0.0;
+  };
+  NullVectors null_vectors(const Eigen::MatrixXd& J) const;
+  Eigen::MatrixXd by_motion(const FourierSeries& motion, double omega, Eigen::VectorXd& by_omega);
+
+  const FourierSeries& force_;
+  FourierSeries constant_, varying_;  // the force's parts with the present number of harmonics
+  Eigen::VectorXd b_, c_;
 };
 
 }  // namespace tremolo

@@ -19,7 +19,9 @@ namespace tremolo {
 struct CurveOptions {
   Eigen::Index harmonics = 5;        // H at the start
   Eigen::Index most_harmonics = 15;  // H grows up to this
-  // H grows by two where the two highest harmonics hold more than this share of the motion.
+  // H grows by two where the two highest harmonics hold more than this share of the motion, or the
+  // harmonics left out more than a tenth of it (CurvePoint::missing). It falls again, not below
+  // `harmonics`, where both are far smaller.
   double harmonic_share = 1e-3;
   bool stability = true;      // compute Floquet multipliers and bifurcations
   int most_points = 4000;     // of a curve
@@ -35,7 +37,9 @@ struct CurvePoint {
   double omega = 0.0;  // rad/s
   FourierSeries motion;
   double amplitude = 0.0;  // options.amplitude of the motion
+  double load = 1.0;       // factor of the load: of damped backbones and curves of folds
   double share = 0.0;      // of the two highest harmonics
+  double missing = 0.0;    // estimate for the harmonics left out (HarmonicBalance::missing_share)
   bool stable = true;      // without options.stability: not known
   int unstable = 0;        // multipliers outside the unit circle
   double length = 0.0;     // along the curve from its first point, relative to the motion's size
@@ -53,8 +57,9 @@ struct Bifurcation {
 
 // Reason for the end of a curve. kDone: the requested end. kUnbounded: the largest amplitude.
 // kReturned: it left the range where it had begun. kStuck: no further point was found. kLong: the
-// most points. kStopped: options.stopped.
-enum class CurveEnd { kDone, kUnbounded, kReturned, kStuck, kLong, kStopped };
+// most points. kStopped: options.stopped. kJoined: a backbone ends on that of another mode with
+// twice the frequency.
+enum class CurveEnd { kDone, kUnbounded, kReturned, kStuck, kLong, kStopped, kJoined };
 
 struct MotionCurve {
   std::vector<CurvePoint> points;
