@@ -13,13 +13,13 @@ namespace {
 
 constexpr double kWalkStep = 0.01;  // along the other mode's backbone
 constexpr int kWalkPoints = 300;
-constexpr double kOutside = 1e-5;  // distance of a multiplier from the circle that counts
+constexpr double kOutsideCircle = 1e-5;  // distance of a multiplier from the circle that counts
 
 // The multipliers at which the period doubles unstably: real, negative, outside the unit circle.
 int doublings(const CurvePoint& point) {
   int count = 0;
   for (const auto& multiplier : point.multipliers)
-    if (std::abs(multiplier) > 1.0 + kOutside &&
+    if (std::abs(multiplier) > 1.0 + kOutsideCircle &&
         std::abs(std::arg(multiplier)) > std::numbers::pi - 1e-3)
       ++count;
   return count;
@@ -85,8 +85,8 @@ FourierSeries doubled_shape(const FreeMotions& free, const FourierSeries& motion
 Result<MotionCurve> branch_off(const FreeMotions& free, const CurveGoal& goal,
                                const CurveOptions& options, const CurvePoint& doubling) {
   constexpr double kFirstPart = 0.02;  // of the odd harmonics, relative to the motion
-  const Eigen::Index H = std::min(options.most_harmonics,
-                                  std::max(options.harmonics, 2 * doubling.harmonics() + 1));
+  const Eigen::Index H =
+      std::min(options.most_harmonics, std::max(options.harmonics, 2 * doubling.harmonics() + 1));
   const FourierSeries motion = with_harmonics(doubled_period(doubling.motion), H);
   const double omega = 0.5 * doubling.omega;
   FreeEquations equations(free.system, free.constant, H, free.least_size, free.omega_scale);
