@@ -13,7 +13,7 @@ namespace tremolo {
 namespace {
 
 enum Column { kMode, kFrequency, kFrequencySd, kRatio, kRatioSd, kDecay, kDecaySd, kColumns };
-constexpr std::array<std::string_view, kColumns> kNames = {
+constexpr std::array<std::string_view, kColumns> kColumnNames = {
     "mode",       "frequency",    "frequency_sd", "damping_ratio", "damping_ratio_sd",
     "decay_time", "decay_time_sd"};
 constexpr double kEmpty = std::numeric_limits<double>::quiet_NaN();
@@ -39,12 +39,12 @@ std::vector<std::string_view> cells_of(std::string_view line) {
 Result<std::vector<Column>> read_header(std::string_view line) {
   std::vector<Column> columns;
   for (const std::string_view name : cells_of(line)) {
-    const auto known = std::find(kNames.begin(), kNames.end(), name);
-    if (known == kNames.end())
+    const auto known = std::find(kColumnNames.begin(), kColumnNames.end(), name);
+    if (known == kColumnNames.end())
       return content_error("there is no column '" + std::string(name) +
                            "': a first line names the columns, of mode, frequency, frequency_sd, "
                            "damping_ratio, damping_ratio_sd, decay_time, decay_time_sd");
-    const auto column = static_cast<Column>(known - kNames.begin());
+    const auto column = static_cast<Column>(known - kColumnNames.begin());
     if (std::find(columns.begin(), columns.end(), column) != columns.end())
       return content_error("the column '" + std::string(name) + "' is there twice");
     columns.push_back(column);
@@ -76,11 +76,11 @@ Status read_cells(const std::vector<Column>& columns, std::string_view line, Cel
     const Column column = columns[i];
     double value = 0.0;
     if (!read_number(texts[i], column == kRatio || column == kRatioSd, value))
-      return content_error(std::string(kNames[column]) + ": '" + std::string(texts[i]) +
+      return content_error(std::string(kColumnNames[column]) + ": '" + std::string(texts[i]) +
                            "' is not a number");
     const bool can_be_zero = column == kRatio;
     if (!(value > 0.0) && !(can_be_zero && value == 0.0))
-      return content_error(std::string(kNames[column]) + " must be positive");
+      return content_error(std::string(kColumnNames[column]) + " must be positive");
     cells[column] = value;
   }
   return Success{};
