@@ -44,8 +44,7 @@ Result<MotionCurve> walk(const FreeMotions& free, const CurveGoal& goal,
   if (!solve_on_border(equations, direction, kCurveTolerance, y).converged)
     return Error{ErrorKind::kSolver, "no motion of half the period was found"};
   CurveGoal near_goal;
-  near_goal.beyond = goal.beyond;
-  near_goal.returned = goal.returned;
+  near_goal.beyond = goal.beyond;  // not `returned`: the other mode may not move the probe
   if (past_instability)
     near_goal.enough = [](const MotionCurve& curve) {
       if (curve.points.size() < 3) return false;
@@ -85,8 +84,8 @@ FourierSeries doubled_shape(const FreeMotions& free, const FourierSeries& motion
 Result<MotionCurve> branch_off(const FreeMotions& free, const CurveGoal& goal,
                                const CurveOptions& options, const CurvePoint& doubling) {
   constexpr double kFirstPart = 0.02;  // of the odd harmonics, relative to the motion
-  const Eigen::Index H = std::min(options.most_harmonics,
-                                  std::max(options.harmonics, 2 * doubling.harmonics() + 1));
+  const Eigen::Index H =
+      std::min(options.most_harmonics, std::max(options.harmonics, 2 * doubling.harmonics() + 1));
   const FourierSeries motion = with_harmonics(doubled_period(doubling.motion), H);
   const double omega = 0.5 * doubling.omega;
   FreeEquations equations(free.system, free.constant, H, free.least_size, free.omega_scale);
