@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kFirstAmplitude = 1e-3;  // of a backbone, relative to its last
 
-constexpr int kMostJoints = 8;              // with backbones of twice the frequency
+constexpr int kMostJoints = 8;  // with backbones of twice the frequency
 
 // A mode of small vibration about a state at rest.
 struct SmallVibration {

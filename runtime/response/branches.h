@@ -1,5 +1,5 @@
-// Curves that a response curve leads to: its folds over the load's size, and the branches that cross
-// it at branch points.
+// Curves that a response curve leads to: its folds over the load's size, and the branches that
+// cross it at branch points.
 #pragma once
 
 #include "runtime/response/response.h"

@@ -44,8 +44,7 @@ Result<MotionCurve> walk(const FreeMotions& free, const CurveGoal& goal,
   if (!solve_on_border(equations, direction, kCurveTolerance, y).converged)
     return Error{ErrorKind::kSolver, "no motion of half the period was found"};
   CurveGoal near_goal;
-  near_goal.beyond = goal.beyond;
-  near_goal.returned = goal.returned;
+  near_goal.beyond = goal.beyond;  // not `returned`: the other mode may not move the probe
   if (past_instability)
     near_goal.enough = [](const MotionCurve& curve) {
       if (curve.points.size() < 3) return false;

@@ -74,8 +74,8 @@ double HarmonicBalance::missing_share(const FourierSeries& motion, double omega)
     }
     Eigen::MatrixXd to_harmonic(samples_, 2);
     for (Eigen::Index n = 0; n < samples_; ++n) {
-      const double theta = 2.0 * std::numbers::pi * static_cast<double>(k * n) /
-                           static_cast<double>(samples_);
+      const double theta =
+          2.0 * std::numbers::pi * static_cast<double>(k * n) / static_cast<double>(samples_);
       to_harmonic.row(n) << std::cos(theta), std::sin(theta);
     }
     const double speed = static_cast<double>(k) * omega;

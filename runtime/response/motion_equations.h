@@ -88,8 +88,8 @@ class FreeEquations : public MotionEquations {
 };
 
 // g = the residual under factor . cos(omega t) shape, and the condition that the displacement along
-// the shape is in quadrature: shape . a_1 = 0. Such a force balances the damping at each time as far
-// as one harmonic can (phase resonance). The factor is an unknown.
+// the shape is in quadrature: shape . a_1 = 0. Such a force balances the damping at each time as
+// far as one harmonic can (phase resonance). The factor is an unknown.
 class QuadratureEquations : public MotionEquations {
  public:
   // constant, shape: r.

@@ -1,4 +1,6 @@
 // Damped backbones, curves of folds and branches against closed forms.
+#include "runtime/response/branches.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -7,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "runtime/response/backbone.h"
-#include "runtime/response/branches.h"
 #include "runtime/response/harmonic_balance.h"
 #include "tests/response/oscillators.h"
 
@@ -65,9 +66,9 @@ TEST(DampedBackbone, ItIsTheRidgeOfTheResponseCurves) {
     const FourierSeries force = cosine_force(point.load * load);
     const Result<MotionCurve> curve = response_curve(system, {force, 0.7, 2.5}, options);
     ASSERT_TRUE(curve);
-    const auto peak = std::max_element(
-        curve->points.begin(), curve->points.end(),
-        [](const auto& a, const auto& b) { return a.amplitude < b.amplitude; });
+    const auto peak =
+        std::max_element(curve->points.begin(), curve->points.end(),
+                         [](const auto& a, const auto& b) { return a.amplitude < b.amplitude; });
     // The largest amplitude and quadrature differ by the square of zeta; the peak lies between two
     // points, half a step of 0.1 from the nearest: 1 - cos of that angle.
     EXPECT_NEAR(peak->amplitude, point.amplitude, 2e-3 * point.amplitude);

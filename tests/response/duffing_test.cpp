@@ -146,5 +146,20 @@ TEST(Duffing, HarmonicsGrowWhereTheLastHoldTooMuch) {
   for (const CurvePoint& point : curve->points) EXPECT_EQ(point.share, last_share(point.motion));
 }
 
+TEST(Duffing, TheHarmonicsLeftOutAreEstimated) {
+  const VibratingSystem system = system_of({1.0, 1.0, 0.0});
+  CurveOptions few = plain_options(3), many = plain_options(15);
+  for (const double amplitude : {0.3, 1.0}) {
+    const Result<MotionCurve> a = backbone_curve(system, {0, {}, amplitude}, few);
+    const Result<MotionCurve> b = backbone_curve(system, {0, {}, amplitude}, many);
+    ASSERT_TRUE(a && b);
+    const FourierSeries& motion = b->points.back().motion;
+    const double left_out = motion.rightCols(2 * 12).norm() / motion.rightCols(2 * 15).norm();
+    // The linear response leaves the stiffening by the motion itself out: 3/2 A^2 relative to
+    // 25 omega^2 - 1.
+    EXPECT_NEAR(a->points.back().missing, left_out, 0.1 * left_out);
+  }
+}
+
 }  // namespace
 }  // namespace tremolo

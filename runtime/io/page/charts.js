@@ -131,12 +131,21 @@ class ChartPanel {
     const to = this.place(event), axes = this.stretch(to), from = this.from;
     this.drop();
     if (!axes) {
+      this.play(to);
       if (this.chart.time) document.dispatchEvent(new CustomEvent('tremolo-seek', { detail: this.sx.value(to[0]) }));
       return;
     }
     const between = (scale, a, b) => [scale.value(Math.min(a, b)), scale.value(Math.max(a, b))].sort((p, q) => p - q);
     this.setZoom({ x: axes.x ? between(this.sx, from[0], to[0]) : this.zoom.x,
       y: axes.y ? between(this.sy, from[1], to[1]) : this.zoom.y });
+  }
+
+  // Plays the loop of the film that belongs to the closest point.
+  play(at) {
+    const found = this.nearest(at).filter(([curve]) => curve.loops);
+    if (found.length === 0) return;
+    const [curve, i] = found.reduce((a, b) => (b[2] < a[2] ? b : a));
+    document.dispatchEvent(new CustomEvent('tremolo-loop', { detail: curve.loops[i] }));
   }
 
   drop() {

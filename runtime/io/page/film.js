@@ -22,6 +22,7 @@ function fieldsOf(shape) {
 class Film {
   constructor(film) {
     this.times = decoded(film.times);
+    this.loops = film.loops ?? null;  // of each: from, to (s), label
     this.shapes = film.shapes.map((shape) => ({ modes: shape.modes, rest: decoded(shape.rest),
       shapes: fieldsOf(shape), corners: decoded(shape.corners), groups: shape.groups && decoded(shape.groups) }));
     this.bodies = film.bodies.map((body) => ({ ...body, of: this.shapes[body.shape], q: decoded(body.q),
@@ -167,7 +168,7 @@ function filmControls(film, player) {
   player.tell = () => {
     play.textContent = player.playing ? 'pause' : 'play';
     if (document.activeElement !== place || player.playing) place.value = player.time;
-    told.textContent = `t = ${player.time.toFixed(3)} s of ${film.end.toFixed(2)}`;
+    told.textContent = player.loop ? player.loop.label : `t = ${player.time.toFixed(3)} s of ${film.end.toFixed(2)}`;
   };
   return element('div', { class: 'controls' }, play, place, told, control('speed', speed), control('colour', colour));
 }
@@ -191,7 +192,8 @@ function playFilm(film, canvas, renderer, player) {
     document.dispatchEvent(new CustomEvent('tremolo-time', { detail: player.hidden ? null : player.time }));
     if (player.hidden) return;
     if (player.playing) player.time += passed * player.speed();
-    if (player.time > film.end) player.time = film.times[0];
+    const [first, last] = player.loop ? [player.loop.from, player.loop.to] : [film.times[0], film.end];
+    if (player.time > last) player.time = first + ((player.time - first) % (last - first));
     show();
     player.frames = (player.frames ?? 0) + 1;
     player.tell();
@@ -205,11 +207,18 @@ function showFilm(data) {
   const canvas = element('canvas', { id: 'scene', tabindex: 0, 'aria-label': 'the moving bodies' });
   const stage = element('div', { class: 'stage' }, canvas);
   const film = new Film(data), player = { time: film.times[0], playing: !matchMedia('(prefers-reduced-motion: reduce)').matches };
+  player.loop = film.loops && film.loops[0];
   player.seek = (time) => { player.time = Math.min(film.end, Math.max(film.times[0], time)); };
   const controls = filmControls(film, player);
   const hint = element('p', { class: 'hint' },
-    'drag to turn, wheel to come nearer (after a click), space to pause; a click in a chart goes to that time');
+    `drag to turn, wheel to come nearer (after a click), space to pause; a click in a chart ${
+      film.loops ? 'plays the motion of that point' : 'goes to that time'}`);
   const part = element('div', { class: 'film' }, stage, controls, hint);
+  document.addEventListener('tremolo-loop', (event) => {
+    player.loop = film.loops[event.detail];
+    player.time = player.loop.from;
+    player.playing = true;
+  });
   document.addEventListener('tremolo-seek', (event) => player.seek(event.detail));
   canvas.addEventListener('keydown', (event) => {
     if (event.key !== ' ') return;

@@ -74,7 +74,8 @@ CurveOptions options_of(int harmonics, bool stability, const VertexRows& probe, 
 }
 
 const char* name_of_end(CurveEnd end) {
-  constexpr const char* kNames[] = {"done", "unbounded", "returned", "stuck", "long", "stopped"};
+  constexpr const char* kNames[] = {"done", "unbounded", "returned", "stuck",
+                                    "long", "stopped",   "joined"};
   return kNames[static_cast<int>(end)];
 }
 

@@ -46,6 +46,7 @@ OrderedJson to_json(const Chart& chart) {
                       {"colour", curve.colour},
                       {"x", std::move(x)},
                       {"y", std::move(y)}});
+    if (!curve.loops.empty()) curves.back()["loops"] = curve.loops;
   }
   return {{"title", chart.title},
           {"x_label", chart.x_label},

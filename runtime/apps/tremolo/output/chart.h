@@ -21,6 +21,7 @@ struct Curve {
   std::vector<double> y = {};
   CurveStyle style = CurveStyle::kLines;
   std::string colour = {};
+  std::vector<int> loops = {};  // of each pair: the loop of the page's film it plays; or empty
 };
 
 // zero: the y axis begins there unless values are below. time: x is the time of a film on the same

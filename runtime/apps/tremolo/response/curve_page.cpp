@@ -7,6 +7,7 @@
 
 #include "runtime/apps/tremolo/output/chart.h"
 #include "runtime/apps/tremolo/response/curve_report.h"
+#include "runtime/apps/tremolo/response/orbit_film.h"
 #include "runtime/io/page/document.h"
 
 namespace tremolo {
@@ -25,6 +26,9 @@ double frequency_of(const CurvePoint& point, const CurveContext&) {
 double amplitude_of(const CurvePoint& point, const CurveContext&) {
   return point.amplitude;
 }
+double load_of(const CurvePoint& point, const CurveContext&) {
+  return point.load;
+}
 double phase_of(const CurvePoint& point, const CurveContext& context) {
   return values_of(point, context).phase;
 }
@@ -34,8 +38,8 @@ double energy_of(const CurvePoint& point, const CurveContext& context) {
 
 // The stable or the unstable parts of a curve, with gaps between them. A part begins at the last
 // point of the part before it.
-Curve parts_of(const CurveResult& result, bool stable, Axis x, Axis y,
-               const CurveContext& context) {
+Curve parts_of(const CurveResult& result, bool stable, Axis x, Axis y, const CurveContext& context,
+               const std::vector<int>* loops) {
   Curve line{.label = result.label, .style = stable ? CurveStyle::kLines : CurveStyle::kDashes};
   const std::vector<CurvePoint>& points = result.curve.points;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -44,6 +48,7 @@ Curve parts_of(const CurveResult& result, bool stable, Axis x, Axis y,
     const double gap = std::numeric_limits<double>::quiet_NaN();
     line.x.push_back(shown ? x(points[i], context) : gap);
     line.y.push_back(shown ? y(points[i], context) : gap);
+    if (loops != nullptr) line.loops.push_back((*loops)[i]);
   }
   return line;
 }
@@ -55,7 +60,8 @@ bool has_part(const CurveResult& result, bool stable) {
 }
 
 Chart chart_of(const std::string& x_label, Axis x, const std::string& y_label, Axis y,
-               const std::vector<CurveResult>& results, const CurveContext& context) {
+               const std::vector<CurveResult>& results, const CurveContext& context,
+               const OrbitFilm& film) {
   Chart chart;
   chart.title = y_label;
   chart.x_label = x_label;
@@ -63,17 +69,22 @@ Chart chart_of(const std::string& x_label, Axis x, const std::string& y_label, A
   std::size_t number = 0;
   std::map<std::string, Curve> marks;
   for (const CurveResult& result : results) {
-    const std::string ink = kInks[number++ % std::size(kInks)];
+    const std::string ink = kInks[number % std::size(kInks)];
+    const bool plays = !film.film.is_null();
+    const std::vector<int>* loops = plays ? &film.loop_of_point[number] : nullptr;
     for (const bool stable : {true, false}) {
       if (!has_part(result, stable)) continue;
-      chart.curves.push_back(parts_of(result, stable, x, y, context));
+      chart.curves.push_back(parts_of(result, stable, x, y, context, loops));
       chart.curves.back().colour = ink;
     }
-    for (const Bifurcation& found : result.curve.bifurcations) {
+    for (std::size_t i = 0; i < result.curve.bifurcations.size(); ++i) {
+      const Bifurcation& found = result.curve.bifurcations[i];
       Curve& mark = marks[name_of(found.kind)];
+      if (plays) mark.loops.push_back(film.loop_of_bifurcation[number][i]);
       mark.x.push_back(x(found.point, context));
       mark.y.push_back(y(found.point, context));
     }
+    ++number;
   }
   for (auto& [label, mark] : marks) {
     mark.label = label;
@@ -114,20 +125,31 @@ Json table_of(const std::vector<CurveResult>& results, const CurveContext& conte
 
 }  // namespace
 
-std::string curve_page(const std::string& title, const std::string& subtitle,
-                       const std::vector<CurveResult>& results, const CurveContext& context) {
+Result<std::string> curve_page(const std::string& title, const std::string& subtitle,
+                               const std::vector<CurveResult>& results,
+                               const CurveContext& context) {
+  const Result<OrbitFilm> film = orbit_film(results, context);
+  if (!film) return film.error();
   const std::string hertz = "frequency (Hz)", metres = "largest displacement (m)";
   std::vector<Chart> charts = {
-      chart_of(hertz, frequency_of, metres, amplitude_of, results, context)};
-  if (context.forced)
+      chart_of(hertz, frequency_of, metres, amplitude_of, results, context, *film)};
+  if (context.forced && !context.ridge)
+    charts.push_back(chart_of(hertz, frequency_of, "lag behind the load (degrees)", phase_of,
+                              results, context, *film));
+  if (context.ridge)
     charts.push_back(
-        chart_of(hertz, frequency_of, "lag behind the load (degrees)", phase_of, results, context));
-  else
-    charts.push_back(chart_of("energy (J)", energy_of, hertz, frequency_of, results, context));
+        chart_of("load scale", load_of, metres, amplitude_of, results, context, *film));
+  if (!context.forced)
+    charts.push_back(
+        chart_of("energy (J)", energy_of, hertz, frequency_of, results, context, *film));
   if (!context.forced) charts.back().log_x = true;
   Json parts = Json::array();
+  const bool plays = !film->film.is_null();
+  if (plays) parts.push_back({{"kind", "film"}, {"film", film->film}});
   parts.push_back(figure_of(
-      charts, "Solid: stable. Dashed: unstable. The marks are folds and other bifurcations."));
+      charts, std::string("Solid: stable. Dashed: unstable. The marks are folds and other "
+                          "bifurcations.") +
+                  (plays ? " A click on a point plays its motion above, a period in 1.5 s." : "")));
   bool any = false;
   for (const CurveResult& result : results) {
     any = any || !result.curve.bifurcations.empty();

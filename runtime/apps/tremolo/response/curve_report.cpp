@@ -28,7 +28,7 @@ double semi_axis(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::sqrt(half + std::hypot(difference, a.dot(b)));
 }
 
-Json point_json(const CurvePoint& point, const CurveContext& context) {
+Json point_json(const CurveResult& result, const CurvePoint& point, const CurveContext& context) {
   const PointValues values = values_of(point, context);
   Json json;
   json["frequency_hz"] = values.frequency;
@@ -37,9 +37,11 @@ Json point_json(const CurvePoint& point, const CurveContext& context) {
   json["stable"] = point.multipliers.size() > 0 ? Json(point.stable) : Json(nullptr);
   json["harmonics"] = point.harmonics();
   if (context.forced) json["phase_deg"] = values.phase;
+  if (context.ridge || result.role == CurveRole::kFolds)
+    json["load_scale"] = result.load_scale * point.load;
   json["harmonic_amplitudes"] = values.harmonics;
   json["last_harmonics_share"] = point.share;
-  if (!context.forced) {
+  if (!context.forced || context.ridge) {
     const HarmonicPart part = largest_part(point.motion);
     json["resonance"] = {
         {"harmonic", part.harmonic}, {"mode", part.coordinate + 1}, {"share", part.share}};
@@ -58,7 +60,8 @@ Json bifurcation_json(const Bifurcation& found, const CurveContext& context) {
 }
 
 const char* name_of(CurveEnd end) {
-  constexpr const char* kNames[] = {"done", "unbounded", "returned", "stuck", "long", "stopped"};
+  constexpr const char* kNames[] = {"done", "unbounded", "returned", "stuck",
+                                    "long", "stopped",   "joined"};
   return kNames[static_cast<int>(end)];
 }
 
@@ -92,7 +95,8 @@ Json curve_json(const CurveResult& result, const CurveContext& context) {
   Json json;
   const MotionCurve& curve = result.curve;
   json["points"] = Json::array();
-  for (const CurvePoint& point : curve.points) json["points"].push_back(point_json(point, context));
+  for (const CurvePoint& point : curve.points)
+    json["points"].push_back(point_json(result, point, context));
   json["folds"] = Json::array();
   json["bifurcations"] = Json::array();
   for (const Bifurcation& found : curve.bifurcations) {
@@ -126,7 +130,7 @@ std::string curve_table(const std::vector<CurveResult>& results, const CurveCont
   for (const CurveResult& result : results)
     for (const CurvePoint& point : result.curve.points) {
       const PointValues values = values_of(point, context);
-      if (context.forced) text += fmt::format("{},", result.load_scale);
+      if (context.forced) text += fmt::format("{},", result.load_scale * point.load);
       const char* stable = point.multipliers.size() == 0 ? "" : point.stable ? "1" : "0";
       text += fmt::format("{},{},{},{},{}", values.frequency, values.amplitude, stable,
                           point.harmonics(), values.energy);
@@ -179,6 +183,12 @@ void set_ending(const PeriodicModel& made, bool damped, const std::string& to,
     end(exit_code(ErrorKind::kSolver),
         "it turned back and left the range where it had begun, so that no part of it reaches " +
             to);
+  else if (curve.end == CurveEnd::kJoined)
+    end(exit_code(ErrorKind::kSolver),
+        fmt::format("it has joined the backbone of a mode of twice the frequency, {:.6g} Hz, from "
+                    "which it branches off by period doubling; no part beyond this internal "
+                    "resonance was found up to {}",
+                    2.0 * in_hertz(last.omega), to));
   else if (curve.end == CurveEnd::kStuck)
     end(exit_code(ErrorKind::kSolver),
         "no further point was found, even with the shortest step; more harmonics "

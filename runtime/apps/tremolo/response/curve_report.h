@@ -12,10 +12,14 @@
 
 namespace tremolo {
 
+// kMain: a response curve or a backbone. kFolds, kBranch: followed from the first of these.
+enum class CurveRole { kMain, kFolds, kBranch };
+
 // A finished curve.
 struct CurveResult {
   std::string label;  // "load x 2", "mode 1"
   double load_scale = 1.0;
+  CurveRole role = CurveRole::kMain;
   MotionCurve curve;
   double seconds = 0.0;  // of computing
   int exit_code = 0;
@@ -39,6 +43,7 @@ struct CurveContext {
   Eigen::Vector3d direction;
   double load_phase = 0.0;
   bool forced = true;  // the points have a phase and stability against a load
+  bool ridge = false;  // a damped backbone: each point has a load of its own
 };
 PointValues values_of(const CurvePoint& point, const CurveContext& context);
 
@@ -48,9 +53,11 @@ nlohmann::ordered_json curve_json(const CurveResult& result, const CurveContext&
 // A line for each point of all curves. The column load_scale is left out of backbones.
 std::string curve_table(const std::vector<CurveResult>& results, const CurveContext& context);
 
-// A page with the curves: stable parts solid, unstable parts dashed, folds and bifurcations marked.
-std::string curve_page(const std::string& title, const std::string& subtitle,
-                       const std::vector<CurveResult>& results, const CurveContext& context);
+// A page with the curves: stable parts solid, unstable parts dashed, folds and bifurcations marked;
+// a click on a point plays its motion. Errors: orbit_film's.
+Result<std::string> curve_page(const std::string& title, const std::string& subtitle,
+                               const std::vector<CurveResult>& results,
+                               const CurveContext& context);
 
 // One line for each curve on stderr, its warnings and its reason.
 void print_curve(const CurveResult& result, const CurveContext& context);

@@ -22,6 +22,7 @@
 #include "runtime/apps/tremolo/run/run_progress.h"
 #include "runtime/bodies/reduced/integrators/solve/damping.h"
 #include "runtime/response/backbone.h"
+#include "runtime/response/branches.h"
 
 namespace tremolo {
 namespace {
@@ -89,19 +90,23 @@ Json head_of(const PeriodicOptions& options, const PeriodicModel& made) {
 Json report_of(Json head, const std::vector<CurveResult>& results, const CurveContext& context,
                const std::vector<std::string>& files) {
   double seconds = 0.0;
-  for (const CurveResult& result : results) seconds += result.seconds;
-  if (results.size() == 1) {
-    if (context.forced) head["load_scale"] = results.front().load_scale;
-    head.update(curve_json(results.front(), context));
-  } else {
-    head["curves"] = Json::array();
-    for (const CurveResult& result : results) {
-      Json one = {{"load_scale", result.load_scale}};
-      one.update(curve_json(result, context));
-      head["curves"].push_back(std::move(one));
-    }
-    head["seconds"] = seconds;
+  std::size_t mains = 0;
+  for (const CurveResult& result : results) {
+    seconds += result.seconds;
+    mains += result.role == CurveRole::kMain ? 1 : 0;
   }
+  for (const CurveResult& result : results) {
+    if (mains == 1 && result.role == CurveRole::kMain) {
+      if (context.forced && !context.ridge) head["load_scale"] = result.load_scale;
+      head.update(curve_json(result, context));
+      continue;
+    }
+    constexpr const char* kLists[] = {"curves", "fold_curves", "branches"};
+    Json one = {{"load_scale", result.load_scale}};
+    one.update(curve_json(result, context));
+    head[kLists[static_cast<int>(result.role)]].push_back(std::move(one));
+  }
+  if (mains > 1) head["seconds"] = seconds;
   head["files"] = files;
   return head;
 }
@@ -118,9 +123,12 @@ int finish(const PeriodicOptions& options, const PeriodicFiles& files, const std
   for (const std::string& path : files.tables)
     if (Status s = write_file(path, curve_table(results, context)); !s)
       return report_error(s.error());
-  for (const std::string& path : files.pages)
-    if (Status s = write_file(path, curve_page(title, subtitle, results, context)); !s)
-      return report_error(s.error());
+  if (!files.pages.empty()) {
+    const Result<std::string> page = curve_page(title, subtitle, results, context);
+    if (!page) return report_error(page.error());
+    for (const std::string& path : files.pages)
+      if (Status s = write_file(path, *page); !s) return report_error(s.error());
+  }
   for (const std::string& path : files.reports)
     if (Status s = write_file(path, json_text(report)); !s) return report_error(s.error());
   int code = 0;
@@ -196,7 +204,7 @@ Status check_frequencies(const ResponseOptions& options) {
   return Success{};
 }
 
-Result<VibratingSystem> system_of(const ResponseOptions& options, const Model& model) {
+Result<VibratingSystem> system_of(const PeriodicOptions& options, const Model& model) {
   if (!(options.alpha >= 0.0) || !(options.beta >= 0.0) || !std::isfinite(options.alpha) ||
       !std::isfinite(options.beta))
     return content_error("--alpha and --beta must not be negative");
@@ -241,6 +249,49 @@ Result<CurveResult> timed(const Trace& trace) {
   return result;
 }
 
+// A response curve and how it was found.
+struct Followed {
+  const VibratingSystem& system;
+  const ResponseRequest& request;
+  const CurveOptions& options;
+  const PeriodicModel& made;
+  bool damped;
+};
+
+// The curves that --folds-to and --branches ask for, from the first response curve.
+Status follow(const ResponseOptions& options, const Followed& by, const CurveResult& first,
+              std::vector<CurveResult>& more) {
+  const auto add = [&](CurveRole role, const Bifurcation& at, const auto& trace) -> Status {
+    Result<CurveResult> result = timed(trace);
+    if (!result) return result.error();
+    const bool folds = role == CurveRole::kFolds;
+    result->label = fmt::format("{} {:.5g} Hz", folds ? "folds from" : "branch at",
+                                at.point.omega / (2.0 * std::numbers::pi));
+    result->role = role;
+    result->load_scale = first.load_scale;
+    const std::string to = folds ? fmt::format("a load scale of {:g}", options.folds_to)
+                                 : std::string("the end of the range");
+    set_ending(by.made, by.damped, to, by.options, *result);
+    more.push_back(std::move(*result));
+    return Success{};
+  };
+  for (const Bifurcation& at : first.curve.bifurcations) {
+    Status done = Success{};
+    if (options.folds_to != 0.0 && at.kind == BifurcationKind::kFold)
+      done = add(CurveRole::kFolds, at, [&] {
+        return fold_curve(by.system, by.request, at.point, options.folds_to / first.load_scale,
+                          by.options);
+      });
+    for (const int sign : {1, -1})
+      if (done && options.branches && at.kind == BifurcationKind::kBranch)
+        done = add(CurveRole::kBranch, at, [&] {
+          return crossing_branch(by.system, by.request, first.curve, at.point, sign, by.options);
+        });
+    if (!done) return done;
+  }
+  return Success{};
+}
+
 // A curve that a signal ended.
 void note_signal(const Interruption& interruption, CurveResult& result) {
   if (result.curve.end != CurveEnd::kStopped) return;
@@ -271,7 +322,7 @@ int response_command(const ResponseOptions& options) {
   if (made->load[0] < 0.0) direction = -direction;
   const CurveContext context{*made, *system, direction.normalized(),
                              std::atan2((*course)(0, 1), (*course)(0, 2)), true};
-  std::vector<CurveResult> results;
+  std::vector<CurveResult> results, more;
   for (const double scale : options.load_scales) {
     ResponseRequest request{scale * made->load * *course, in_radians(options.from),
                             in_radians(options.to)};
@@ -288,7 +339,12 @@ int response_command(const ResponseOptions& options) {
     note_signal(interruption, *result);
     results.push_back(std::move(*result));
     if (interruption.signal() != 0) break;
+    if (results.size() > 1) continue;
+    const Followed followed{*system, request, *curve, *made, system->damped()};
+    if (Status s = follow(options, followed, results.front(), more); !s)
+      return report_error(s.error());
   }
+  for (CurveResult& result : more) results.push_back(std::move(result));
   Json head = head_of(options, *made);
   head["from_hz"] = options.from;
   head["to_hz"] = options.to;
@@ -324,27 +380,42 @@ int backbone_command(const BackboneOptions& options) {
   if (Status s = files.check(options, inputs); !s) return report_error(s.error());
   const GuardedInputs guard(inputs);
   const Eigen::Index mode = options.mode - 1;
-  const Result<PeriodicModel> made = periodic_model(options, false, mode);
+  const Result<PeriodicModel> made = periodic_model(options, options.damped, mode);
   if (!made) return report_error(made.error());
   const Result<double> amplitude = end_amplitude(options.to_amplitude, made->size);
   if (!amplitude) return report_error(amplitude.error());
   Result<CurveOptions> curve = curve_options(options, *made);
   if (!curve) return report_error(curve.error());
   curve->largest_amplitude = std::max(curve->largest_amplitude, 1.01 * *amplitude);
-  const Result<VibratingSystem> system = vibrating_system(*made->model, 0.0, 0.0);
+  const Result<VibratingSystem> system =
+      options.damped ? system_of(options, *made->model) : vibrating_system(*made->model, 0.0, 0.0);
   if (!system) return report_error(system.error());
+  if (options.damped && !system->damped())
+    return report_error(usage_error("--damped needs a damping, such as --damping-ratio 2%"));
+  if (!options.damped &&
+      (options.alpha != 0.0 || options.beta != 0.0 || !options.damping_ratio.empty()))
+    return report_error(usage_error(
+        "a backbone is the free motion without damping; --damped gives the one with damping"));
   const Interruption interruption;
   curve->stopped = [&] { return interruption.signal() != 0; };
-  const CurveContext context{*made, *system, made->probe_rows.col(mode).normalized(), 0.0, false};
+  // The load of a damped backbone is cos(omega t) = sin(omega t + 90 degrees).
+  Eigen::Vector3d direction = made->probe_rows.col(mode).normalized();
+  if (options.damped && made->load[mode] < 0.0) direction = -direction;
+  const CurveContext context{*made,          *system,       direction, 0.5 * std::numbers::pi,
+                             options.damped, options.damped};
   Result<CurveResult> result = timed([&] {
-    return backbone_curve(*system, {mode, made->constant, *amplitude}, *curve);
+    return options.damped ? damped_backbone_curve(
+                                *system, {mode, made->constant, made->load, *amplitude}, *curve)
+                          : backbone_curve(*system, {mode, made->constant, *amplitude}, *curve);
   });
   if (!result) return report_error(result.error());
-  result->label = fmt::format("mode {}", options.mode);
+  result->label = fmt::format("mode {}{}", options.mode, options.damped ? ", damped" : "");
   set_ending(*made, true, fmt::format("{:.4g} m", *amplitude), *curve, *result);
   note_signal(interruption, *result);
   Json head = head_of(options, *made);
   head["mode"] = options.mode;
+  if (options.damped)
+    head["damping"] = options.damping_ratio.empty() ? Json(nullptr) : Json(options.damping_ratio);
   head["linear_frequency_hz"] = hertz(made->model->lambda()[mode]);
   head["to_amplitude"] = *amplitude;
   const std::string subtitle = fmt::format("{}, mode {}, vertex {}, to {:.4g} m", options.model,

@@ -25,7 +25,9 @@ struct PeriodicOptions {
   double longest_step = 0.1;  // along the curve
   int most_points = 4000;
   bool no_stability = false;
-  std::string probe;           // vertex or selector; empty: the vertex that moves most in the mode
+  std::string probe;  // vertex or selector; empty: the vertex that moves most in the mode
+  double alpha = 0.0, beta = 0.0;
+  std::string damping_ratio;   // common/damping_ratios.h; empty: alpha and beta
   std::string csv, page, out;  // outputs; empty: none
   bool json = false;
 };
@@ -33,13 +35,14 @@ struct PeriodicOptions {
 struct ResponseOptions : PeriodicOptions {
   std::vector<double> load_scales = {1.0};
   std::vector<std::string> load_harmonics;  // "K:SCALE[:DEGREES]"; empty: 1:1
-  double alpha = 0.0, beta = 0.0;
-  std::string damping_ratio;    // common/damping_ratios.h; empty: alpha and beta
-  double from = 0.0, to = 0.0;  // Hz
+  double from = 0.0, to = 0.0;              // Hz
+  double folds_to = 0.0;                    // the folds are followed to this load scale; 0: not
+  bool branches = false;                    // branches at branch points are followed
 };
 
 struct BackboneOptions : PeriodicOptions {
   int mode = 1;
+  bool damped = false;               // the ridge of the response curves instead of free motion
   std::string to_amplitude = "10%";  // of the size, or a length as in 0.02m
 };
 

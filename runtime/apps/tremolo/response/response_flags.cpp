@@ -44,6 +44,16 @@ void add_load_flags(CLI::App& app, PeriodicOptions& o) {
                  "with --at: X,Y,Z in N, shared by the vertices, on a face by area");
 }
 
+void add_damping_flags(CLI::App& app, PeriodicOptions& o) {
+  CLI::Option* alpha = app.add_option("--alpha", o.alpha, "Rayleigh damping of the mass, 1/s");
+  CLI::Option* beta = app.add_option("--beta", o.beta, "Rayleigh damping of the stiffness, s");
+  app.add_option("--damping-ratio", o.damping_ratio,
+                 "fraction of critical damping: 2% of every mode, 2%,1%,0.5% of each, "
+                 "F1:Z1,F2:Z2 (Hz), or a table of more such pairs")
+      ->excludes(alpha)
+      ->excludes(beta);
+}
+
 }  // namespace
 
 void add_response_flags(CLI::App& app, ResponseOptions& o) {
@@ -56,20 +66,22 @@ void add_response_flags(CLI::App& app, ResponseOptions& o) {
   app.add_option("--load-harmonic", o.load_harmonics,
                  "K:SCALE[:DEGREES]: the load has SCALE sin(2 pi K f t + DEGREES); may be repeated "
                  "(default: 1:1)");
-  CLI::Option* alpha = app.add_option("--alpha", o.alpha, "Rayleigh damping of the mass, 1/s");
-  CLI::Option* beta = app.add_option("--beta", o.beta, "Rayleigh damping of the stiffness, s");
-  app.add_option("--damping-ratio", o.damping_ratio,
-                 "fraction of critical damping: 2% of every mode, 2%,1%,0.5% of each, "
-                 "F1:Z1,F2:Z2 (Hz), or a table of more such pairs")
-      ->excludes(alpha)
-      ->excludes(beta);
+  add_damping_flags(app, o);
   app.add_option("--from", o.from, "the first frequency, Hz")->required();
   app.add_option("--to", o.to, "the last frequency, Hz; may be lower")->required();
+  app.add_option("--folds-to", o.folds_to,
+                 "also follow the folds of the first curve while the load changes to this scale");
+  app.add_flag("--branches", o.branches,
+               "also follow the branches that cross the first curve at its branch points");
 }
 
 void add_backbone_flags(CLI::App& app, BackboneOptions& o) {
   add_common_flags(app, o);
   add_load_flags(app, o);
+  add_damping_flags(app, o);
+  app.add_flag("--damped", o.damped,
+               "the motions that the load keeps in phase resonance against the damping: the ridge "
+               "of the response curves, with the load that each needs");
   app.add_option("--mode", o.mode, "the mode of small vibration that it begins with, from 1")
       ->capture_default_str();
   app.add_option("--to-amplitude", o.to_amplitude,
