@@ -13,7 +13,7 @@ constexpr double kLeastCosine = 0.87;  // between the tangents of neighbours: 30
 // Of the harmonics left out relative to the share of the highest: they decide on the frequency by
 // their square, and an internal resonance by as little.
 constexpr double kMissingPart = 0.1;
-constexpr double kFarBelow = 0.02;  // of both, before harmonics are taken away
+constexpr double kFarBelow = 0.2;  // of both limits, before harmonics are taken away
 constexpr int kFewFactorizations = 2, kManyFactorizations = 3;
 // Distance of a multiplier from the unit circle that counts: above the errors of its computation.
 constexpr double kOutside = 1e-7, kOutsideConservative = 1e-5;
@@ -112,10 +112,12 @@ class Tracer {
     return last_share(equations_.motion(state_.y)) > options_.harmonic_share ||
            equations_.missing_share(state_.y) > kMissingPart * options_.harmonic_share;
   }
+  // Two harmonics fewer would not be too few.
   bool too_many_harmonics() {
     const double most = kFarBelow * options_.harmonic_share;
-    return last_share(equations_.motion(state_.y)) < most &&
-           equations_.last_strain_share(state_.y) < kMissingPart * most;
+    const FourierSeries fewer =
+        with_harmonics(equations_.motion(state_.y), equations_.harmonics() - 2);
+    return last_share(fewer) < most && equations_.last_strain_share(state_.y) < kMissingPart * most;
   }
   bool change_harmonics(Eigen::Index harmonics) {
     const Eigen::Index before = equations_.harmonics();

@@ -141,8 +141,12 @@ TEST(Duffing, HarmonicsGrowWhereTheLastHoldTooMuch) {
   const Result<MotionCurve> curve = response_curve(system, {force, 0.6, 4.0}, options);
   ASSERT_TRUE(curve);
   EXPECT_LE(curve->largest_share, 1e-6);
-  EXPECT_GT(curve->points.back().harmonics(), 7);
-  EXPECT_LT(curve->points.back().harmonics(), 31);
+  Eigen::Index most = 0;
+  for (const CurvePoint& point : curve->points) most = std::max(most, point.harmonics());
+  EXPECT_GT(most, 7);
+  EXPECT_LT(most, 31);
+  // Above resonance the motion is nearly linear again.
+  EXPECT_LT(curve->points.back().harmonics(), most);
   for (const CurvePoint& point : curve->points) EXPECT_EQ(point.share, last_share(point.motion));
 }
 
