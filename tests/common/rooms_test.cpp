@@ -177,6 +177,7 @@ const std::vector<std::string>& runtime_rooms() {
                                                  "runtime/bodies/cloth",
                                                  "runtime/bodies/tets",
                                                  "runtime/contact/solve",
+                                                 "runtime/mixed",
                                                  "runtime/scene",
                                                  "runtime/world",
                                                  "runtime/io/exchange",

@@ -75,27 +75,13 @@ ContactLaw law_of(const ContactSurface& surface, std::size_t point, double frict
   return law;
 }
 
-// Two bodies are two springs in series. Their stiffnesses are the slopes of the pressure at the
-// depth at which both count as linear, otherwise their kappa. If each body has points on the
-// other's shape, all of them act. Friction and restitution are geometric means; the rebound is
-// whole from the lower speed on.
+// Friction and restitution of two bodies are geometric means.
 ContactLaw law_between(const ContactSurface& first, std::size_t point, const ContactSurface& second,
                        double rounding) {
   const ContactLaw &ours = first.law, &theirs = second.law;
-  ContactLaw law = law_of(first, point, std::sqrt(ours.friction * theirs.friction),
-                          std::sqrt(ours.restitution * theirs.restitution), rounding);
-  const double both = std::min(ours.linear_from, theirs.linear_from);
-  const auto slope = [both](const ContactLaw& one) {
-    return std::isfinite(both) ? one.stiffness * std::min(one.margin, one.linear_from) / both
-                               : one.stiffness;
-  };
-  law.rebound_speed = std::min(ours.rebound_speed, theirs.rebound_speed);
-  const double own = slope(ours), other_slope = slope(theirs);
-  const double before = law.shear;
-  law.linear_from = both;
-  law.stiffness = first.points->areas[point] * own * other_slope / (own + other_slope);
-  law.shear = shear_of(law);
-  if (before > 0.0) law.shear_damping *= std::sqrt(law.shear / before);
+  ContactLaw law = law_in_series(law_of(first, point, std::sqrt(ours.friction * theirs.friction),
+                                        std::sqrt(ours.restitution * theirs.restitution), rounding),
+                                 ours, theirs, first.points->areas[point]);
   if (first.points->rigid() || second.points->rigid()) law.rounding = rounding;
   return law;
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "runtime/apps/tremolo/measure/tets_log.h"
 #include "runtime/apps/tremolo/output/scene_places.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/run/run_body.h"
@@ -16,16 +17,9 @@ Result<ScenePlaces> places_of(const TetScene& scene) {
   ScenePlaces places{scene.path, "a world of tetrahedra", scene.step, scene.duration, true, {}, {},
                      {}};
   places.warnings = keyframe_warnings({}, scene.colliders);
-  std::vector<Eigen::Vector3f> normals;
-  for (std::size_t i = 0; i < bodies->group->size(); ++i) {
-    const TetSceneBody& wanted = scene.bodies[i];
-    PlacedBody body{wanted.name, "tets", wanted.model, wanted.pose, {}, {}};
-    const std::size_t vertices = bodies->kind(i).surface->rest().vertices.size();
-    body.surface.resize(vertices);
-    normals.resize(vertices);
-    bodies->kind(i).surface->place(bodies->group->body(i).positions(), body.surface, normals);
-    places.bodies.push_back(std::move(body));
-  }
+  for (std::size_t i = 0; i < bodies->group->size(); ++i)
+    places.bodies.push_back(
+        placed_tets(scene.bodies[i], *bodies->kind(i).surface, bodies->group->body(i)));
   for (const SceneCollider& collider : scene.colliders)
     places.colliders.push_back({collider.name, collider.shape, collider.pose});
   return places;

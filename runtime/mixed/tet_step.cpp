@@ -1,0 +1,364 @@
+#include "runtime/mixed/tet_step.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/LU>
+
+namespace tremolo {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr double kMomentaTolerance = 1e-10;  // of the forces in a step
+constexpr std::size_t kMostFactorBytes = std::size_t{1} << 30;
+
+Index row_of(std::size_t node) {
+  return static_cast<Index>(3 * node);
+}
+
+bool is_before(const ContactMemory& x, const ContactMemory& y) {
+  return x.obstacle < y.obstacle || (x.obstacle == y.obstacle && x.point < y.point);
+}
+
+Vector3d sum_of(std::span<const std::uint32_t> nodes, const std::array<double, kMostNodes>& shares,
+                StepBody::In x) {
+  Vector3d sum = Vector3d::Zero();
+  for (std::size_t i = 0; i < nodes.size(); ++i) sum += shares[i] * x.segment<3>(row_of(nodes[i]));
+  return sum;
+}
+
+void add_shares(std::span<const std::uint32_t> nodes, const std::array<double, kMostNodes>& shares,
+                const Vector3d& value, StepBody::Out rows) {
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    rows.segment<3>(row_of(nodes[i])) += shares[i] * value;
+}
+
+std::optional<BlockCholesky> make_factor(const BlockPatternPointer& pattern) {
+  Result<BlockCholesky> made = BlockCholesky::create(pattern, kMostFactorBytes);
+  if (!made) return std::nullopt;
+  return std::move(*made);
+}
+
+}  // namespace
+
+TetStep::TetStep(TetBody& body, std::shared_ptr<const TetPoints> points,
+                 const ContactOptions& options, TetHullPointer hull)
+    : body_(&body),
+      points_(std::move(points)),
+      law_(tremolo::area_law(*points_, body.model().mass(), options)),
+      hull_(std::move(hull)),
+      factor_(make_factor(body.model().pattern())) {
+  const Index n = body.model().rest().size();
+  for (VectorXd* v : {&known_way_, &own_, &pushed_, &kept_, &in_, &out_, &end_, &middle_})
+    v->setZero(n);
+  still_.resize(body.model().nodes());
+  slopes_.reserve(points_->points.size());
+  shares_.resize(points_->points.size());
+  if (has_hull())
+    for (std::vector<TetTree::Box>* boxes : {&boxes_at_start_, &boxes_at_end_})
+      boxes->resize(hull_->tree.size());
+  if (!factor_) inverse_.resize(body.model().nodes());
+}
+
+Index TetStep::unknowns() const {
+  return body_->model().rest().size();
+}
+
+void TetStep::start() {
+  const VectorXd &x = body_->now_.x, &v = body_->now_.v;
+  Vector3d low = x.head<3>(), high = low;
+  double speed2 = 0.0;
+  for (std::size_t i = 0; i < body_->model().nodes(); ++i) {
+    low = low.cwiseMin(x.segment<3>(row_of(i)));
+    high = high.cwiseMax(x.segment<3>(row_of(i)));
+    speed2 = std::max(speed2, v.segment<3>(row_of(i)).squaredNorm());
+  }
+  follows_hull_ = false;
+  if (has_hull()) hull_->tree.fit(x, boxes_at_start_);
+  const double h = body_->options_.step;
+  ball_ = {0.5 * (low + high), 0.5 * (high - low).norm(),
+           h * std::sqrt(speed2) + 0.5 * h * h * body_->options_.gravity.norm()};
+}
+
+void TetStep::step_alone() {
+  report_ = body_->step();
+  account_ = {};
+  memories_.clear();
+  contacted_.clear();
+}
+
+// A point between vertices has the first of them.
+int TetStep::number_of(std::size_t point) const {
+  return static_cast<int>(points_->points[point].nodes[0]);
+}
+
+Vector3d TetStep::start_of(std::size_t point) const {
+  return at_point(points_->points[point], body_->now_.x);
+}
+
+const ContactMemory* TetStep::memory(std::size_t obstacle, std::size_t point) const {
+  const ContactMemory wanted{.obstacle = obstacle, .point = point};
+  const auto found = std::lower_bound(memories_.begin(), memories_.end(), wanted, is_before);
+  return found != memories_.end() && !is_before(wanted, *found) ? &*found : nullptr;
+}
+
+void TetStep::begin() {
+  const TetMethod method = body_->options_.method;
+  body_->keep_state();
+  body_->begin(method == TetMethod::kNewmark ? TetMethod::kMidpoint : method, body_->options_.step);
+  body_->guess(false);
+  ends_ = body_->stage_.method == TetMethod::kMidpoint ? 2.0 : 1.0;
+  known_ = false;
+}
+
+void TetStep::keep() {
+  kept_ = body_->way_;
+}
+
+void TetStep::go(double length, In direction) {
+  in_ = direction;
+  body_->system_.follow_ends(in_);
+  body_->way_ = kept_ - length * in_;
+}
+
+void TetStep::evaluate(const ContactRenewal& renewal) {
+  (void)renewal;
+  if (!known_ || body_->way_ != known_way_) {
+    body_->find_forces();
+    own_ = body_->force_;
+    known_way_ = body_->way_;
+    known_ = true;
+    if (follows_hull_) {
+      end_ = body_->stage_.from + ends_ * body_->way_;
+      middle_ = 0.5 * (body_->now_.x + end_);
+      hull_->tree.fit(end_, boxes_at_end_);
+    }
+  }
+  pushed_.setZero();
+}
+
+SiteMotion TetStep::motion(std::size_t point) const {
+  const TetPoint& at = points_->points[point];
+  const Vector3d from = at_point(at, body_->now_.x);
+  const Vector3d to = at_point(at, body_->stage_.from) + ends_ * at_point(at, body_->way_);
+  return {from, to, 0.5 * (from + to)};
+}
+
+void TetStep::add_force(std::size_t point, const Vector3d& force) {
+  const TetPoint& at = points_->points[point];
+  for (std::uint32_t i = 0; i < at.count; ++i)
+    pushed_.segment<3>(row_of(at.nodes[i])) += at.shares[i] * force;
+}
+
+double TetStep::close() {
+  body_->force_ = own_ + pushed_;
+  return std::sqrt(body_->close_residual());
+}
+
+double TetStep::enough() const {
+  return body_->stop_size(kMomentaTolerance);
+}
+
+void TetStep::residual(Out rows) const {
+  rows = body_->residual_;
+}
+
+double TetStep::work_along(In direction) const {
+  return ends_ * body_->residual_.dot(direction);
+}
+
+void TetStep::condense(std::span<const std::uint32_t> nodes,
+                       std::array<double, kMostNodes>& shares) const {
+  body_->system_.fold_point(nodes, std::span(shares.data(), nodes.size()));
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (body_->system_.active()[nodes[i]] == 0) shares[i] = 0.0;
+}
+
+// The matrix of the body itself.
+void TetStep::assemble(double heavier, TangentKind tangent, bool with_contact) {
+  TetMatrixFactors factors;
+  factors.mass = (1.0 + heavier) * body_->mass_factor();
+  factors.tangent = {1.0, body_->options_.beta * body_->stage_.rate, tangent};
+  body_->system_.assemble(factors, body_->matrix_);
+  contact_in_matrix_ = with_contact;
+  if (with_contact)
+    for (const Slope& slope : slopes_) add_contact(slope);
+  for (std::size_t i = 0; i < still_.size(); ++i)
+    still_[i] = body_->system_.active()[i] == 0 ? 1 : 0;
+  body_->matrix_.hold(still_);
+}
+
+// The symmetric part of a contact. All pairs of its control points are of one element, so that the
+// pattern has their blocks.
+void TetStep::add_contact(const Slope& slope) {
+  const Matrix3d block = (0.5 * ends_) * (slope.by_end + slope.by_end.transpose());
+  const BlockPattern& pattern = body_->matrix_.pattern();
+  for (std::size_t i = 0; i < slope.nodes.size(); ++i)
+    for (std::size_t j = 0; j < slope.nodes.size(); ++j) {
+      const double both = slope.shares[i] * slope.shares[j];
+      if (both != 0.0 && slope.nodes[i] >= slope.nodes[j])
+        body_->matrix_.block(pattern.find(slope.nodes[i], slope.nodes[j])) += both * block;
+    }
+}
+
+void TetStep::make_tangent(double heavier, bool follows) {
+  (void)follows;
+  heavier_ = heavier;
+  slopes_.clear();
+}
+
+void TetStep::add_slope(std::size_t point, const Matrix3d& by_end, const Vector3d& force) {
+  (void)force;  // its weights do not depend on the unknowns
+  shares_[point] = points_->points[point].shares;
+  condense(nodes_of(point), shares_[point]);
+  slopes_.push_back({nodes_of(point), shares_[point], by_end});
+}
+
+std::optional<TetDepth> TetStep::depth_at(const VectorXd& x, const std::vector<TetTree::Box>& boxes,
+                                          const Vector3d& place) const {
+  const std::optional<TetPlace> found = hull_->tree.find(x, boxes, place);
+  if (!found) return std::nullopt;
+  const DistanceGrid::Sample sample = hull_->grid->at(hull_->tree.rest_place(*found));
+  const Vector3d gradient = found->gradient.transpose().inverse() * sample.gradient;
+  if (!(gradient.squaredNorm() > 1e-12) || !gradient.allFinite()) return std::nullopt;
+  return TetDepth{sample.distance, gradient, found->element};
+}
+
+std::optional<TetDepth> TetStep::depth_at_start(const Vector3d& place) const {
+  return depth_at(body_->now_.x, boxes_at_start_, place);
+}
+
+std::optional<TetDepth> TetStep::depth_at_end(const Vector3d& place) const {
+  return depth_at(end_, boxes_at_end_, place);
+}
+
+bool TetStep::find_site(const Vector3d& place, std::uint32_t element, TetSite& site) const {
+  constexpr double kFarOutside = -4.0;  // in barycentric coordinates
+  const std::optional<TetPlace> found = hull_->tree.solve(element, middle_, place, kFarOutside);
+  if (!found) return false;
+  site.element = element;
+  site.values = found->values;
+  site.gradient = found->gradient;
+  return true;
+}
+
+Vector3d TetStep::way_of(const TetSite& site) const {
+  const std::span<const std::uint32_t> nodes = nodes_of(site);
+  Vector3d way = Vector3d::Zero();
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const Index row = row_of(nodes[i]);
+    way += site.values[i] * (end_.segment<3>(row) - body_->now_.x.segment<3>(row));
+  }
+  return way;
+}
+
+void TetStep::push_site(const TetSite& site, const Vector3d& force) {
+  const std::span<const std::uint32_t> nodes = nodes_of(site);
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    pushed_.segment<3>(row_of(nodes[i])) += site.values[i] * force;
+}
+
+void TetStep::condense(TetSite& site) const {
+  site.shares = site.values;
+  condense(nodes_of(site), site.shares);
+}
+
+void TetStep::add_site_slope(const TetSite& site, const Matrix3d& by_end) {
+  slopes_.push_back({nodes_of(site), site.shares, by_end});
+}
+
+Vector3d TetStep::change_of(const TetSite& site, In x) const {
+  return ends_ * sum_of(nodes_of(site), site.shares, x);
+}
+
+void TetStep::add_site_image(const TetSite& site, const Vector3d& fall, Out rows) const {
+  add_shares(nodes_of(site), site.shares, fall, rows);
+}
+
+// The exact derivative with contact is tried first; where it is not positive, R K R^T.
+bool TetStep::factor(bool fresh) {
+  assemble(heavier_, body_->options_.tangent, true);
+  if (factor_ && !fresh) return true;
+  if (!factor_) {
+    for (std::size_t i = 0; i < inverse_.size(); ++i) {
+      inverse_[i] = body_->matrix_.diagonal(i).inverse();
+      if (!inverse_[i].allFinite()) inverse_[i].setIdentity();
+    }
+    return true;
+  }
+  if (factor_->factor(body_->matrix_)) return true;
+  assemble(heavier_, TangentKind::kFrozen, true);
+  if (factor_->factor(body_->matrix_)) return true;
+  assemble(heavier_, TangentKind::kFrozen, false);
+  return static_cast<bool>(factor_->factor(body_->matrix_));
+}
+
+void TetStep::multiply(In x, Out rows) const {
+  in_ = x;
+  body_->matrix_.multiply(in_, out_);
+  rows = out_;
+  for (const Slope& slope : slopes_) {
+    const Matrix3d rest = contact_in_matrix_
+                              ? Matrix3d(0.5 * (slope.by_end - slope.by_end.transpose()))
+                              : slope.by_end;
+    const Vector3d image = ends_ * (rest * sum_of(slope.nodes, slope.shares, x));
+    add_shares(slope.nodes, slope.shares, image, rows);
+  }
+}
+
+void TetStep::precondition(In rows, Out x) {
+  in_ = rows;
+  if (factor_) {
+    factor_->solve(in_);
+    x = in_;
+  } else {
+    for (std::size_t i = 0; i < inverse_.size(); ++i)
+      x.segment<3>(row_of(i)) = inverse_[i] * rows.segment<3>(row_of(i));
+  }
+  for (std::size_t i = 0; i < still_.size(); ++i)
+    if (still_[i] != 0) x.segment<3>(row_of(i)).setZero();
+}
+
+Vector3d TetStep::change_at(std::size_t point, In x) const {
+  return ends_ * sum_of(nodes_of(point), shares_[point], x);
+}
+
+void TetStep::add_image(std::size_t point, const Vector3d& fall, Out rows) const {
+  add_shares(nodes_of(point), shares_[point], fall, rows);
+}
+
+void TetStep::finish(const ContactAccount& account, double start) {
+  const double before = account_.energy;
+  account_ = account;
+  account_.surplus = start - before;
+  account_.given = account.work + account.energy - start + account.lost + account.rubbed;
+  memories_.clear();
+  contacted_.clear();
+  body_->end();
+  // A step of midpoint in place of newmark's has no acceleration at its end.
+  body_->has_acceleration_ = false;
+  body_->guard_.known = false;
+  report_ = {};
+}
+
+void TetStep::remember(const ContactMemory& memory) {
+  memories_.push_back(memory);
+}
+
+void TetStep::end() {
+  std::sort(memories_.begin(), memories_.end(), is_before);
+  body_->skip_step();
+  body_->choose_degrees(report_);
+}
+
+void TetStep::give_up() {
+  body_->restore_state();
+  report_ = {};
+  report_.converged = false;
+}
+
+}  // namespace tremolo
