@@ -13,13 +13,13 @@
 #include "common/units.h"
 #include "formats/file/atomic_file.h"
 #include "formats/file/output_guard.h"
+#include "runtime/apps/tremolo/output/run_progress.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/response/curve_report.h"
 #include "runtime/apps/tremolo/response/periodic_model.h"
 #include "runtime/apps/tremolo/response/response_commands.h"
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/run/run_files.h"
-#include "runtime/apps/tremolo/run/run_progress.h"
 #include "runtime/response/backbone.h"
 
 namespace tremolo {
