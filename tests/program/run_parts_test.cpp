@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
+#include "runtime/apps/tremolo/output/run_progress.h"
 #include "runtime/apps/tremolo/run/recorder.h"
 #include "runtime/apps/tremolo/run/run_body.h"
-#include "runtime/apps/tremolo/run/run_progress.h"
 #include "runtime/apps/tremolo/run/simulate.h"
 #include "runtime/apps/tremolo/start/run_notes.h"
 #include "runtime/scene/scene_start.h"

@@ -13,12 +13,12 @@
 #include "runtime/apps/tremolo/cloth/cloth_commands.h"
 #include "runtime/apps/tremolo/cloth/cloth_log.h"
 #include "runtime/apps/tremolo/output/plot.h"
+#include "runtime/apps/tremolo/output/run_progress.h"
 #include "runtime/apps/tremolo/output/statistics.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/output/text_values.h"
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/run/run_files.h"
-#include "runtime/apps/tremolo/run/run_progress.h"
 #include "runtime/apps/tremolo/world/scene_ending.h"
 #include "runtime/bodies/cloth/cloth_model.h"
 

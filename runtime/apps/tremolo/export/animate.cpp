@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "runtime/apps/tremolo/output/run_progress.h"
 #include "runtime/apps/tremolo/run/run_body.h"
-#include "runtime/apps/tremolo/run/run_progress.h"
 #include "runtime/apps/tremolo/run/simulate.h"
 #include "runtime/io/exchange/recording.h"
 #include "runtime/world/scene_world.h"

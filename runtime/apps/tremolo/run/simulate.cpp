@@ -10,10 +10,10 @@
 #include <fmt/format.h>
 
 #include "common/units.h"
+#include "runtime/apps/tremolo/output/run_progress.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/run/body_files.h"
 #include "runtime/apps/tremolo/run/run_body.h"
-#include "runtime/apps/tremolo/run/run_progress.h"
 #include "runtime/apps/tremolo/run/sound.h"
 #include "runtime/apps/tremolo/run/watch.h"
 #include "runtime/apps/tremolo/start/run_notes.h"

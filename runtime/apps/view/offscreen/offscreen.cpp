@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "runtime/apps/tremolo/output/run_progress.h"
 #include "runtime/apps/tremolo/output/tell.h"
-#include "runtime/apps/tremolo/run/run_progress.h"
 #include "runtime/apps/view/draw/renderer.h"
 #include "runtime/apps/view/live/live_world.h"
 #include "runtime/apps/view/offscreen/egl_context.h"

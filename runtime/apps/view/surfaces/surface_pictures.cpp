@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "runtime/apps/tremolo/output/run_progress.h"
 #include "runtime/apps/tremolo/output/tell.h"
-#include "runtime/apps/tremolo/run/run_progress.h"
 #include "runtime/apps/view/offscreen/egl_context.h"
 #include "runtime/apps/view/picture/picture_series.h"
 #include "runtime/apps/view/setup/frame_times.h"

@@ -12,8 +12,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "runtime/apps/tremolo/output/run_progress.h"
 #include "runtime/apps/tremolo/output/tell.h"
-#include "runtime/apps/tremolo/run/run_progress.h"
 #include "runtime/apps/view/surfaces/surface_stage.h"
 #include "runtime/apps/view/window/glfw_window.h"
 

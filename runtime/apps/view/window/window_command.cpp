@@ -10,8 +10,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "runtime/apps/tremolo/output/run_progress.h"
 #include "runtime/apps/tremolo/output/tell.h"
-#include "runtime/apps/tremolo/run/run_progress.h"
 #include "runtime/apps/view/live/runner.h"
 #include "runtime/apps/view/picture/picture_series.h"
 #include "runtime/apps/view/picture/png_file.h"

@@ -1,4 +1,4 @@
-#include "runtime/apps/tremolo/run/run_progress.h"
+#include "runtime/apps/tremolo/output/run_progress.h"
 
 #include <algorithm>
 #include <csignal>
