@@ -93,11 +93,23 @@ Status check_ratios(const DampingRatios& ratios, std::size_t modes) {
                   : "there are " + std::to_string(modes) + " modes; leave the last ratios out"));
 }
 
+std::string exact_text(double value) {
+  constexpr int kFewDigits = 6, kMostDigits = 17;  // the latter are enough for every double
+  std::string shortest;
+  for (int digits = kFewDigits; digits <= kMostDigits; ++digits) {
+    shortest = text("%.*g", digits, value);
+    double read = 0.0;
+    const char* end = shortest.data() + shortest.size();
+    if (read_decimal(shortest.data(), end, read).ptr == end && read == value) break;
+  }
+  return shortest;
+}
+
 std::string ratios_text(const DampingRatios& ratios) {
   std::string text;
-  for (const double ratio : ratios.of_modes) text += (text.empty() ? "" : ",") + number_text(ratio);
+  for (const double ratio : ratios.of_modes) text += (text.empty() ? "" : ",") + exact_text(ratio);
   for (const RatioAt& row : ratios.table)
-    text += (text.empty() ? "" : ",") + number_text(row.frequency) + ":" + number_text(row.ratio);
+    text += (text.empty() ? "" : ",") + exact_text(row.frequency) + ":" + exact_text(row.ratio);
   return text;
 }
 

@@ -57,7 +57,10 @@ Status check_ratios(const DampingRatios& ratios, std::size_t modes);
 Result<RayleighDamping> rayleigh_damping(double f1, double z1, double f2, double z2,
                                          std::string_view text);
 
-// A text that parse_damping reads as these ratios of each mode; empty for none.
+// A decimal that is read as exactly this number, of six digits where they are enough.
+std::string exact_text(double value);
+
+// A text that parse_damping reads as exactly these ratios of each mode; empty for none.
 std::string ratios_text(const DampingRatios& ratios);
 
 // The ratio of mode `mode` (from 0) of this frequency (Hz); 0 of Rayleigh damping.

@@ -10,6 +10,7 @@
 #include <Eigen/Dense>
 
 #include "common/damping_ratios.h"
+#include "common/text.h"
 
 namespace tremolo {
 namespace {
@@ -45,15 +46,16 @@ std::string ratios_by_mode(std::vector<std::pair<int, double>> known, const Vect
   for (const auto& [mode, ratio] : known) table.table.push_back({hertz[mode], ratio});
   std::sort(table.table.begin(), table.table.end(),
             [](const RatioAt& a, const RatioAt& b) { return a.frequency < b.frequency; });
-  DampingRatios list;
+  std::string list;
   for (int mode = 0; mode <= known.back().first; ++mode) {
     const auto own = std::find_if(known.begin(), known.end(),
                                   [mode](const auto& row) { return row.first == mode; });
-    list.of_modes.push_back(own != known.end()
-                                ? own->second
-                                : ratio_of(table, static_cast<std::size_t>(mode), hertz[mode]));
+    const double ratio = own != known.end()
+                             ? own->second
+                             : ratio_of(table, static_cast<std::size_t>(mode), hertz[mode]);
+    list += (list.empty() ? "" : ",") + number_text(ratio);
   }
-  return ratios_text(list);
+  return list;
 }
 
 }  // namespace

@@ -43,6 +43,17 @@ TEST(DampingOfModes, TwoPairsAreRayleighDampingAlsoInPercent) {
   EXPECT_DOUBLE_EQ(ratios->rayleigh.beta, rayleigh->beta);
 }
 
+TEST(DampingOfModes, TheirTextIsReadAsTheSameRatios) {
+  for (const char* text : {"0.02", "0.02,0.01,0", "1:0.02,10:0.01,30:0.05", "0.0123456789012"}) {
+    const Result<DampingRatios> ratios = parse_damping(text);
+    ASSERT_TRUE(ratios) << text;
+    EXPECT_EQ(ratios_text(*ratios), text);
+    EXPECT_TRUE(check_ratios(*ratios, 3)) << text;
+  }
+  EXPECT_FALSE(check_ratios(*parse_damping("0.02,0.01"), 1));
+  EXPECT_FALSE(check_ratios(*parse_damping("0.02"), 0));
+}
+
 TEST(DampingOfModes, WrongTextsAreRefused) {
   for (const char* text : {"", "x", "2%,", "1:0.1", "1:0.1,0.2", "0.1,1:0.2", "%", "2%%", ":0.1"}) {
     const Result<DampingRatios> wrong = parse_damping(text);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "common/damping_ratios.h"
 #include "common/text.h"
 
 namespace tremolo {
@@ -60,11 +61,11 @@ std::optional<std::string> sweep_text(const toml::node& node) {
 
 std::optional<std::string> damping_text(const toml::node& node) {
   if (const auto given = node.value_exact<std::string>(); given && !given->empty()) return given;
-  if (const auto number = node.value<double>()) return number_text(*number);
+  if (const auto number = node.value<double>()) return exact_text(*number);
   const auto numbers = numbers_of(node);
   if (!numbers || numbers->empty()) return std::nullopt;
   std::string text;
-  for (const double ratio : *numbers) text += (text.empty() ? "" : ",") + number_text(ratio);
+  for (const double ratio : *numbers) text += (text.empty() ? "" : ",") + exact_text(ratio);
   return text;
 }
 
