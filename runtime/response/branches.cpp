@@ -90,6 +90,10 @@ Result<MotionCurve> fold_curve(const VibratingSystem& system, const ResponseRequ
   const double upwards = to_load > 1.0 ? 1.0 : -1.0;
   CurveGoal goal;
   goal.beyond = [=](const CurvePoint& point) { return upwards * (point.load / to_load - 1.0); };
+  // Past the cusp it is back at the first load, on the other fold.
+  goal.enough = [=](const MotionCurve& curve) {
+    return upwards * (curve.points.back().load - 1.0) < -1e-9;
+  };
   return trace_curve(equations, system, std::move(y), upwards * border, goal, false, plain);
 }
 

@@ -8,9 +8,9 @@ namespace tremolo {
 
 // Follows the fold `fold` of the response curve of the request over the factor of its periodic
 // force (CurvePoint::load; 1 at `fold`), until the factor reaches `to_load`, which may be below or
-// above 1. The curve passes cusps, where two folds meet; these are its kFold bifurcations. No
-// stability is computed: a fold has a multiplier at +1. Errors: kContent for a factor that is not
-// positive; kSolver if the fold is not one of the request's.
+// above 1, or until it is 1 again behind a cusp, where two folds meet (both kDone). The cusps are
+// its kFold bifurcations. No stability is computed: a fold has a multiplier at +1. Errors: kContent
+// for a factor that is not positive; kSolver if the fold is not one of the request's.
 Result<MotionCurve> fold_curve(const VibratingSystem& system, const ResponseRequest& request,
                                const CurvePoint& fold, double to_load, const CurveOptions& options);
 
