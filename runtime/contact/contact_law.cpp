@@ -112,6 +112,26 @@ double ContactLaw::energy(double distance) const {
   return stiffness * (x * x * x / 3.0 + (beyond > 0.0 ? x * beyond * (x + beyond) : 0.0));
 }
 
+// The stiffnesses are the slopes of the pressure at the depth at which both count as linear,
+// otherwise kappa. If each body has points on the other's shape, all of them act. The rebound is
+// whole from the lower speed on.
+ContactLaw law_in_series(ContactLaw law, const ContactLaw& own, const ContactLaw& theirs,
+                         double area) {
+  const double both = std::min(own.linear_from, theirs.linear_from);
+  const auto slope = [both](const ContactLaw& one) {
+    return std::isfinite(both) ? one.stiffness * std::min(one.margin, one.linear_from) / both
+                               : one.stiffness;
+  };
+  law.rebound_speed = std::min(own.rebound_speed, theirs.rebound_speed);
+  const double mine = slope(own), others = slope(theirs);
+  const double before = law.shear;
+  law.linear_from = both;
+  law.stiffness = area * mine * others / (mine + others);
+  law.shear = law.stiffness * std::min(law.margin, 2.0 * law.linear_from);
+  if (before > 0.0) law.shear_damping *= std::sqrt(law.shear / before);
+  return law;
+}
+
 void hold_normal(const Vector3d& normal, const ContactMemory& memory, ContactHeld& held) {
   held.normal = normal;
   held.slip = memory.slip;

@@ -57,6 +57,12 @@ struct ContactLaw {
   double energy(double distance) const;
 };
 
+// The law of a point against another body: two bodies are two springs in series. law: of the point
+// with the friction and restitution of the pair. own, theirs: of a unit of area of the two bodies;
+// their stiffness is kappa. area: of the point, m^2.
+ContactLaw law_in_series(ContactLaw law, const ContactLaw& own, const ContactLaw& theirs,
+                         double area);
+
 // The memory of a contact between steps, for a point that ended a step nearer than the margin.
 // Vectors are along the obstacle's axes.
 struct ContactMemory {

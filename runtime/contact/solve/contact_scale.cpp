@@ -92,27 +92,12 @@ ContactLaw ContactStep::law_of(std::size_t point, double friction, double restit
   return law;
 }
 
-// Two bodies are two springs in series. Their stiffnesses are the slopes of the pressure at the
-// depth at which both count as linear, otherwise their kappa. If each body has points on the
-// other's shape, all of them act. Friction and restitution are geometric means; the rebound is
-// whole from the lower speed on.
+// Friction and restitution of two bodies are geometric means.
 ContactLaw ContactStep::law_of(std::size_t point, const ContactStep& other) const {
   const ContactLaw& theirs = other.law_;
-  ContactLaw law = law_of(point, std::sqrt(law_.friction * theirs.friction),
-                          std::sqrt(law_.restitution * theirs.restitution));
-  const double both = std::min(law_.linear_from, theirs.linear_from);
-  const auto slope = [both](const ContactLaw& one) {
-    return std::isfinite(both) ? one.stiffness * std::min(one.margin, one.linear_from) / both
-                               : one.stiffness;
-  };
-  law.rebound_speed = std::min(law_.rebound_speed, theirs.rebound_speed);
-  const double own = slope(law_), other_slope = slope(theirs);
-  const double before = law.shear;
-  law.linear_from = both;
-  law.stiffness = eq_.points->areas[point] * own * other_slope / (own + other_slope);
-  law.shear = law.stiffness * std::min(law.margin, 2.0 * law.linear_from);
-  if (before > 0.0) law.shear_damping *= std::sqrt(law.shear / before);
-  return law;
+  return law_in_series(law_of(point, std::sqrt(law_.friction * theirs.friction),
+                              std::sqrt(law_.restitution * theirs.restitution)),
+                       law_, theirs, eq_.points->areas[point]);
 }
 
 // About half of critical damping for the effective mass of a point: c = (k m)^1/2.

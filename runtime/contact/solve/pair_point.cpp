@@ -32,9 +32,10 @@ bool passes(const PairPoint& pair, const ContactEquations& second, double way) {
 
 // Fall of the pair's forces with the unknowns of its bodies, by d1, the path and the deformation,
 // and its effect on the part that restitution takes from all points of the two.
-void find_changes(PairPoint& pair, const PairBodies& bodies, const ContactTime& time, bool follows,
-                  PairScratch& scratch) {
-  const auto& [first, second] = bodies;
+// first_way: derivative of the point's end with respect to the first body's unknowns.
+template <class Way>
+void find_changes(PairPoint& pair, const Way& first_way, const ContactEquations& second,
+                  const ContactTime& time, bool follows, PairScratch& scratch) {
   const Index n = second.unknowns();
   const Index r = second.turns() ? n - 6 : n;
   // Slopes of a nearby position are accurate enough: they change over the distance between points.
@@ -48,7 +49,7 @@ void find_changes(PairPoint& pair, const PairBodies& bodies, const ContactTime& 
   const Eigen::Matrix3Xd& way = second.lever.change_of_way(second.motion, pair.touch_b, pair.rows);
   const auto find = [&](const ContactSlope& slope, Eigen::Matrix3Xd& by_a, Eigen::Matrix3Xd& by_b) {
     const Eigen::Matrix3d by_end = slope.by_distance * gradient.transpose() + slope.by_path;
-    by_a.noalias() = by_end.lazyProduct(first.lever.way());
+    by_a.noalias() = by_end.lazyProduct(first_way);
     by_b.resize(3, n);
     by_b.leftCols(r).noalias() = slope.by_bend.lazyProduct(way.leftCols(r));
     by_b.leftCols(r).noalias() += slope.by_distance * pair.by_q.transpose();
@@ -64,7 +65,7 @@ void find_changes(PairPoint& pair, const PairBodies& bodies, const ContactTime& 
   scratch.link = slopes.point.by_taken;
   scratch.bend_link = slopes.bend.by_taken;
   const double growth = slopes.taken_by_distance;
-  scratch.growth_a.noalias() = growth * (first.lever.way().transpose() * gradient);
+  scratch.growth_a.noalias() = growth * (first_way.transpose() * gradient);
   scratch.growth_b.resize(n);
   scratch.growth_b.head(r) = growth * pair.by_q;
   if (second.turns())
@@ -76,13 +77,19 @@ void find_changes(PairPoint& pair, const PairBodies& bodies, const ContactTime& 
 // that distance from it at the start.
 void begin_point(PairPoint& pair, const ContactStep& first, const ContactStep& second,
                  const PairNames& names, std::size_t point, const Vector3d& y, double distance) {
+  pair.law = first.law_of(point, second);
+  place_point(pair, names, point, first.pair_memory(names.obstacle, point), y, distance);
+}
+
+}  // namespace
+
+void place_point(PairPoint& pair, const PairNames& names, std::size_t point,
+                 const ContactMemory* memory, const Vector3d& y, double distance) {
   pair.a = names.a;
   pair.b = names.b;
   pair.point = point;
   pair.place_at_start = y;
   pair.distance = distance;
-  pair.law = first.law_of(point, second);
-  const ContactMemory* memory = first.pair_memory(names.obstacle, point);
   pair.memory = memory != nullptr ? *memory : ContactMemory{};
   if (memory == nullptr) pair.memory.begins = std::min(pair.law.margin, distance);
   pair.memory.obstacle = names.obstacle;
@@ -90,8 +97,6 @@ void begin_point(PairPoint& pair, const ContactStep& first, const ContactStep& s
   pair.law.begins = pair.memory.begins;
   pair.energy = pair.law.energy(distance);
 }
-
-}  // namespace
 
 std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
                             const PairNames& names, std::vector<PairPoint>& points,
@@ -132,9 +137,12 @@ void begin_pair(PairPoint& pair) {
 }
 
 void approach_pair(PairPoint& pair, const PairBodies& bodies, double bend, PairRate& rate) {
-  const auto& [first, second] = bodies;
+  pair.touch_a.x1 = bodies.first.end_of_point(pair.point);
+  approach_shape(pair, bodies.second, bend, rate);
+}
+
+void approach_shape(PairPoint& pair, const ContactEquations& second, double bend, PairRate& rate) {
   const double stored = 0.5 * pair.law.shear * pair.memory.slip.squaredNorm();
-  pair.touch_a.x1 = first.end_of_point(pair.point);
   pair.place = second.motion.into_rest(pair.touch_a.x1, true);
   const bool acts = pair.distance < pair.law.begins || pair.held.limit != 0.0;
   pair.near = false;
@@ -153,12 +161,19 @@ void approach_pair(PairPoint& pair, const PairBodies& bodies, double bend, PairR
 void press_pair(PairPoint& pair, const PairBodies& bodies, const ContactTime& time,
                 const ContactRenewal& renewal, PairScratch& scratch) {
   if (!pair.near) return;
-  const auto& [first, second] = bodies;
   const Vector3d x1 = pair.touch_a.x1;
-  pair.touch_a = first.touch_at_point(pair.point);
+  pair.touch_a = bodies.first.touch_at_point(pair.point);
+  const Vector3d middle = bodies.first.motion.middle_of(pair.touch_a);
+  press_shape(pair, bodies.second, {x1, middle}, time, renewal, scratch);
+}
+
+void press_shape(PairPoint& pair, const ContactEquations& second, const PairSite& site,
+                 const ContactTime& time, const ContactRenewal& renewal, PairScratch& scratch) {
+  if (!pair.near) return;
+  const Vector3d& x1 = site.end;
   const bool fresh = pair.fresh;
   if (fresh) find_start(pair, second, scratch);
-  pair.touch_b = second.motion.touch_by_other(x1, first.motion.middle_of(pair.touch_a));
+  pair.touch_b = second.motion.touch_by_other(x1, site.middle);
   pair.way.path = x1 - pair.touch_a.x0 - second.motion.way_under(pair.touch_b);
   pair.way.bend = second.bend_under(pair.rows);
   if (renewal.normals || fresh) {
@@ -230,7 +245,7 @@ void add_pair_slopes(PairPoint& pair, const PairBodies& bodies, const ContactTim
   const auto& [first, second] = bodies;
   first.lever.make(first.motion, pair.touch_a, first.point_rows(pair.point));
   second.lever.make(second.motion, pair.touch_b, pair.rows);
-  find_changes(pair, bodies, time, follows, scratch);
+  find_changes(pair, first.lever.way(), second, time, follows, scratch);
   first.lever.add_pushed(scratch.change_a, scratch.change_a, 1.0, first.own_block());
   first.lever.add_pushed(scratch.change_b, scratch.change_b, 1.0, sides.first_by_second);
   second.lever.add_pushed(scratch.change_b, scratch.bend_change_b, -1.0, second.own_block());
@@ -247,6 +262,36 @@ void add_pair_slopes(PairPoint& pair, const PairBodies& bodies, const ContactTim
   sides.second_by_first.middleRows<3>(turn).noalias() +=
       second.motion.turn_of_arm(-pair.now.force) * second.motion.R0.transpose() *
       first.lever.path_of_middle(first.motion).leftCols(first.unknowns());
+}
+
+void SiteSlopes::clear(Index unknowns) {
+  by_end.setZero();
+  by_shape.setZero(3, unknowns);
+  shape_by.setZero(unknowns, 3);
+  link.setZero();
+  growth.setZero();
+  shape_link.setZero(unknowns);
+  shape_growth.setZero(unknowns);
+}
+
+void add_site_slopes(PairPoint& pair, ContactEquations& second, const ContactTime& time,
+                     bool follows, PairScratch& scratch, SiteSlopes& slopes) {
+  const Index n = second.unknowns();
+  slopes.clear(n);
+  second.lever.make(second.motion, pair.touch_b, pair.rows);
+  find_changes(pair, Eigen::Matrix3d(Eigen::Matrix3d::Identity()), second, time, follows, scratch);
+  slopes.by_end = scratch.change_a;
+  slopes.by_shape = scratch.change_b;
+  slopes.link = scratch.link;
+  slopes.growth = scratch.growth_a;
+  slopes.shape_growth = scratch.growth_b;
+  second.lever.add_pushed(scratch.change_b, scratch.bend_change_b, -1.0, second.own_block());
+  second.lever.add_pushed(scratch.change_a, scratch.bend_change_a, -1.0, slopes.shape_by);
+  second.lever.add_pushed(scratch.link, scratch.bend_link, -1.0, slopes.shape_link);
+  second.add_geometry_of_other(-pair.now.force, -pair.now.bend_force, pair.touch_b, pair.rows);
+  if (second.turns())
+    slopes.shape_by.middleRows<3>(n - 6) += 0.5 * second.motion.turn_of_arm(-pair.now.force) *
+                                            second.motion.R0.transpose();
 }
 
 void settle_pair(const PairPoint& pair, const ContactEquations& second, double h, ContactAccount& a,

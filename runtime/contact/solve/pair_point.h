@@ -85,11 +85,47 @@ void approach_pair(PairPoint& pair, const PairBodies& bodies, double bend, PairR
 void press_pair(PairPoint& pair, const PairBodies& bodies, const ContactTime& time,
                 const ContactRenewal& renewal, PairScratch& scratch);
 
+// A point of a body of any kind: its end in the step, and the position about which the torque of a
+// force is taken, m, world.
+struct PairSite {
+  Eigen::Vector3d end, middle;
+};
+
+// The same two functions for a point of a body of any kind. The caller sets pair.touch_a: x1 before
+// the first, x0 before the second.
+void approach_shape(PairPoint& pair, const ContactEquations& second, double bend, PairRate& rate);
+void press_shape(PairPoint& pair, const ContactEquations& second, const PairSite& site,
+                 const ContactTime& time, const ContactRenewal& renewal, PairScratch& scratch);
+
+// Slopes of a pair by the end of its point, which stands for the unknowns of the first body, and by
+// the n unknowns of the second.
+struct SiteSlopes {
+  Eigen::Matrix3d by_end;     // fall of the force on the point with its end, N/m
+  Eigen::Matrix3Xd by_shape;  // the same with the second body's unknowns, 3 x n
+  Eigen::MatrixXd shape_by;   // of the second body's residual with the end, n x 3
+  // Effect of the pair's rate on the force's fall, and growth of the part that restitution takes
+  // with the end; shape_*: the same of the second body, n.
+  Eigen::Vector3d link, growth;
+  Eigen::VectorXd shape_link, shape_growth;
+
+  void clear(Eigen::Index unknowns);
+};
+
+// Computes the slopes of an acting pair; those of the second body by its own unknowns are added to
+// its Jacobian, except those by the pair's rate.
+void add_site_slopes(PairPoint& pair, ContactEquations& second, const ContactTime& time,
+                     bool follows, PairScratch& scratch, SiteSlopes& slopes);
+
 // A pair in an island.
 struct PairNames {
   std::size_t a = 0, b = 0;  // members: a has the points, b the shape
   std::size_t obstacle = 0;  // the number of b's body in the group
 };
+
+// Places a point, whose law is set, near the shape: at y in the shape's mesh coordinates and at
+// that distance, m, at the start. memory: of its contact; null: none.
+void place_point(PairPoint& pair, const PairNames& names, std::size_t point,
+                 const ContactMemory* memory, const Eigen::Vector3d& y, double distance);
 
 // Adds the points of a (its body is `first`) that may be in contact with b in the step to `points`,
 // whose first `count` entries are used. Returns the new number of points. Both bodies must have

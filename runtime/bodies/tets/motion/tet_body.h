@@ -70,6 +70,7 @@ struct TetStepReport {
 
 class TetContact;
 class TetIsland;
+class TetStep;
 
 // Energy added by midpoint or newmark.
 struct TetGuard {
@@ -133,7 +134,8 @@ class TetBody {
   std::size_t bytes() const;  // of the body, without the shared model
 
  private:
-  friend class TetIsland;  // it calls the following functions
+  friend class TetIsland;  // both call the following functions
+  friend class TetStep;    // runtime/mixed/tet_step.h
 
   TetBody(TetModelPointer model, const TetBodyOptions& options);
   void keep_state();

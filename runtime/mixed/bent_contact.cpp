@@ -1,0 +1,152 @@
+#include "runtime/mixed/bent_contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tremolo {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+Vector3d BentContact::place_at_start(std::size_t point) const {
+  const Pose& into = shape_->contact().poses().start;
+  return into.rotation.conjugate() * (points_->start_of(point) - into.position);
+}
+
+void BentContact::add(std::size_t point, const Vector3d& y, double distance) {
+  if (count_ == pairs_.size()) pairs_.emplace_back();
+  PairPoint& pair = pairs_[count_++];
+  const ContactLaw own = points_->area_law(), theirs = shape_->area_law();
+  pair.law = law_in_series(
+      points_->law_of(point, std::sqrt(own.friction * theirs.friction),
+                      std::sqrt(own.restitution * theirs.restitution)),
+      own, theirs, points_->area_of(point));
+  place_point(pair, {first, second, obstacle_}, point, points_->memory(obstacle_, point), y,
+              distance);
+}
+
+bool BentContact::gather(StepBody& points, ReducedStep& shape, std::size_t obstacle) {
+  points_ = &points;
+  shape_ = &shape;
+  obstacle_ = obstacle;
+  count_ = 0;
+  const Collider* solid = shape.contact().shape();
+  if (solid == nullptr) return false;
+  const StepBall mine = points.ball(), other = shape.ball();
+  const double reach = points.area_law().margin + 2.0 * (mine.travel + other.travel);
+  if ((mine.centre - other.centre).norm() > mine.radius + other.radius + reach) return false;
+  const double bent = shape.contact().ball().deformed;
+  for (std::size_t i = 0; i < points.points(); ++i) {
+    const Vector3d y = place_at_start(i);
+    if (signed_distance(*solid, y).distance > reach + bent) continue;
+    const double distance = bent_distance(shape.equations().shape_at_start(), y);
+    if (distance <= reach) add(i, y, distance);
+  }
+  return count_ != 0;
+}
+
+void BentContact::begin() {
+  for (PairPoint& pair : used()) begin_pair(pair);
+}
+
+void BentContact::press(const ContactRenewal& renewal) {
+  ContactEquations& eq = shape_->equations();
+  const double bend = eq.bend_in_step();
+  motions_.resize(count_);
+  rate_ = {};
+  for (std::size_t k = 0; k < count_; ++k) {
+    PairPoint& pair = pairs_[k];
+    motions_[k] = points_->motion(pair.point);
+    pair.touch_a.x0 = motions_[k].start;
+    pair.touch_a.x1 = motions_[k].end;
+    approach_shape(pair, eq, bend, rate_);
+  }
+  for (std::size_t k = 0; k < count_; ++k) {
+    PairPoint& pair = pairs_[k];
+    press_shape(pair, eq, {motions_[k].end, motions_[k].middle}, time(), renewal, scratch_);
+    if (!pair.now.acts) continue;
+    points_->add_force(pair.point, pair.now.force);
+    eq.push(-pair.now.force, -pair.now.bend_force, pair.touch_b, pair.rows);
+  }
+}
+
+void BentContact::make_slopes(bool follows) {
+  ContactEquations& eq = shape_->equations();
+  slopes_.resize(count_);
+  link_.setZero(eq.unknowns());
+  growth_.setZero(eq.unknowns());
+  for (std::size_t k = 0; k < count_; ++k) {
+    PairPoint& pair = pairs_[k];
+    if (!pair.now.acts) continue;
+    SiteSlopes& slopes = slopes_[k];
+    add_site_slopes(pair, eq, time(), follows, scratch_, slopes);
+    points_->add_slope(pair.point, slopes.by_end, pair.now.force);
+    link_ += slopes.shape_link;
+    growth_ += slopes.shape_growth;
+  }
+  if (rate_.force > 0.0) eq.own_block().noalias() += link_ * growth_.transpose();
+}
+
+void BentContact::multiply(StepBody::In first_x, StepBody::In second_x, StepBody::Out first_rows,
+                           StepBody::Out second_rows) const {
+  const Index n = second_x.size();
+  const bool rated = rate_.force > 0.0;
+  double first_growth = 0.0;
+  changes_.resize(count_);
+  rows_.setZero(n);
+  for (std::size_t k = 0; k < count_; ++k) {
+    if (!pairs_[k].now.acts) continue;
+    changes_[k] = points_->change_at(pairs_[k].point, first_x);
+    if (rated) first_growth += slopes_[k].growth.dot(changes_[k]);
+    rows_.noalias() += slopes_[k].shape_by * changes_[k];
+  }
+  const double growth = rated ? first_growth + growth_.dot(second_x) : 0.0;
+  for (std::size_t k = 0; k < count_; ++k) {
+    if (!pairs_[k].now.acts) continue;
+    const Vector3d fall = slopes_[k].by_shape * second_x + growth * slopes_[k].link;
+    points_->add_image(pairs_[k].point, fall, first_rows);
+  }
+  rows_ += first_growth * link_;
+  second_rows += shape_->equations().row_scale.head(n).cwiseProduct(rows_);
+}
+
+bool BentContact::add_missed() {
+  const ContactEquations& eq = shape_->equations();
+  const Collider& solid = *shape_->contact().shape();
+  const double margin = points_->area_law().margin, bent = shape_->contact().ball().deformed;
+  listed_.assign(points_->points(), 0);
+  for (const PairPoint& pair : used()) listed_[pair.point] = 1;
+  const std::size_t known = count_;
+  for (std::size_t i = 0; i < points_->points(); ++i) {
+    if (listed_[i] != 0) continue;
+    const Vector3d end = eq.motion.into_rest(points_->motion(i).end, true);
+    if (signed_distance(solid, end).distance > margin + 2.0 * bent) continue;
+    if (bent_distance(eq.shape_at_end(), end) >= margin) continue;
+    const Vector3d y = place_at_start(i);
+    add(i, y, bent_distance(eq.shape_at_start(), y));
+    begin_pair(pairs_[count_ - 1]);
+  }
+  return count_ != known;
+}
+
+void BentContact::settle(ContactAccount& first_account, ContactAccount& second_account,
+                         double& start) const {
+  const ContactEquations& eq = shape_->equations();
+  for (const PairPoint& pair : used()) {
+    start += pair.energy + 0.5 * pair.law.shear * pair.memory.slip.squaredNorm();
+    settle_pair(pair, eq, eq.motion.h, first_account, second_account);
+  }
+}
+
+void BentContact::remember() {
+  for (const PairPoint& pair : used())
+    if (ContactMemory memory; memory_of(pair, memory)) points_->remember(memory);
+}
+
+std::size_t BentContact::acting() const {
+  return static_cast<std::size_t>(std::count_if(
+      used().begin(), used().end(), [](const PairPoint& pair) { return pair.now.acts; }));
+}
+
+}  // namespace tremolo

@@ -1,0 +1,157 @@
+#include "runtime/mixed/collider_contact.h"
+
+#include <algorithm>
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+double distance_at(const Collider& shape, const Pose& pose, const Vector3d& x) {
+  return signed_distance(shape, pose.rotation.conjugate() * (x - pose.position)).distance;
+}
+
+// Bound of the displacement of the collider near a ball of that radius about x, m.
+double travel_of(const PlacedCollider& collider, const Vector3d& x, double radius) {
+  const Vector3d local = collider.start.rotation.conjugate() * (x - collider.start.position);
+  const double angle = turn_of(collider.start.rotation.conjugate() * collider.end.rotation).norm();
+  return (collider.end * local - x).norm() + angle * radius;
+}
+
+}  // namespace
+
+void ColliderContact::add(std::size_t point) {
+  Touch& touch = touches_.emplace_back();
+  touch.point = point;
+  touch.law = points_->law_of(point, collider_->friction, collider_->restitution);
+  touch.start = contact_start(touch.law, *collider_, points_->start_of(point));
+  const ContactMemory* memory = points_->memory(obstacle_, point);
+  if (memory != nullptr)
+    touch.memory = *memory;
+  else
+    touch.memory.begins = std::min(touch.law.margin, touch.start.distance);
+  touch.law.begins = touch.memory.begins;
+  touch.start.energy = touch.law.energy(touch.start.distance);
+}
+
+bool ColliderContact::gather(StepBody& points, const PlacedCollider& collider,
+                             std::size_t obstacle, double h) {
+  points_ = &points;
+  collider_ = &collider;
+  obstacle_ = obstacle;
+  h_ = h;
+  turns_ = turns_of(collider);
+  touches_.clear();
+  const StepBall ball = points.ball();
+  const double reach = points.area_law().margin +
+                       2.0 * (ball.travel + travel_of(collider, ball.centre, ball.radius));
+  if (distance_at(collider.shape, collider.start, ball.centre) > ball.radius + reach) return false;
+  for (std::size_t i = 0; i < points.points(); ++i)
+    if (distance_at(collider.shape, collider.start, points.start_of(i)) <= reach) add(i);
+  return !touches_.empty();
+}
+
+void ColliderContact::begin(Touch& touch) const {
+  touch.now = {};
+  touch.held = {};
+  hold_normal(touch.start.normal, touch.memory, touch.held);
+  touch.held.limit = touch.memory.limit;
+}
+
+void ColliderContact::begin() {
+  for (Touch& touch : touches_) begin(touch);
+}
+
+void ColliderContact::press(const ContactRenewal& renewal) {
+  rate_ = {};
+  for (Touch& touch : touches_) {
+    touch.motion = points_->motion(touch.point);
+    touch.end = contact_end(touch.law, *collider_, turns_, touch.start, touch.motion.end);
+    rate_.add(touch.end.gap.pressure, touch.end.gap.d1 - touch.end.gap.d0);
+  }
+  for (Touch& touch : touches_) {
+    touch.now = contact_force(touch.law, *collider_, turns_, touch.start, touch.memory, touch.end,
+                              time(), renewal, touch.held);
+    if (touch.now.acts) points_->add_force(touch.point, touch.now.force);
+  }
+}
+
+void ColliderContact::make_slopes(bool follows) {
+  for (Touch& touch : touches_) {
+    if (!touch.now.acts) continue;
+    touch.slope =
+        contact_slope(touch.law, turns_, touch.start, touch.end, time(), touch.held, follows);
+    points_->add_slope(touch.point, touch.slope.by_end, touch.now.force);
+  }
+}
+
+void ColliderContact::multiply(StepBody::In first_x, StepBody::In second_x,
+                               StepBody::Out first_rows, StepBody::Out second_rows) const {
+  (void)second_x;
+  (void)second_rows;
+  if (!(rate_.force > 0.0)) return;
+  double growth = 0.0;
+  for (const Touch& touch : touches_)
+    if (touch.now.acts) growth += touch.slope.taken.dot(points_->change_at(touch.point, first_x));
+  for (const Touch& touch : touches_)
+    if (touch.now.acts)
+      points_->add_image(touch.point, growth * touch.slope.by_taken, first_rows);
+}
+
+bool ColliderContact::add_missed() {
+  listed_.assign(points_->points(), 0);
+  for (const Touch& touch : touches_) listed_[touch.point] = 1;
+  const std::size_t known = touches_.size();
+  const double margin = points_->area_law().margin;
+  for (std::size_t i = 0; i < points_->points(); ++i) {
+    if (listed_[i] != 0) continue;
+    const Vector3d end = points_->motion(i).end;
+    if (!(distance_at(collider_->shape, collider_->end, end) < margin)) continue;
+    add(i);
+    begin(touches_.back());
+  }
+  return touches_.size() != known;
+}
+
+void ColliderContact::settle(ContactAccount& first_account, ContactAccount& second_account,
+                             double& start) const {
+  (void)second_account;
+  ContactAccount& sum = first_account;
+  for (const Touch& touch : touches_) {
+    const ContactForce& now = touch.now;
+    start += touch.start.energy + 0.5 * touch.law.shear * touch.memory.slip.squaredNorm();
+    sum.energy += now.energy;
+    sum.lost += now.lost;
+    sum.rubbed += now.rubbed;
+    sum.work += now.force.dot(touch.motion.end - touch.motion.start);
+    sum.penetration = std::max(sum.penetration, -now.distance);
+    bool through = false;
+    sum.way = std::max(sum.way, contact_passage(*collider_, touch.start, touch.end, through));
+    sum.passed += through ? 1 : 0;
+    if (now.pressure == 0.0) continue;
+    sum.impulse += h_ * now.force.norm();
+    sum.impulse_vector += h_ * now.force;
+    ++sum.active;
+  }
+}
+
+void ColliderContact::remember() {
+  for (const Touch& touch : touches_) {
+    if (!(touch.now.distance < touch.law.margin)) continue;
+    const double length = touch.held.normal.norm();
+    points_->remember({.obstacle = obstacle_,
+                       .point = touch.point,
+                       .begins = std::max(touch.law.begins, touch.now.distance),
+                       .limit = touch.now.limit,
+                       .slip = touch.now.slip,
+                       .normal = length > 0.0 ? Vector3d(touch.held.normal / length)
+                                              : Vector3d(Vector3d::UnitZ())});
+  }
+}
+
+std::size_t ColliderContact::acting() const {
+  return static_cast<std::size_t>(std::count_if(
+      touches_.begin(), touches_.end(), [](const Touch& touch) { return touch.now.acts; }));
+}
+
+}  // namespace tremolo

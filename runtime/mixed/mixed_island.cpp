@@ -1,0 +1,187 @@
+#include "runtime/mixed/mixed_island.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/contact/solve/contact_step.h"
+#include "runtime/contact/solve/line_search.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr int kMostIterations = 60;
+constexpr double kConverged = 0.1;  // fraction of the small size at which a residual is converged
+constexpr double kLinearTolerance = 1e-8;
+constexpr int kMostLinear = 400;
+// A correction that GMRES did not solve to this is not used.
+constexpr double kUsable = 1e-2;
+
+}  // namespace
+
+// Computes the residuals. Returns their size in units of the small sizes.
+double MixedIsland::evaluate(const ContactRenewal& renewal) {
+  for (StepBody* body : bodies_) body->evaluate(renewal);
+  for (StepCoupling* coupling : couplings_) coupling->press(renewal);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) sizes_[i] = bodies_[i]->close();
+  double square = 0.0;
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    square += std::pow(sizes_[i] / enough_[i], 2);
+  return std::sqrt(square);
+}
+
+// Updates the small sizes; returns the size in these units.
+double MixedIsland::measure() {
+  double square = 0.0;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    enough_[i] = bodies_[i]->enough();
+    square += std::pow(sizes_[i] / enough_[i], 2);
+  }
+  return std::sqrt(square);
+}
+
+void MixedIsland::multiply(const VectorXd& x, VectorXd& rows) {
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    bodies_[i]->multiply(part(x, i), part(rows, i));
+  for (const StepCoupling* coupling : couplings_) {
+    const std::size_t a = coupling->first, b = coupling->second;
+    if (b == StepCoupling::kNobody)
+      coupling->multiply(part(x, a), empty_, part(rows, a), empty_);
+    else
+      coupling->multiply(part(x, a), part(x, b), part(rows, a), part(rows, b));
+  }
+  for (std::size_t i = 0; i < bodies_.size(); ++i) part(rows, i) /= enough_[i];
+}
+
+void MixedIsland::precondition(const VectorXd& rows, VectorXd& x) {
+  scaled_ = rows;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    part(scaled_, i) *= enough_[i];
+    bodies_[i]->precondition(part(scaled_, i), part(x, i));
+  }
+}
+
+// Newton's correction at the present unknowns, in move_. False: there is none.
+bool MixedIsland::find_move(double heavier, bool follows) {
+  for (StepBody* body : bodies_) body->make_tangent(heavier, follows);
+  for (StepCoupling* coupling : couplings_) coupling->make_slopes(follows);
+  for (StepBody* body : bodies_)
+    if (!body->factor()) return false;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    bodies_[i]->residual(part(residual_, i));
+    part(residual_, i) /= enough_[i];
+  }
+  bool solved = gmres_.solve([this](const VectorXd& x, VectorXd& rows) { multiply(x, rows); },
+                             [this](const VectorXd& rows, VectorXd& x) { precondition(rows, x); },
+                             residual_, kLinearTolerance, kMostLinear, move_);
+  report_.linear += gmres_.iterations();
+  if (!solved && gmres_.residual() <= kUsable * residual_.norm()) solved = true;
+  return solved && move_.allFinite();
+}
+
+// Change of the function that the step minimises, except for rotation, along the move.
+double MixedIsland::slope() const {
+  double work = 0.0;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) work += bodies_[i]->work_along(part(move_, i));
+  return -work;
+}
+
+double MixedIsland::go(double length, const ContactRenewal& renewal) {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i]->go(length, part(move_, i));
+  return evaluate(renewal);
+}
+
+// Same as ContactStep::try_following().
+bool MixedIsland::try_following(int iteration, double size) {
+  const ContactRenewal limits{.normals = false, .limits = 1.0};
+  if (!find_move(0.0, true)) return false;
+  for (double length = 1.0; length >= shortest_following(iteration); length *= 0.5)
+    if (go(length, limits) <= following_bound(length) * size) return true;
+  go(0.0, limits);
+  return false;
+}
+
+bool MixedIsland::solve(double heavier, bool hold) {
+  evaluate({});
+  measure();
+  for (int i = 0; i < kMostIterations; ++i) {
+    evaluate(renewal(i, measure(), hold));
+    double size = measure();
+    if (!std::isfinite(size)) return false;
+    if (size <= kConverged) return true;
+    ++report_.iterations;
+    for (StepBody* body : bodies_) body->keep();
+    if (limits_follow(i, size, hold) && try_following(i, size)) continue;
+    const auto trial = [this](double length) {
+      const double next = go(length, {});
+      for (std::size_t k = 0; k < bodies_.size(); ++k) bodies_[k]->residual(part(residual_, k));
+      return LineTrial{next, slope()};
+    };
+    const auto find = [this](double added) { return find_move(added, false) ? slope() : 0.0; };
+    LineTrial reached;
+    const bool near = size <= near_rounding(hold);
+    if (!newton_move(find, trial, size, near, heavier, reached)) return near;
+    // At rounding level no move lowers the residual.
+    if (!(reached.size < 0.9 * size) && near) {
+      if (reached.size > size) go(0.0, {});
+      return true;
+    }
+  }
+  return false;
+}
+
+bool MixedIsland::add_missed() {
+  bool any = false;
+  for (StepBody* body : bodies_) any = body->add_missed() || any;
+  for (StepCoupling* coupling : couplings_) any = coupling->add_missed() || any;
+  return any;
+}
+
+void MixedIsland::settle() {
+  accounts_.assign(bodies_.size() + 1, {});
+  starts_.assign(bodies_.size(), 0.0);
+  for (const StepCoupling* coupling : couplings_) {
+    const std::size_t b =
+        coupling->second == StepCoupling::kNobody ? bodies_.size() : coupling->second;
+    coupling->settle(accounts_[coupling->first], accounts_[b], starts_[coupling->first]);
+  }
+  for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i]->finish(accounts_[i], starts_[i]);
+  for (StepCoupling* coupling : couplings_) coupling->remember();
+  for (StepBody* body : bodies_) body->end();
+}
+
+MixedReport MixedIsland::step(std::span<StepBody* const> bodies,
+                              std::span<StepCoupling* const> couplings) {
+  bodies_ = bodies;
+  couplings_ = couplings;
+  report_ = {};
+  struct Attempt {
+    double heavier;
+    bool hold;
+  };
+  for (const auto [heavier, hold] :
+       {Attempt{0.0, false}, Attempt{10.0, false}, Attempt{1000.0, false}, Attempt{10.0, true}}) {
+    for (StepBody* body : bodies_) body->begin();
+    for (StepCoupling* coupling : couplings_) coupling->begin();
+    first_.assign(1, 0);
+    for (const StepBody* body : bodies_) first_.push_back(first_.back() + body->unknowns());
+    for (VectorXd* v : {&residual_, &move_, &scaled_}) v->resize(first_.back());
+    sizes_.assign(bodies_.size(), 0.0);
+    enough_.assign(bodies_.size(), 1.0);
+    do {
+      report_.converged = solve(heavier, hold);
+    } while (report_.converged && add_missed());
+    if (report_.converged) break;
+  }
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    report_.residual = std::max(report_.residual, sizes_[i] / enough_[i]);
+  if (report_.converged)
+    settle();
+  else
+    for (StepBody* body : bodies_) body->give_up();
+  return report_;
+}
+
+}  // namespace tremolo

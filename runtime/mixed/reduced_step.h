@@ -1,0 +1,90 @@
+// A reduced body, fixed, driven or free, in a step of an island of bodies of any kind: the step of
+// runtime/contact/solve/contact_step.h. Its colliders and grabs are its own.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <Eigen/LU>
+
+#include "runtime/contact/solve/contact_equations.h"
+#include "runtime/contact/solve/contact_step.h"
+#include "runtime/contact_body.h"
+#include "runtime/mixed/step_body.h"
+
+namespace tremolo {
+
+class ReducedStep final : public StepBody {
+ public:
+  // body: it has contact (ContactBody::set_contact()), and stays in memory.
+  explicit ReducedStep(ContactBody& body) : body_(&body) {}
+
+  // Starts the body's step among colliders, which stay in memory until it ends. False: its loads
+  // are not valid; report() has the reason, and the step is over.
+  bool start(std::span<const PlacedCollider> colliders);
+  // Takes the step without other bodies, same as ContactBody::step(), with the same bits.
+  void step_alone();
+  const StepReport& report() const { return report_; }
+
+  ContactBody& body() const { return *body_; }
+  ContactEquations& equations() const;
+  const ContactStep& contact() const;
+
+  StepBall ball() const override;
+  std::size_t points() const override { return contact().points().size(); }
+  Eigen::Vector3d start_of(std::size_t point) const override;
+  ContactLaw area_law() const override { return contact().law(); }
+  double area_of(std::size_t point) const override { return contact().points().areas[point]; }
+  ContactLaw law_of(std::size_t point, double friction, double restitution) const override {
+    return contact().law_of(point, friction, restitution);
+  }
+  const ContactMemory* memory(std::size_t obstacle, std::size_t point) const override {
+    return contact().pair_memory(obstacle, point);
+  }
+
+  Eigen::Index unknowns() const override { return equations().unknowns(); }
+  void begin() override;
+  void keep() override { kept_ = equations().z; }
+  void go(double length, In direction) override;
+  void evaluate(const ContactRenewal& renewal) override;
+  SiteMotion motion(std::size_t point) const override;
+  void add_force(std::size_t point, const Eigen::Vector3d& force) override;
+  double close() override;
+  double enough() const override { return contact().enough(); }
+  void residual(Out rows) const override;
+  double work_along(In direction) const override { return equations().work_along(direction); }
+
+  void make_tangent(double heavier, bool follows) override;
+  void add_slope(std::size_t point, const Eigen::Matrix3d& by_end,
+                 const Eigen::Vector3d& force) override;
+  bool factor() override;
+  void multiply(In x, Out rows) const override;
+  void precondition(In rows, Out x) override;
+  Eigen::Vector3d change_at(std::size_t point, In x) const override;
+  void add_image(std::size_t point, const Eigen::Vector3d& fall, Out rows) const override;
+
+  bool add_missed() override;
+  void finish(const ContactAccount& account, double start) override;
+  void remember(const ContactMemory& memory) override;
+  void end() override;
+  void give_up() override;
+
+ private:
+  ContactStep& step() const;
+  Eigen::VectorXd scale() const { return equations().row_scale.head(unknowns()); }
+
+  // Derivatives of a point's motion and of the effect of its force.
+  struct PointLever {
+    Eigen::MatrixXd push;    // n x 3
+    Eigen::Matrix3Xd way;  // 3 x n
+  };
+
+  ContactBody* body_;
+  bool near_ = false;  // a collider or a grab acts
+  StepReport report_;
+  Eigen::VectorXd kept_;
+  std::vector<PointLever> levers_;  // one a point, once it has a slope
+  Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,45 @@
+// Contact between two bodies of an island, or of a body with a collider: the forces between them
+// and their derivatives. Forces on the two bodies are opposite, at one position.
+#pragma once
+
+#include <cstddef>
+
+#include <Eigen/Core>
+
+#include "runtime/contact/contact_law.h"
+#include "runtime/contact/contact_values.h"
+#include "runtime/mixed/step_body.h"
+
+namespace tremolo {
+
+class StepCoupling {
+ public:
+  static constexpr std::size_t kNobody = static_cast<std::size_t>(-1);
+
+  virtual ~StepCoupling() = default;
+
+  // Members of the island: the body of the points, and the obstacle, which is kNobody for a
+  // collider.
+  std::size_t first = 0, second = kNobody;
+
+  // Starts an attempt: nothing is kept.
+  virtual void begin() = 0;
+  // Computes the forces at the present unknowns of both and adds them to the bodies. Call it
+  // between evaluate() and close() of both.
+  virtual void press(const ContactRenewal& renewal) = 0;
+  // Adds the bodies' own slopes, between make_tangent() and factor().
+  virtual void make_slopes(bool follows) = 0;
+  // Adds the rest of the matrix times x. Without a second body its vectors are empty.
+  virtual void multiply(StepBody::In first_x, StepBody::In second_x, StepBody::Out first_rows,
+                        StepBody::Out second_rows) const = 0;
+  // Call it where the step is solved. Adds points that came within the margin unnoticed. True if
+  // there are any: the step must be solved with them.
+  virtual bool add_missed() = 0;
+  // Adds the energies to the accounts, and to `start` those at the start of the step, J.
+  virtual void settle(ContactAccount& first_account, ContactAccount& second_account,
+                      double& start) const = 0;
+  virtual void remember() = 0;       // after finish() of the first body
+  virtual std::size_t acting() const = 0;  // number of points with a force
+};
+
+}  // namespace tremolo

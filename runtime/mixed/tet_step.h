@@ -1,0 +1,104 @@
+// A body of tetrahedra in a step of an island of bodies of any kind. Its equation is that of
+// tet_stage.h, with a force F that is constant over the step at x = sum_I B_I x_I:
+//   M g^2 (d - d_a) = f(x_v + d, g d) + B_I F.
+// implicit-euler and midpoint then receive the momentum h F. bdf2 conserves M (3 v_1 - v_0)/2 plus
+// h F, so that its momentum is that of the pair only once the contact is over. newmark takes a step
+// of midpoint in contact. F's work is F.(x_1 - x_0). midpoint receives the angular momentum
+// h x~ x F about the mean x~ of the ends; the other methods damp their angular momentum in any case.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "runtime/bodies/tets/motion/tet_body.h"
+#include "runtime/math/sparse/block_cholesky.h"
+#include "runtime/mixed/step_body.h"
+#include "runtime/mixed/tet_points.h"
+
+namespace tremolo {
+
+class TetStep final : public StepBody {
+ public:
+  // body: stays in memory. points: of its model.
+  TetStep(TetBody& body, std::shared_ptr<const TetPoints> points, const ContactOptions& options);
+
+  // Finds the body's ball at the start of the step.
+  void start();
+  // Takes the step without contact, same as TetBody::step(), with the same bits.
+  void step_alone();
+  const TetStepReport& report() const { return report_; }
+  TetBody& body() const { return *body_; }
+  // Of contact in the last step.
+  const ContactAccount& account() const { return account_; }
+
+  StepBall ball() const override { return ball_; }
+  std::size_t points() const override { return points_->points.size(); }
+  Eigen::Vector3d start_of(std::size_t point) const override;
+  ContactLaw area_law() const override { return law_; }
+  double area_of(std::size_t point) const override { return points_->areas[point]; }
+  ContactLaw law_of(std::size_t point, double friction, double restitution) const override {
+    return point_law(*points_, law_, point, friction, restitution);
+  }
+  const ContactMemory* memory(std::size_t obstacle, std::size_t point) const override;
+
+  Eigen::Index unknowns() const override;
+  void begin() override;
+  void keep() override;
+  void go(double length, In direction) override;
+  void evaluate(const ContactRenewal& renewal) override;
+  SiteMotion motion(std::size_t point) const override;
+  void add_force(std::size_t point, const Eigen::Vector3d& force) override;
+  double close() override;
+  double enough() const override;
+  void residual(Out rows) const override;
+  double work_along(In direction) const override;
+
+  void make_tangent(double heavier, bool follows) override;
+  void add_slope(std::size_t point, const Eigen::Matrix3d& by_end,
+                 const Eigen::Vector3d& force) override;
+  bool factor() override;
+  void multiply(In x, Out rows) const override;
+  void precondition(In rows, Out x) override;
+  Eigen::Vector3d change_at(std::size_t point, In x) const override;
+  void add_image(std::size_t point, const Eigen::Vector3d& fall, Out rows) const override;
+
+  bool add_missed() override { return false; }
+  void finish(const ContactAccount& account, double start) override;
+  void remember(const ContactMemory& memory) override;
+  void end() override;
+  void give_up() override;
+
+ private:
+  // The slope of a point's force, with its condensed weights. Fixed control points have none.
+  struct Slope {
+    std::size_t point = 0;
+    std::array<double, kMostNodes> shares{};
+    Eigen::Matrix3d by_end;
+  };
+
+  std::array<double, kMostNodes> condensed(std::size_t point) const;
+  void assemble(double heavier, TangentKind tangent, bool with_contact);
+  void add_contact(const Slope& slope);
+
+  TetBody* body_;
+  std::shared_ptr<const TetPoints> points_;
+  ContactLaw law_;
+  StepBall ball_;
+  TetStepReport report_;
+  double ends_ = 1.0;  // dx_1/dd
+  bool known_ = false;
+  double heavier_ = 0.0;
+  bool contact_in_matrix_ = false;
+  // d of the last evaluation; the forces there; those of contact.
+  Eigen::VectorXd known_way_, own_, pushed_, kept_;
+  mutable Eigen::VectorXd in_, out_;
+  std::vector<Slope> slopes_;
+  std::vector<std::uint8_t> still_;  // a flag for each control point that is not active
+  std::optional<BlockCholesky> factor_;
+  std::vector<Eigen::Matrix3d> inverse_;  // of the diagonal's blocks, without a factor
+  std::vector<ContactMemory> memories_;   // by obstacle and point
+  ContactAccount account_;
+};
+
+}  // namespace tremolo

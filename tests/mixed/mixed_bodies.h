@@ -1,0 +1,101 @@
+// Bodies of both kinds for tests of their contact.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "runtime/mixed/mixed_world.h"
+#include "tests/support/meshes/made_cube.h"
+#include "tests/support/tet_bodies.h"
+
+namespace tremolo::testing {
+
+struct MixedKind {
+  double step = 1e-3;
+  double restitution = 1.0, friction = 0.0;
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
+  TetMethod method = TetMethod::kMidpoint;
+};
+
+inline Pose placed_at(const Eigen::Vector3d& position) {
+  Pose pose;
+  pose.position = position;
+  return pose;
+}
+
+inline ContactOptions contact_of(const MixedKind& kind, const Eigen::Vector3d& half) {
+  ContactOptions contact;
+  contact.shape = BoxShape{half};
+  contact.friction = kind.friction;
+  contact.restitution = kind.restitution;
+  return contact;
+}
+
+// A reduced cube of 0.1 m and 1 kg, its middle at the mesh's origin.
+inline Model::Pointer reduced_cube(const std::string& young) {
+  return made_cube("cube-" + young, Eigen::Vector3d::Constant(-0.05), young, "none");
+}
+
+inline ContactBody reduced_body(const Model::Pointer& model, const MixedKind& kind,
+                                const Eigen::Vector3d& place) {
+  Result<ContactBody> body =
+      ContactBody::create(model, "ep4", {.step = kind.step}, FrameKind::kFree);
+  EXPECT_TRUE(body) << body.error().message;
+  EXPECT_TRUE(body->set_contact(contact_of(kind, Eigen::Vector3d::Constant(0.05))));
+  EXPECT_TRUE(body->set_pose(placed_at(place)));
+  EXPECT_TRUE(body->set_gravity(kind.gravity));
+  return std::move(*body);
+}
+
+// A cube of 0.1 m and 1 kg in tetrahedra, its middle at the mesh's origin.
+inline TetModelPointer tets_cube(double young, int cells) {
+  TetMesh mesh = box_mesh({cells, cells, cells}, {0.1, 0.1, 0.1});
+  for (Eigen::Vector3d& x : mesh.vertices) x -= Eigen::Vector3d::Constant(0.05);
+  auto model = TetModel::create(mesh, {{{"gel", {young, 0.3, 1000.0}}}, {}}, {});
+  EXPECT_TRUE(model) << model.error().message;
+  return *model;
+}
+
+inline TetBody tets_body(const TetModelPointer& model, const MixedKind& kind,
+                         const Eigen::Vector3d& place, const Eigen::Vector3d& velocity,
+                         const Eigen::Vector3d& spin) {
+  TetBodyOptions options;
+  options.step = kind.step;
+  options.method = kind.method;
+  options.gravity = kind.gravity;
+  options.degree.kind = DegreeKind::kQuadratic;
+  Result<TetBody> body = TetBody::create(model, options);
+  EXPECT_TRUE(body) << body.error().message;
+  Eigen::VectorXd x = model->rest(), v = x;
+  for (Eigen::Index i = 0; i < x.size(); i += 3) {
+    v.segment<3>(i) = velocity + spin.cross(x.segment<3>(i));
+    x.segment<3>(i) += place;
+  }
+  EXPECT_TRUE(body->set_state(x, v));
+  return std::move(*body);
+}
+
+// Sums over all bodies of a world.
+struct MixedSum {
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero(), angular = Eigen::Vector3d::Zero();
+  double energy = 0.0;  // J, with that of contact
+};
+
+inline MixedSum sum_of(MixedWorld& world) {
+  MixedSum sum;
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    sum.energy += world.account(i).energy;
+    if (ContactBody* body = world.reduced(i)) {
+      sum.linear += body->linear_momentum();
+      sum.angular += body->angular_momentum();
+      sum.energy += body->energy().total();
+    } else {
+      TetBody& tets = *world.tets(i);
+      sum.linear += tets.momentum();
+      sum.angular += tets.angular_momentum();
+      sum.energy += tets.kinetic_energy() + tets.elastic_energy() + tets.gravity_energy();
+    }
+  }
+  return sum;
+}
+
+}  // namespace tremolo::testing
