@@ -6,11 +6,11 @@
 
 #include "runtime/contact/solve/pair_point.h"
 #include "runtime/mixed/reduced_step.h"
-#include "runtime/mixed/step_coupling.h"
+#include "runtime/mixed/pair_forces.h"
 
 namespace tremolo {
 
-class BentContact final : public StepCoupling {
+class BentContact final : public PairForces {
  public:
   // Finds the points of `points` that may be in contact with `shape` in the step. obstacle: the
   // number of the second body, for memories. Both bodies have started their steps. False: there are

@@ -4,11 +4,11 @@
 
 #include <vector>
 
-#include "runtime/mixed/step_coupling.h"
+#include "runtime/mixed/pair_forces.h"
 
 namespace tremolo {
 
-class ColliderContact final : public StepCoupling {
+class ColliderContact final : public PairForces {
  public:
   // Finds the points that may be in contact in the step. The collider stays in memory until it
   // ends. obstacle: its number for memories. h: the step, s. False: there are none.

@@ -24,7 +24,7 @@ constexpr double kUsable = 1e-2;
 // Computes the residuals. Returns their size in units of the small sizes.
 double MixedIsland::evaluate(const ContactRenewal& renewal) {
   for (StepBody* body : bodies_) body->evaluate(renewal);
-  for (StepCoupling* coupling : couplings_) coupling->press(renewal);
+  for (PairForces* coupling : couplings_) coupling->press(renewal);
   for (std::size_t i = 0; i < bodies_.size(); ++i) sizes_[i] = bodies_[i]->close();
   double square = 0.0;
   for (std::size_t i = 0; i < bodies_.size(); ++i)
@@ -45,9 +45,9 @@ double MixedIsland::measure() {
 void MixedIsland::multiply(const VectorXd& x, VectorXd& rows) {
   for (std::size_t i = 0; i < bodies_.size(); ++i)
     bodies_[i]->multiply(part(x, i), part(rows, i));
-  for (const StepCoupling* coupling : couplings_) {
+  for (const PairForces* coupling : couplings_) {
     const std::size_t a = coupling->first, b = coupling->second;
-    if (b == StepCoupling::kNobody)
+    if (b == PairForces::kNobody)
       coupling->multiply(part(x, a), empty_, part(rows, a), empty_);
     else
       coupling->multiply(part(x, a), part(x, b), part(rows, a), part(rows, b));
@@ -66,7 +66,7 @@ void MixedIsland::precondition(const VectorXd& rows, VectorXd& x) {
 // Newton's correction at the present unknowns, in move_. False: there is none.
 bool MixedIsland::find_move(double heavier, bool follows) {
   for (StepBody* body : bodies_) body->make_tangent(heavier, follows);
-  for (StepCoupling* coupling : couplings_) coupling->make_slopes(follows);
+  for (PairForces* coupling : couplings_) coupling->make_slopes(follows);
   for (StepBody* body : bodies_)
     if (!body->factor()) return false;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -135,25 +135,25 @@ bool MixedIsland::solve(double heavier, bool hold) {
 bool MixedIsland::add_missed() {
   bool any = false;
   for (StepBody* body : bodies_) any = body->add_missed() || any;
-  for (StepCoupling* coupling : couplings_) any = coupling->add_missed() || any;
+  for (PairForces* coupling : couplings_) any = coupling->add_missed() || any;
   return any;
 }
 
 void MixedIsland::settle() {
   accounts_.assign(bodies_.size() + 1, {});
   starts_.assign(bodies_.size(), 0.0);
-  for (const StepCoupling* coupling : couplings_) {
+  for (const PairForces* coupling : couplings_) {
     const std::size_t b =
-        coupling->second == StepCoupling::kNobody ? bodies_.size() : coupling->second;
+        coupling->second == PairForces::kNobody ? bodies_.size() : coupling->second;
     coupling->settle(accounts_[coupling->first], accounts_[b], starts_[coupling->first]);
   }
   for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i]->finish(accounts_[i], starts_[i]);
-  for (StepCoupling* coupling : couplings_) coupling->remember();
+  for (PairForces* coupling : couplings_) coupling->remember();
   for (StepBody* body : bodies_) body->end();
 }
 
 MixedReport MixedIsland::step(std::span<StepBody* const> bodies,
-                              std::span<StepCoupling* const> couplings) {
+                              std::span<PairForces* const> couplings) {
   bodies_ = bodies;
   couplings_ = couplings;
   report_ = {};
@@ -164,7 +164,7 @@ MixedReport MixedIsland::step(std::span<StepBody* const> bodies,
   for (const auto [heavier, hold] :
        {Attempt{0.0, false}, Attempt{10.0, false}, Attempt{1000.0, false}, Attempt{10.0, true}}) {
     for (StepBody* body : bodies_) body->begin();
-    for (StepCoupling* coupling : couplings_) coupling->begin();
+    for (PairForces* coupling : couplings_) coupling->begin();
     first_.assign(1, 0);
     for (const StepBody* body : bodies_) first_.push_back(first_.back() + body->unknowns());
     for (VectorXd* v : {&residual_, &move_, &scaled_}) v->resize(first_.back());

@@ -1,6 +1,6 @@
 // One step of several bodies of any kinds in contact with each other, solved as one equation.
 //
-// The equation is the stack of the bodies' residuals with the forces of contact (step_coupling.h).
+// The equation is the stack of the bodies' residuals with the forces of contact (pair_forces.h).
 // Newton's matrix has a block for each body, which the body multiplies itself, and terms of rank
 // three for each point in contact, which are never assembled. GMRES solves it, because friction is
 // not symmetric; the preconditioner is each body's own solve with its own contacts. Moves along a
@@ -14,7 +14,7 @@
 
 #include "runtime/mixed/gmres.h"
 #include "runtime/mixed/step_body.h"
-#include "runtime/mixed/step_coupling.h"
+#include "runtime/mixed/pair_forces.h"
 
 namespace tremolo {
 
@@ -30,7 +30,7 @@ class MixedIsland {
  public:
   // Takes one step of all bodies. Couplings connect two of them, by their indices. If the step
   // fails, no body moves.
-  MixedReport step(std::span<StepBody* const> bodies, std::span<StepCoupling* const> couplings);
+  MixedReport step(std::span<StepBody* const> bodies, std::span<PairForces* const> couplings);
 
  private:
   bool solve(double heavier, bool hold);
@@ -51,7 +51,7 @@ class MixedIsland {
   }
 
   std::span<StepBody* const> bodies_;
-  std::span<StepCoupling* const> couplings_;
+  std::span<PairForces* const> couplings_;
   MixedReport report_;
   std::vector<Eigen::Index> first_;  // index of each body's first unknown, and their number
   std::vector<double> sizes_, enough_;

@@ -94,7 +94,7 @@ void MixedWorld::find_contacts() {
       if (!contact.gather(points, colliders_[c], kFirstCollider + c, step_)) continue;
       ++collider_count_;
       contact.first = a;
-      contact.second = StepCoupling::kNobody;
+      contact.second = PairForces::kNobody;
       couplings_.emplace_back(a, &contact);
       touched_[a] = 1;
     }
@@ -125,7 +125,7 @@ bool MixedWorld::step_island(std::size_t root) {
   for (const auto& [body, coupling] : couplings_) {
     if (root_of(parent_, body) != root) continue;
     coupling->first = member_[coupling->first];
-    if (coupling->second != StepCoupling::kNobody) coupling->second = member_[coupling->second];
+    if (coupling->second != PairForces::kNobody) coupling->second = member_[coupling->second];
     island_couplings_.push_back(coupling);
   }
   const MixedReport report = solver_.step(island_, island_couplings_);

@@ -87,8 +87,8 @@ class MixedWorld {
   std::vector<std::size_t> parent_, member_;
   std::vector<std::uint8_t> touched_;
   std::vector<StepBody*> island_;
-  std::vector<std::pair<std::size_t, StepCoupling*>> couplings_;  // with their first body
-  std::vector<StepCoupling*> island_couplings_;
+  std::vector<std::pair<std::size_t, PairForces*>> couplings_;  // with their first body
+  std::vector<PairForces*> island_couplings_;
   MixedIsland solver_;
   MixedReport report_;
   std::size_t in_islands_ = 0;

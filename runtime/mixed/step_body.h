@@ -1,6 +1,6 @@
 // A body of any kind in a step of an island (mixed_island.h). The body owns its unknowns, its
 // equation and the solve of its own matrix. Forces of contact act at its contact points, or on it
-// as an obstacle (step_coupling.h), and are constant over the step.
+// as an obstacle (pair_forces.h), and are constant over the step.
 //
 // The equation is residual(z) = 0. All rows of a residual and of images of the matrix are scaled to
 // one unit per body, that of enough().

@@ -34,7 +34,7 @@ bool passes(const PairPoint& pair, const ContactEquations& second, double way) {
 // and its effect on the part that restitution takes from all points of the two.
 // first_way: derivative of the point's end with respect to the first body's unknowns.
 template <class Way>
-void find_changes(PairPoint& pair, const Way& first_way, const ContactEquations& second,
+void find_changes(PairPoint& pair, const Way& first_way, ContactEquations& second,
                   const ContactTime& time, bool follows, PairScratch& scratch) {
   const Index n = second.unknowns();
   const Index r = second.turns() ? n - 6 : n;

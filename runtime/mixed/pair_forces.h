@@ -12,11 +12,11 @@
 
 namespace tremolo {
 
-class StepCoupling {
+class PairForces {
  public:
   static constexpr std::size_t kNobody = static_cast<std::size_t>(-1);
 
-  virtual ~StepCoupling() = default;
+  virtual ~PairForces() = default;
 
   // Members of the island: the body of the points, and the obstacle, which is kNobody for a
   // collider.
