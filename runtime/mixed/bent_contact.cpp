@@ -50,18 +50,21 @@ void BentContact::begin() {
   for (PairPoint& pair : used()) begin_pair(pair);
 }
 
-void BentContact::press(const ContactRenewal& renewal) {
+void BentContact::approach() {
   ContactEquations& eq = shape_->equations();
   const double bend = eq.bend_in_step();
   motions_.resize(count_);
-  rate_ = {};
   for (std::size_t k = 0; k < count_; ++k) {
     PairPoint& pair = pairs_[k];
     motions_[k] = points_->motion(pair.point);
     pair.touch_a.x0 = motions_[k].start;
     pair.touch_a.x1 = motions_[k].end;
-    approach_shape(pair, eq, bend, rate_);
+    approach_shape(pair, eq, bend, shared->rate);
   }
+}
+
+void BentContact::press(const ContactRenewal& renewal) {
+  ContactEquations& eq = shape_->equations();
   for (std::size_t k = 0; k < count_; ++k) {
     PairPoint& pair = pairs_[k];
     press_shape(pair, eq, {motions_[k].end, motions_[k].middle}, time(), renewal, scratch_);
@@ -85,29 +88,27 @@ void BentContact::make_slopes(bool follows) {
     link_ += slopes.shape_link;
     growth_ += slopes.shape_growth;
   }
-  if (rate_.force > 0.0) eq.own_block().noalias() += link_ * growth_.transpose();
+}
+
+void BentContact::add_growth(StepBody::In first_x, StepBody::In second_x) {
+  if (!(shared->rate.force > 0.0)) return;
+  for (std::size_t k = 0; k < count_; ++k)
+    if (pairs_[k].now.acts)
+      shared->growth += slopes_[k].growth.dot(points_->change_at(pairs_[k].point, first_x));
+  shared->growth += growth_.dot(second_x);
 }
 
 void BentContact::multiply(StepBody::In first_x, StepBody::In second_x, StepBody::Out first_rows,
                            StepBody::Out second_rows) const {
   const Index n = second_x.size();
-  const bool rated = rate_.force > 0.0;
-  double first_growth = 0.0;
-  changes_.resize(count_);
-  rows_.setZero(n);
+  rows_ = shared->growth * link_;
   for (std::size_t k = 0; k < count_; ++k) {
     if (!pairs_[k].now.acts) continue;
-    changes_[k] = points_->change_at(pairs_[k].point, first_x);
-    if (rated) first_growth += slopes_[k].growth.dot(changes_[k]);
-    rows_.noalias() += slopes_[k].shape_by * changes_[k];
+    const std::size_t point = pairs_[k].point;
+    rows_.noalias() += slopes_[k].shape_by * points_->change_at(point, first_x);
+    const Vector3d fall = slopes_[k].by_shape * second_x + shared->growth * slopes_[k].link;
+    points_->add_image(point, fall, first_rows);
   }
-  const double growth = rated ? first_growth + growth_.dot(second_x) : 0.0;
-  for (std::size_t k = 0; k < count_; ++k) {
-    if (!pairs_[k].now.acts) continue;
-    const Vector3d fall = slopes_[k].by_shape * second_x + growth * slopes_[k].link;
-    points_->add_image(pairs_[k].point, fall, first_rows);
-  }
-  rows_ += first_growth * link_;
   second_rows += shape_->equations().row_scale.head(n).cwiseProduct(rows_);
 }
 

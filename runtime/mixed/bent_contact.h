@@ -18,8 +18,10 @@ class BentContact final : public PairForces {
   bool gather(StepBody& points, ReducedStep& shape, std::size_t obstacle);
 
   void begin() override;
+  void approach() override;
   void press(const ContactRenewal& renewal) override;
   void make_slopes(bool follows) override;
+  void add_growth(StepBody::In first_x, StepBody::In second_x) override;
   void multiply(StepBody::In first_x, StepBody::In second_x, StepBody::Out first_rows,
                 StepBody::Out second_rows) const override;
   bool add_missed() override;
@@ -32,7 +34,7 @@ class BentContact final : public PairForces {
   std::span<PairPoint> used() { return std::span(pairs_).first(count_); }
   std::span<const PairPoint> used() const { return std::span(pairs_).first(count_); }
   void add(std::size_t point, const Eigen::Vector3d& y, double distance);
-  ContactTime time() const { return {shape_->equations().motion.h, rate_}; }
+  ContactTime time() const { return {shape_->equations().motion.h, shared->rate}; }
   Eigen::Vector3d place_at_start(std::size_t point) const;
 
   StepBody* points_ = nullptr;
@@ -40,14 +42,12 @@ class BentContact final : public PairForces {
   std::size_t obstacle_ = 0;
   std::vector<PairPoint> pairs_;  // the first count_ are in use
   std::size_t count_ = 0;
-  PairRate rate_;
   PairScratch scratch_;
   std::vector<SiteMotion> motions_;    // of used()
   std::vector<SiteSlopes> slopes_;     // of used(), for those that act
   Eigen::VectorXd link_, growth_;      // of the second body by the pair's rate
   std::vector<std::uint8_t> listed_;   // points that are in use; scratch
   mutable Eigen::VectorXd rows_;       // scratch
-  mutable std::vector<Eigen::Vector3d> changes_;
 };
 
 }  // namespace tremolo

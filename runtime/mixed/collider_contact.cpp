@@ -62,13 +62,15 @@ void ColliderContact::begin() {
   for (Touch& touch : touches_) begin(touch);
 }
 
-void ColliderContact::press(const ContactRenewal& renewal) {
-  rate_ = {};
+void ColliderContact::approach() {
   for (Touch& touch : touches_) {
     touch.motion = points_->motion(touch.point);
     touch.end = contact_end(touch.law, *collider_, turns_, touch.start, touch.motion.end);
-    rate_.add(touch.end.gap.pressure, touch.end.gap.d1 - touch.end.gap.d0);
+    shared->rate.add(touch.end.gap.pressure, touch.end.gap.d1 - touch.end.gap.d0);
   }
+}
+
+void ColliderContact::press(const ContactRenewal& renewal) {
   for (Touch& touch : touches_) {
     touch.now = contact_force(touch.law, *collider_, turns_, touch.start, touch.memory, touch.end,
                               time(), renewal, touch.held);
@@ -85,17 +87,23 @@ void ColliderContact::make_slopes(bool follows) {
   }
 }
 
-void ColliderContact::multiply(StepBody::In first_x, StepBody::In second_x,
-                               StepBody::Out first_rows, StepBody::Out second_rows) const {
+void ColliderContact::add_growth(StepBody::In first_x, StepBody::In second_x) {
   (void)second_x;
-  (void)second_rows;
-  if (!(rate_.force > 0.0)) return;
-  double growth = 0.0;
-  for (const Touch& touch : touches_)
-    if (touch.now.acts) growth += touch.slope.taken.dot(points_->change_at(touch.point, first_x));
+  if (!(shared->rate.force > 0.0)) return;
   for (const Touch& touch : touches_)
     if (touch.now.acts)
-      points_->add_image(touch.point, growth * touch.slope.by_taken, first_rows);
+      shared->growth += touch.slope.taken.dot(points_->change_at(touch.point, first_x));
+}
+
+void ColliderContact::multiply(StepBody::In first_x, StepBody::In second_x,
+                               StepBody::Out first_rows, StepBody::Out second_rows) const {
+  (void)first_x;
+  (void)second_x;
+  (void)second_rows;
+  if (shared->growth == 0.0) return;
+  for (const Touch& touch : touches_)
+    if (touch.now.acts)
+      points_->add_image(touch.point, shared->growth * touch.slope.by_taken, first_rows);
 }
 
 bool ColliderContact::add_missed() {

@@ -15,8 +15,10 @@ class ColliderContact final : public PairForces {
   bool gather(StepBody& points, const PlacedCollider& collider, std::size_t obstacle, double h);
 
   void begin() override;
+  void approach() override;
   void press(const ContactRenewal& renewal) override;
   void make_slopes(bool follows) override;
+  void add_growth(StepBody::In first_x, StepBody::In second_x) override;
   void multiply(StepBody::In first_x, StepBody::In second_x, StepBody::Out first_rows,
                 StepBody::Out second_rows) const override;
   bool add_missed() override;
@@ -40,14 +42,13 @@ class ColliderContact final : public PairForces {
 
   void add(std::size_t point);
   void begin(Touch& touch) const;
-  ContactTime time() const { return {h_, rate_}; }
+  ContactTime time() const { return {h_, shared->rate}; }
 
   StepBody* points_ = nullptr;
   const PlacedCollider* collider_ = nullptr;
   std::size_t obstacle_ = 0;
   double h_ = 0.0;
   ColliderTurns turns_;
-  PairRate rate_;
   std::vector<Touch> touches_;
   std::vector<std::uint8_t> listed_;  // points that are among them; scratch
 };

@@ -14,6 +14,8 @@ using Eigen::VectorXd;
 
 constexpr int kMostIterations = 60;
 constexpr double kConverged = 0.1;  // fraction of the small size at which a residual is converged
+// A body's small size, as a momentum, is at least this fraction of the largest in the island.
+constexpr double kLeastOfLargest = 0.01;
 constexpr double kLinearTolerance = 1e-8;
 constexpr int kMostLinear = 400;
 // A correction that GMRES did not solve to this is not used.
@@ -24,6 +26,8 @@ constexpr double kUsable = 1e-2;
 // Computes the residuals. Returns their size in units of the small sizes.
 double MixedIsland::evaluate(const ContactRenewal& renewal) {
   for (StepBody* body : bodies_) body->evaluate(renewal);
+  for (PairForces* coupling : couplings_) coupling->shared->rate = {};
+  for (PairForces* coupling : couplings_) coupling->approach();
   for (PairForces* coupling : couplings_) coupling->press(renewal);
   for (std::size_t i = 0; i < bodies_.size(); ++i) sizes_[i] = bodies_[i]->close();
   double square = 0.0;
@@ -32,11 +36,17 @@ double MixedIsland::evaluate(const ContactRenewal& renewal) {
   return std::sqrt(square);
 }
 
-// Updates the small sizes; returns the size in these units.
+// Updates the small sizes; returns the size in these units. A body at rest that another begins to
+// push has a small size far below the rounding errors of the other.
 double MixedIsland::measure() {
-  double square = 0.0;
+  double momentum = 0.0;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     enough_[i] = bodies_[i]->enough();
+    momentum = std::max(momentum, enough_[i] * bodies_[i]->momentum_of_size());
+  }
+  double square = 0.0;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    enough_[i] = std::max(enough_[i], kLeastOfLargest * momentum / bodies_[i]->momentum_of_size());
     square += std::pow(sizes_[i] / enough_[i], 2);
   }
   return std::sqrt(square);
@@ -45,6 +55,13 @@ double MixedIsland::measure() {
 void MixedIsland::multiply(const VectorXd& x, VectorXd& rows) {
   for (std::size_t i = 0; i < bodies_.size(); ++i)
     bodies_[i]->multiply(part(x, i), part(rows, i));
+  for (PairForces* coupling : couplings_) coupling->shared->growth = 0.0;
+  for (PairForces* coupling : couplings_) {
+    if (coupling->second == PairForces::kNobody)
+      coupling->add_growth(part(x, coupling->first), empty_);
+    else
+      coupling->add_growth(part(x, coupling->first), part(x, coupling->second));
+  }
   for (const PairForces* coupling : couplings_) {
     const std::size_t a = coupling->first, b = coupling->second;
     if (b == PairForces::kNobody)

@@ -79,9 +79,18 @@ ColliderContact& MixedWorld::next_collider() {
   return on_colliders_[collider_count_];
 }
 
+// The rate of two bodies, which the contact of either's points with the other has; a new one for a
+// collider.
+SharedRate* MixedWorld::rate_of(std::size_t a, std::size_t b) {
+  for (const auto& [body, contact] : couplings_)
+    if (body == b && contact->second == a) return contact->shared;
+  if (rate_count_ == rates_.size()) rates_.emplace_back();
+  return &rates_[rate_count_++];
+}
+
 // Finds all points that may be in contact in the step, and joins their bodies.
 void MixedWorld::find_contacts() {
-  bent_count_ = collider_count_ = 0;
+  bent_count_ = collider_count_ = rate_count_ = 0;
   couplings_.clear();
   touched_.assign(bodies_.size(), 0);
   parent_.resize(bodies_.size());
@@ -95,6 +104,7 @@ void MixedWorld::find_contacts() {
       ++collider_count_;
       contact.first = a;
       contact.second = PairForces::kNobody;
+      contact.shared = rate_of(a, PairForces::kNobody);
       couplings_.emplace_back(a, &contact);
       touched_[a] = 1;
     }
@@ -105,6 +115,7 @@ void MixedWorld::find_contacts() {
       ++bent_count_;
       contact.first = a;
       contact.second = b;
+      contact.shared = rate_of(a, b);
       couplings_.emplace_back(a, &contact);
       touched_[a] = touched_[b] = 1;
       join_sets(parent_, a, b);

@@ -73,6 +73,7 @@ class MixedWorld {
   void find_contacts();
   BentContact& next_bent();
   ColliderContact& next_collider();
+  SharedRate* rate_of(std::size_t a, std::size_t b);
   bool step_island(std::size_t root);
 
   double step_;
@@ -84,6 +85,8 @@ class MixedWorld {
   std::deque<BentContact> bent_;
   std::deque<ColliderContact> on_colliders_;
   std::size_t bent_count_ = 0, collider_count_ = 0;
+  std::deque<SharedRate> rates_;  // one a pair
+  std::size_t rate_count_ = 0;
   std::vector<std::size_t> parent_, member_;
   std::vector<std::uint8_t> touched_;
   std::vector<StepBody*> island_;

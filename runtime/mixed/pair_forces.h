@@ -12,6 +12,13 @@
 
 namespace tremolo {
 
+// The rate of two bodies, or of a body and a collider, in a step: one of all their points, whichever
+// of the two feels them.
+struct SharedRate {
+  PairRate rate;
+  double growth = 0.0;  // of the part that restitution takes, for the present direction
+};
+
 class PairForces {
  public:
   static constexpr std::size_t kNobody = static_cast<std::size_t>(-1);
@@ -21,15 +28,21 @@ class PairForces {
   // Members of the island: the body of the points, and the obstacle, which is kNobody for a
   // collider.
   std::size_t first = 0, second = kNobody;
+  SharedRate* shared = nullptr;
 
   // Starts an attempt: nothing is kept.
   virtual void begin() = 0;
-  // Computes the forces at the present unknowns of both and adds them to the bodies. Call it
-  // between evaluate() and close() of both.
+  // Computes the distances at the present unknowns of both and adds them to the rate; then, with the
+  // rate of all, the forces, which are added to the bodies. Call them between evaluate() and close()
+  // of both.
+  virtual void approach() = 0;
   virtual void press(const ContactRenewal& renewal) = 0;
   // Adds the bodies' own slopes, between make_tangent() and factor().
   virtual void make_slopes(bool follows) = 0;
-  // Adds the rest of the matrix times x. Without a second body its vectors are empty.
+  // Adds the growth for the direction x to the shared one.
+  virtual void add_growth(StepBody::In first_x, StepBody::In second_x) = 0;
+  // Adds the rest of the matrix times x, once the growth is that of all. Without a second body its
+  // vectors are empty.
   virtual void multiply(StepBody::In first_x, StepBody::In second_x, StepBody::Out first_rows,
                         StepBody::Out second_rows) const = 0;
   // Call it where the step is solved. Adds points that came within the margin unnoticed. True if

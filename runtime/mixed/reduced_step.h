@@ -2,6 +2,7 @@
 // runtime/contact/solve/contact_step.h. Its colliders and grabs are its own.
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -51,6 +52,7 @@ class ReducedStep final : public StepBody {
   void add_force(std::size_t point, const Eigen::Vector3d& force) override;
   double close() override;
   double enough() const override { return contact().enough(); }
+  double momentum_of_size() const override { return std::sqrt(contact().mass()); }
   void residual(Out rows) const override;
   double work_along(In direction) const override { return equations().work_along(direction); }
 

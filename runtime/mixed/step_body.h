@@ -59,6 +59,7 @@ class StepBody {
   virtual void add_force(std::size_t point, const Eigen::Vector3d& force) = 0;  // N, world
   virtual double close() = 0;
   virtual double enough() const = 0;  // the size below which a residual is small
+  virtual double momentum_of_size() const = 0;  // momentum for a size of one, kg m/s
   virtual void residual(Out rows) const = 0;
   // Product of the residual, as forces, with a direction of the unknowns, J.
   virtual double work_along(In direction) const = 0;

@@ -51,6 +51,7 @@ class TetStep final : public StepBody {
   void add_force(std::size_t point, const Eigen::Vector3d& force) override;
   double close() override;
   double enough() const override;
+  double momentum_of_size() const override { return body_->options().step; }
   void residual(Out rows) const override;
   double work_along(In direction) const override;
 

@@ -172,8 +172,8 @@ const std::vector<std::string>& runtime_rooms() {
                                                  "runtime/contact",      "runtime/bodies/reduced",
                                                  "runtime/bodies/lanes", "runtime/bodies/cloth",
                                                  "runtime/bodies/tets",  "runtime/contact/solve",
-                                                 "runtime/scene",        "runtime/world",
-                                                 "runtime/io/exchange",  "runtime/io/page",
+                                                 "runtime/mixed",        "runtime/scene",
+                                                 "runtime/world",        "runtime/io/exchange",  "runtime/io/page",
                                                  "runtime/io/scenes",    "runtime/c",
                                                  "runtime/apps"};
   return rooms;

@@ -14,6 +14,7 @@ struct MixedKind {
   double restitution = 1.0, friction = 0.0;
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
   TetMethod method = TetMethod::kMidpoint;
+  double alpha = 0.0, beta = 0.0;  // of tetrahedra: 1/s, s
 };
 
 inline Pose placed_at(const Eigen::Vector3d& position) {
@@ -62,6 +63,8 @@ inline TetBody tets_body(const TetModelPointer& model, const MixedKind& kind,
   options.step = kind.step;
   options.method = kind.method;
   options.gravity = kind.gravity;
+  options.alpha = kind.alpha;
+  options.beta = kind.beta;
   options.degree.kind = DegreeKind::kQuadratic;
   Result<TetBody> body = TetBody::create(model, options);
   EXPECT_TRUE(body) << body.error().message;
