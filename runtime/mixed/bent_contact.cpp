@@ -18,10 +18,9 @@ void BentContact::add(std::size_t point, const Vector3d& y, double distance) {
   if (count_ == pairs_.size()) pairs_.emplace_back();
   PairPoint& pair = pairs_[count_++];
   const ContactLaw own = points_->area_law(), theirs = shape_->area_law();
-  pair.law = law_in_series(
-      points_->law_of(point, std::sqrt(own.friction * theirs.friction),
-                      std::sqrt(own.restitution * theirs.restitution)),
-      own, theirs, points_->area_of(point));
+  pair.law = law_in_series(points_->law_of(point, std::sqrt(own.friction * theirs.friction),
+                                           std::sqrt(own.restitution * theirs.restitution)),
+                           own, theirs, points_->area_of(point));
   place_point(pair, {first, second, obstacle_}, point, points_->memory(obstacle_, point), y,
               distance);
 }

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "runtime/contact/solve/pair_point.h"
-#include "runtime/mixed/reduced_step.h"
 #include "runtime/mixed/pair_forces.h"
+#include "runtime/mixed/reduced_step.h"
 
 namespace tremolo {
 
@@ -43,11 +43,11 @@ class BentContact final : public PairForces {
   std::vector<PairPoint> pairs_;  // the first count_ are in use
   std::size_t count_ = 0;
   PairScratch scratch_;
-  std::vector<SiteMotion> motions_;    // of used()
-  std::vector<SiteSlopes> slopes_;     // of used(), for those that act
-  Eigen::VectorXd link_, growth_;      // of the second body by the pair's rate
-  std::vector<std::uint8_t> listed_;   // points that are in use; scratch
-  mutable Eigen::VectorXd rows_;       // scratch
+  std::vector<SiteMotion> motions_;   // of used()
+  std::vector<SiteSlopes> slopes_;    // of used(), for those that act
+  Eigen::VectorXd link_, growth_;     // of the second body by the pair's rate
+  std::vector<std::uint8_t> listed_;  // points that are in use; scratch
+  mutable Eigen::VectorXd rows_;      // scratch
 };
 
 }  // namespace tremolo

@@ -34,8 +34,8 @@ void ColliderContact::add(std::size_t point) {
   touch.start.energy = touch.law.energy(touch.start.distance);
 }
 
-bool ColliderContact::gather(StepBody& points, const PlacedCollider& collider,
-                             std::size_t obstacle, double h) {
+bool ColliderContact::gather(StepBody& points, const PlacedCollider& collider, std::size_t obstacle,
+                             double h) {
   points_ = &points;
   collider_ = &collider;
   obstacle_ = obstacle;
@@ -158,8 +158,8 @@ void ColliderContact::remember() {
 }
 
 std::size_t ColliderContact::acting() const {
-  return static_cast<std::size_t>(std::count_if(
-      touches_.begin(), touches_.end(), [](const Touch& touch) { return touch.now.acts; }));
+  return static_cast<std::size_t>(std::count_if(touches_.begin(), touches_.end(),
+                                                [](const Touch& touch) { return touch.now.acts; }));
 }
 
 }  // namespace tremolo

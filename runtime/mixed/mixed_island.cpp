@@ -31,8 +31,7 @@ double MixedIsland::evaluate(const ContactRenewal& renewal) {
   for (PairForces* coupling : couplings_) coupling->press(renewal);
   for (std::size_t i = 0; i < bodies_.size(); ++i) sizes_[i] = bodies_[i]->close();
   double square = 0.0;
-  for (std::size_t i = 0; i < bodies_.size(); ++i)
-    square += std::pow(sizes_[i] / enough_[i], 2);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) square += std::pow(sizes_[i] / enough_[i], 2);
   return std::sqrt(square);
 }
 
@@ -53,8 +52,7 @@ double MixedIsland::measure() {
 }
 
 void MixedIsland::multiply(const VectorXd& x, VectorXd& rows) {
-  for (std::size_t i = 0; i < bodies_.size(); ++i)
-    bodies_[i]->multiply(part(x, i), part(rows, i));
+  for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i]->multiply(part(x, i), part(rows, i));
   for (PairForces* coupling : couplings_) coupling->shared->growth = 0.0;
   for (PairForces* coupling : couplings_) {
     if (coupling->second == PairForces::kNobody)

@@ -13,16 +13,16 @@
 #include <Eigen/Core>
 
 #include "runtime/mixed/gmres.h"
-#include "runtime/mixed/step_body.h"
 #include "runtime/mixed/pair_forces.h"
+#include "runtime/mixed/step_body.h"
 
 namespace tremolo {
 
 // Report of an island's step.
 struct MixedReport {
   bool converged = true;
-  int iterations = 0;  // moves of Newton's method
-  int linear = 0;      // iterations of GMRES
+  int iterations = 0;     // moves of Newton's method
+  int linear = 0;         // iterations of GMRES
   double residual = 0.0;  // the largest of a body, in units of its small size
 };
 

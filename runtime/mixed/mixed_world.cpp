@@ -184,8 +184,8 @@ Status MixedWorld::step() {
   ++steps_;
   if (failed.empty()) return Success{};
   return Error{ErrorKind::kSolver, "the step at " + number_text(time() - step_) +
-                      " s is not solved for the bodies " + failed +
-                      "; they are as before it. Take a shorter step"};
+                                       " s is not solved for the bodies " + failed +
+                                       "; they are as before it. Take a shorter step"};
 }
 
 }  // namespace tremolo

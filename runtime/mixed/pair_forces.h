@@ -12,8 +12,8 @@
 
 namespace tremolo {
 
-// The rate of two bodies, or of a body and a collider, in a step: one of all their points, whichever
-// of the two feels them.
+// The rate of two bodies, or of a body and a collider, in a step: one of all their points,
+// whichever of the two feels them.
 struct SharedRate {
   PairRate rate;
   double growth = 0.0;  // of the part that restitution takes, for the present direction
@@ -32,9 +32,9 @@ class PairForces {
 
   // Starts an attempt: nothing is kept.
   virtual void begin() = 0;
-  // Computes the distances at the present unknowns of both and adds them to the rate; then, with the
-  // rate of all, the forces, which are added to the bodies. Call them between evaluate() and close()
-  // of both.
+  // Computes the distances at the present unknowns of both and adds them to the rate; then, with
+  // the rate of all, the forces, which are added to the bodies. Call them between evaluate() and
+  // close() of both.
   virtual void approach() = 0;
   virtual void press(const ContactRenewal& renewal) = 0;
   // Adds the bodies' own slopes, between make_tangent() and factor().
@@ -51,7 +51,7 @@ class PairForces {
   // Adds the energies to the accounts, and to `start` those at the start of the step, J.
   virtual void settle(ContactAccount& first_account, ContactAccount& second_account,
                       double& start) const = 0;
-  virtual void remember() = 0;       // after finish() of the first body
+  virtual void remember() = 0;             // after finish() of the first body
   virtual std::size_t acting() const = 0;  // number of points with a force
 };
 

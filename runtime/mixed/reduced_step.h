@@ -77,7 +77,7 @@ class ReducedStep final : public StepBody {
 
   // Derivatives of a point's motion and of the effect of its force.
   struct PointLever {
-    Eigen::MatrixXd push;    // n x 3
+    Eigen::MatrixXd push;  // n x 3
     Eigen::Matrix3Xd way;  // 3 x n
   };
 

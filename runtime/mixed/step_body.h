@@ -50,7 +50,7 @@ class StepBody {
   virtual Eigen::Index unknowns() const = 0;
   // Starts an attempt at the step from the motion without contact.
   virtual void begin() = 0;
-  virtual void keep() = 0;                          // stores z
+  virtual void keep() = 0;                           // stores z
   virtual void go(double length, In direction) = 0;  // z = the stored one - length direction
   // Computes the body's own forces at z and clears those of others. Then add the forces of others
   // and call close(), which returns the size of the residual.
@@ -58,7 +58,7 @@ class StepBody {
   virtual SiteMotion motion(std::size_t point) const = 0;
   virtual void add_force(std::size_t point, const Eigen::Vector3d& force) = 0;  // N, world
   virtual double close() = 0;
-  virtual double enough() const = 0;  // the size below which a residual is small
+  virtual double enough() const = 0;            // the size below which a residual is small
   virtual double momentum_of_size() const = 0;  // momentum for a size of one, kg m/s
   virtual void residual(Out rows) const = 0;
   // Product of the residual, as forces, with a direction of the unknowns, J.
@@ -71,9 +71,9 @@ class StepBody {
   // is known to change_at() and add_image() until the next make_tangent().
   virtual void add_slope(std::size_t point, const Eigen::Matrix3d& by_end,
                          const Eigen::Vector3d& force) = 0;
-  virtual bool factor() = 0;                      // false: there is none, the matrix is singular
-  virtual void multiply(In x, Out rows) const = 0;      // rows = A x, without other bodies
-  virtual void precondition(In rows, Out x) = 0;  // x near A^-1 rows
+  virtual bool factor() = 0;                        // false: there is none, the matrix is singular
+  virtual void multiply(In x, Out rows) const = 0;  // rows = A x, without other bodies
+  virtual void precondition(In rows, Out x) = 0;    // x near A^-1 rows
   // Change of the point's end by x, m.
   virtual Eigen::Vector3d change_at(std::size_t point, In x) const = 0;
   // rows += the change of the residual where the force on the point falls by `fall`, N.

@@ -46,7 +46,8 @@ PointNumbers number_points(const std::vector<TetPoint>& points) {
 void add_area(const std::array<Vector3d, 3>& corners, const std::array<std::size_t, 3>& numbers,
               std::vector<double>& areas) {
   for (std::size_t i = 0; i < 3; ++i) {
-    const Vector3d one = corners[(i + 1) % 3] - corners[i], other = corners[(i + 2) % 3] - corners[i];
+    const Vector3d one = corners[(i + 1) % 3] - corners[i],
+                   other = corners[(i + 2) % 3] - corners[i];
     const double twice = one.cross(other).norm();
     areas[numbers[i]] += 0.5 * twice * std::atan2(twice, one.dot(other)) / std::numbers::pi;
   }
@@ -71,8 +72,8 @@ std::shared_ptr<const TetPoints> make_tet_points(const TetModel& model) {
       number[3 + i] = numbers.edges.at(side_of(a, b));
     }
     for (std::size_t k = 0; k < 6; ++k) at[k] = at_point(made->points[number[k]], model.rest());
-    for (const auto& [a, b, c] : {std::array<std::size_t, 3>{0, 5, 4}, {5, 1, 3}, {4, 3, 2},
-                                  {3, 4, 5}})
+    for (const auto& [a, b, c] :
+         {std::array<std::size_t, 3>{0, 5, 4}, {5, 1, 3}, {4, 3, 2}, {3, 4, 5}})
       add_area({at[a], at[b], at[c]}, {number[a], number[b], number[c]}, made->areas);
   }
   made->area = std::accumulate(made->areas.begin(), made->areas.end(), 0.0);

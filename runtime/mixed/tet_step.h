@@ -4,7 +4,8 @@
 // implicit-euler and midpoint then receive the momentum h F. bdf2 conserves M (3 v_1 - v_0)/2 plus
 // h F, so that its momentum is that of the pair only once the contact is over. newmark takes a step
 // of midpoint in contact. F's work is F.(x_1 - x_0). midpoint receives the angular momentum
-// h x~ x F about the mean x~ of the ends; the other methods damp their angular momentum in any case.
+// h x~ x F about the mean x~ of the ends; the other methods damp their angular momentum in any
+// case.
 #pragma once
 
 #include <memory>

@@ -168,13 +168,21 @@ std::string folder_of(const fs::path& file) {
 
 // Of the runtime, from the one that knows nothing to the programs, which know all.
 const std::vector<std::string>& runtime_rooms() {
-  static const std::vector<std::string> rooms = {"runtime/math",         "runtime/step",
-                                                 "runtime/contact",      "runtime/bodies/reduced",
-                                                 "runtime/bodies/lanes", "runtime/bodies/cloth",
-                                                 "runtime/bodies/tets",  "runtime/contact/solve",
-                                                 "runtime/mixed",        "runtime/scene",
-                                                 "runtime/world",        "runtime/io/exchange",  "runtime/io/page",
-                                                 "runtime/io/scenes",    "runtime/c",
+  static const std::vector<std::string> rooms = {"runtime/math",
+                                                 "runtime/step",
+                                                 "runtime/contact",
+                                                 "runtime/bodies/reduced",
+                                                 "runtime/bodies/lanes",
+                                                 "runtime/bodies/cloth",
+                                                 "runtime/bodies/tets",
+                                                 "runtime/contact/solve",
+                                                 "runtime/mixed",
+                                                 "runtime/scene",
+                                                 "runtime/world",
+                                                 "runtime/io/exchange",
+                                                 "runtime/io/page",
+                                                 "runtime/io/scenes",
+                                                 "runtime/c",
                                                  "runtime/apps"};
   return rooms;
 }

