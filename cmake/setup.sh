@@ -16,10 +16,15 @@ packages_view="libglfw3-dev libimgui-dev libepoxy-dev libegl-dev libpng-dev libe
 # 52 MB to download.
 # Xvfb and xdotool are a display and a mouse for the window of tremolo-view, ffmpeg makes its films.
 packages_test="libgtest-dev libcgal-demo assimp-testmodels glmark2-data xvfb xdotool ffmpeg"
+# The Python module; the last six are of its tests, notebooks and wheel.
+packages_python="python3-dev pybind11-dev python3-numpy python3-scipy python3-meshio python3-matplotlib mypy
+  python3-pip python3-venv procps"
 packages_fuzz="clang libclang-rt-14-dev"  # the fuzzers of ./check --full
-# Programs that read the files of `tremolo export`: ./check --full. Blender needs numpy. An installed node or
-# npm is kept.
-packages_readers="python3-vtk9 blender python3-numpy"
+# The add-on's tests and the readers of ./check --full; Blender needs numpy. 65 packages: 113 MB to download, 446 MB
+# installed, a minute.
+packages_blender="blender python3-numpy"
+# Programs that read the files of `tremolo export`: ./check --full. An installed node or npm is kept.
+packages_readers="python3-vtk9 $packages_blender"
 # The engine in a page: ./demo --live, ./check --full.
 packages_web="emscripten node-acorn"
 packages_browser="chromium"

@@ -1,12 +1,12 @@
 #include "common/material.h"
 
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
 
 #include <Eigen/Geometry>
 
+#include "common/damping_ratios.h"
 #include "common/text.h"
 
 namespace tremolo {
@@ -91,32 +91,21 @@ Result<Eigen::Matrix3d> material_axes(const Eigen::Vector3d& first, const Eigen:
   return axes;
 }
 
-namespace {
-
-// The numbers between the separators; false if there are others.
-bool read_four(std::string_view text, std::array<double, 4>& numbers) {
-  constexpr std::string_view kSeparators = ":,:";
-  for (std::size_t n = 0; n < 4; ++n) {
-    const std::size_t end = n < 3 ? text.find(kSeparators[n]) : text.size();
-    if (end == std::string_view::npos) return false;
-    const auto [stop, error] = read_decimal(text.data(), text.data() + end, numbers[n]);
-    if (error != std::errc{} || stop != text.data() + end) return false;
-    text.remove_prefix(n < 3 ? end + 1 : end);
-  }
-  return true;
+Result<RayleighDamping> parse_damping_ratios(std::string_view text) {
+  const auto wrong = [&] {
+    return usage_error("damping ratios " + std::string(text) +
+                       ": expected F1:Z1,F2:Z2, two frequencies in Hz and the ratio at each, as in "
+                       "1:0.02,30:0.05; a ratio of each mode is known to `tremolo response` only");
+  };
+  if (text.find(':') == std::string_view::npos) return wrong();
+  const Result<DampingRatios> ratios = parse_damping(text);
+  if (!ratios) return ratios.error().kind == ErrorKind::kUsage ? wrong() : ratios.error();
+  return ratios->of_each_mode() ? Result<RayleighDamping>(wrong()) : ratios->rayleigh;
 }
 
-}  // namespace
-
-Result<RayleighDamping> parse_damping_ratios(std::string_view text) {
+Result<RayleighDamping> rayleigh_damping(double f1, double z1, double f2, double z2,
+                                         std::string_view text) {
   const std::string shown = "damping ratios " + std::string(text) + ": ";
-  std::array<double, 4> numbers{};
-  if (!read_four(text, numbers))
-    return Error{ErrorKind::kUsage,
-                 shown +
-                     "expected F1:Z1,F2:Z2, two frequencies in Hz and the ratio at each, as in "
-                     "1:0.02,30:0.05"};
-  const auto [f1, z1, f2, z2] = numbers;
   for (const double f : {f1, f2})
     if (!(f > 0) || !std::isfinite(f))
       return content_error(shown + "a frequency must be positive and finite");

@@ -43,7 +43,7 @@ void write_result(const PrecomputeRequest& request, const LoadedProblem& loaded,
                        : write_basis(output.basis, result.data,
                                      gathered_rows(spread(loaded, result.rows), result.data));
   if (!written && request.checkpoint.keep)
-    written.error().message += "; the stages are kept: --resume goes on from there";
+    written.error().message += "; the stages are kept: --resume continues from them";
   unwrap(std::move(written));
   log.end(output.basis);
   write_vtu(output.modes_vtu, loaded.problem.mesh, result.data, log);

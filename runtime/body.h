@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -43,6 +44,38 @@ inline constexpr int kStepsBetweenLooks = 8;
 // deforms, and these motions are coupled.
 enum class FrameKind { kFixed, kDriven, kFree };
 
+// Sums since a body's start, J.
+struct BodySums {
+  // Work of all external forces, of which support and gravity are parts. For loads it is average .
+  // (q1 - q0) per step plus the method's extra work (exact for midpoint-type and energy-preserving
+  // methods, second order for the others).
+  double work = 0.0;
+  double dissipated = 0.0;  // taken by damping
+  double support = 0.0;     // work of the frame's accelerations on the motion relative to it
+  // Work of gravity on a driven body's relative motion, or on all motion of a free body.
+  double gravity = 0.0;
+
+  void carry(StateStream& stream) { stream(work, dissipated, support, gravity); }
+};
+
+// Counts since a body's start.
+struct BodyCounts {
+  std::int64_t steps = 0;       // successful ones
+  std::int64_t iterations = 0;  // of all steps
+  std::int64_t halved = 0;      // steps that were subdivided
+
+  void carry(StateStream& stream) { stream(steps, iterations, halved); }
+};
+
+// Momentum of a free body.
+struct BodyMomentum {
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();   // kg m/s
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();  // about the world's origin, N m s
+};
+
+// In place of a bone's number: all bones of a body, or its one frame.
+inline constexpr std::size_t kAllBones = ~std::size_t{0};
+
 // A body that touches nothing; contact_body.h has one that does. It starts at rest in the rest
 // shape at time 0. Not thread-safe; different bodies of one model may step on different threads.
 class Body {
@@ -54,7 +87,6 @@ class Body {
   static Result<Body> create(Model::Pointer model, std::string_view integrator = kDefaultIntegrator,
                              const IntegratorOptions& options = {},
                              FrameKind frame = FrameKind::kFixed);
-
   // A driven body on bones with its skin, which must have been made for this model. Its bones are
   // at rest at first; their poses are the identity. Errors as for kDriven; kUsage for a skin of
   // another model.
@@ -65,12 +97,10 @@ class Body {
   Body& operator=(Body&&) = default;
 
   const Model& model() const { return *model_; }
-  const Model::Pointer& model_pointer() const { return model_; }
   const Integrator& integrator() const { return *integrator_; }
   const State& state() const { return state_; }
-  double step_size() const { return options_.step; }  // s
-  std::int64_t steps() const { return steps_; }       // number of successful steps
-  double time() const { return static_cast<double>(steps_) * options_.step; }  // s
+  const IntegratorOptions& options() const { return options_; }  // in use: step, damping, ...
+  double time() const { return static_cast<double>(counts_.steps) * options_.step; }  // s
 
   // Sets q and p (each r long, finite); the integrator's state is discarded, time continues. Error
   // kUsage, with nothing changed: a wrong length or a value that is not finite.
@@ -95,46 +125,37 @@ class Body {
   // negative or not finite.
   Status set_damping(double alpha, double beta);
   // Sets another method and step (s) from the next step on. State, frame, loads and sums are
-  // kept; the method's state is discarded. Time is steps() steps and becomes the nearest multiple
-  // of the new step. Errors: same as for make_integrator; kUsage, with nothing changed, for a
-  // method that does not support the frame. Allocates.
+  // kept; the method's state is discarded. Time becomes the nearest multiple of the new step.
+  // Errors: same as for make_integrator; kUsage, with nothing changed, for a method that does not
+  // support the frame. Allocates.
   Status set_method(std::string_view integrator, double step);
-  double alpha() const { return options_.alpha; }
-  double beta() const { return options_.beta; }
 
-  // Pose of the frame; for a kFixed body the world's. Vertices are at pose() (X + U q).
   FrameKind frame() const { return kHasFrames ? frame_ : FrameKind::kFixed; }
-  Pose pose() const;
-  // Moves the body without an impulse: a driven frame is then at rest; a free body keeps its
-  // velocity, and its spin along its own axes. Error kUsage: a fixed body, or a pose that is not
-  // finite or whose rotation does not have length one to 1e-6.
-  Status set_pose(const Pose& pose);
-
-  // Sets the pose of a driven body's frame at the end of the next step; without a call the frame is
-  // at rest. With `motion` the accelerations of that step are known; without it they are
-  // extrapolated from the past poses (runtime/bodies/reduced/frames/driven_frame.h). Errors as
-  // set_pose; kUsage if the body is not driven.
-  Status move_to(const Pose& next);
-  Status move_to(const Pose& next, const FrameMotion& motion);
-
-  // Number of bones of a body on bones; else 0. pose() is then the first bone's pose; set_pose()
-  // and move_to() apply to all bones.
+  // Number of bones of a body on bones; else 0.
   std::size_t bones() const { return skin_ ? skin_->bones() : 0; }
   const Skin* skin() const { return skin_.get(); }
-  // Pose of the bone relative to its pose at rest, in the mesh's coordinates. bone < bones().
-  const Pose& bone_pose(std::size_t bone) const { return driven_->pose(bone); }
-  // As set_pose, move_to and move_to with one bone. Error kUsage also if there is no such bone.
-  Status set_bone(std::size_t bone, const Pose& pose);
-  Status move_bone_to(std::size_t bone, const Pose& next);
-  Status move_bone_to(std::size_t bone, const Pose& next, const FrameMotion& motion);
+  // Pose of the frame; for a kFixed body the world's. Vertices are at pose() (X + U q). Of a body
+  // on bones: the bone's pose relative to its pose at rest, in the mesh's coordinates; bone <
+  // bones().
+  Pose pose(std::size_t bone = 0) const;
+  // Moves the body, or one of its bones, without an impulse: a driven frame is then at rest; a free
+  // body keeps its velocity, and its spin along its own axes. Error kUsage: a fixed body, no such
+  // bone, or a pose that is not finite or whose rotation does not have length one to 1e-6.
+  Status set_pose(const Pose& pose, std::size_t bone = kAllBones);
+  // Sets the pose of a driven body's frame, or of one of its bones, at the end of the next step;
+  // without a call the frame is at rest. With `motion` the accelerations of that step are known;
+  // without it they are extrapolated from the past poses
+  // (runtime/bodies/reduced/frames/driven_frame.h). Errors as set_pose; kUsage if the body is not
+  // driven.
+  Status move_to(const Pose& next, const std::optional<FrameMotion>& motion = std::nullopt,
+                 std::size_t bone = kAllBones);
 
   // Sets the motion of a free body. velocity: of the centre of mass, m/s, world. spin: rad/s, along
   // the body's axes. Error kUsage: the body is not free or a value is not finite.
   Status set_motion(const Eigen::Vector3d& velocity, const Eigen::Vector3d& spin);
   // Zeros unless the body is free.
   RigidState rigid_state() const { return free_ ? free_->rigid() : RigidState{}; }
-  Eigen::Vector3d linear_momentum() const;   // kg m/s
-  Eigen::Vector3d angular_momentum() const;  // about the world's origin, N m s
+  BodyMomentum momentum() const;
 
   // Sets gravity, m/s^2, world, from the next step on. Error kUsage: it is not finite, or not zero
   // and the model has no inertia integrals.
@@ -166,7 +187,7 @@ class Body {
   // Takes one step and allocates nothing. If the report is not converged, the time and the pending
   // loads are as before, and so is the state if its energy is valid. If it is not, because the
   // method has exploded, or if this step's energy is far too high (StepFailure::kEnergy), the
-  // state, work() and dissipated() return to those of the last valid check, and the integrator's
+  // state and the sums return to those of the last valid check, and the integrator's
   // state is discarded.
   //
   // The energy is checked at the start, when a state is set and every kStepsBetweenLooks steps;
@@ -177,26 +198,13 @@ class Body {
   // True if a load can still act in a later step.
   bool load_to_come() const;
 
-  // Sums since the start, J.
-  // Work of all external forces, of which support_work() and gravity_work() are parts. For loads it
-  // is average . (q1 - q0) per step plus the method's extra work (exact for midpoint-type and
-  // energy-preserving methods, second order for the others).
-  double work() const { return sums_.work; }
-  // Energy taken by damping.
-  double dissipated() const { return sums_.dissipated; }
-  // Work of the frame's accelerations on the motion relative to it.
-  double support_work() const { return sums_.support; }
-  // Work of gravity on a driven body's relative motion, or on all motion of a free body.
-  double gravity_work() const { return sums_.gravity; }
-  std::int64_t iterations() const { return iterations_; }  // of all steps
-  // Number of steps that were subdivided.
-  std::int64_t halved_steps() const { return halved_steps_; }
+  const BodySums& sums() const { return sums_; }
+  const BodyCounts& counts() const { return counts_; }
 
-  // Energy of the present state; evaluates V. The high band is that of the integrator's split or,
-  // for a method without a split, of the one that options.split would give.
-  Energy energy() const { return energy(low_); }
-  // The same with the high band from coordinate `low` on, 0 <= low <= r.
-  Energy energy(Eigen::Index low) const;
+  // Energy of the present state; evaluates V. The high band begins at coordinate `low`, 0 <= low <=
+  // r; without it, the band is that of the integrator's split or, for a method without a split, of
+  // the one that options.split would give.
+  Energy energy(std::optional<Eigen::Index> low = std::nullopt) const;
 
   // The first hit of a ray on the deformed surface, from either side; nullopt: none. origin: m,
   // world; direction: world, of any length. Error kUsage: a value is not finite, the direction is
@@ -216,29 +224,18 @@ class Body {
   // pose() (X + displacement), or on bones their blend, m. Errors as Model::vertex.
   Result<Eigen::Vector3d> position(VertexId vertex) const;
 
-  // Positions of the drawn surface's vertices, pose() (X + U q + W f), or on bones their blend, x y
-  // z x y z ..., m. out: 3 * model().drawn().rest.size() long, else kUsage. The double variant
-  // allocates nothing. The float variant reads rows that the model makes at the first call
-  // (runtime/bodies/reduced/surface/surface.h gives its error) and allocates nothing after that.
-  Status surface_positions(std::span<double> out) const;
-  Status surface_positions(std::span<float> out) const;
-  // Those of the solid's boundary, also where a render surface is drawn: 3 *
-  // model().surface().rest.size() long.
-  Status boundary_positions(std::span<double> out) const;
-
-  // The same with the unit normals of its vertices, weighted by triangle area: zero where a
-  // vertex's triangles have no normal. Both 3 * model().drawn().rest.size() long, else kUsage.
-  // Nothing is allocated after a body's first call.
-  Status surface(std::span<float> positions, std::span<float> normals) const;
+  // Positions of a surface's vertices, pose() (X + U q + W f), or on bones their blend, x y z x y z
+  // ..., m. out: three numbers a vertex, of model().drawn() or, for kBoundary, of
+  // model().surface(); else kUsage. Allocates nothing.
+  Status surface_positions(std::span<double> out, SurfaceKind surface = SurfaceKind::kDrawn) const;
+  // The drawn surface for display: positions and, unless `normals` is empty, the unit normals of
+  // its vertices, weighted by triangle area: zero where a vertex's triangles have no normal. Each 3
+  // * model().drawn().rest.size() long, else kUsage. Reads rows that the model makes at the first
+  // call (runtime/bodies/reduced/surface/surface.h gives their error), and allocates nothing after
+  // a body's first call.
+  Status surface(std::span<float> positions, std::span<float> normals = {}) const;
 
  protected:
-  // Sums since the start, J; the functions that return them define them.
-  struct Sums {
-    double work = 0.0, dissipated = 0.0;
-    double support = 0.0, gravity = 0.0;
-
-    void carry(StateStream& stream) { stream(work, dissipated, support, gravity); }
-  };
   // The parts of a step, for a body that is in contact: begin_step(), then advance() or a step of
   // another solver, then end_step(). begin_step: a report if the loads are not valid.
   std::optional<StepReport> begin_step();
@@ -256,7 +253,7 @@ class Body {
   Pose step_end() const { return free_ ? free_->pose() : step_poses().end; }
   // True unless a frame that follows given poses moves in the step.
   bool can_be_cut() const;
-  // Removes the motion; returns the energy that this takes, J, which work() gives.
+  // Removes the motion; returns the energy that this takes, J, which is added to the work.
   double stop_motion();
   // Keeps the present state as that of the last valid check.
   void keep_sound_state();
@@ -295,7 +292,8 @@ class Body {
   void begin_frame(FrameKind frame);
   void begin_driven();
   Status check_pose(const Pose& pose) const;
-  Status check_bone(std::size_t bone, const Pose& pose) const;
+  // The bones that kAllBones or a number means: from the first to the last one, without it.
+  Result<std::pair<std::size_t, std::size_t>> bones_of(std::size_t bone) const;
   Result<Eigen::VectorXd> weights_of(VertexId vertex) const;
   std::span<const BoneMap> bone_maps() const;
   Status add_point_force(const Signal& signal, VertexId vertex, const Eigen::Vector3d& force,
@@ -332,14 +330,12 @@ class Body {
   std::vector<AppliedForce> applied_;
   std::vector<Eigen::VectorXd> place_weights_;  // for a body on bones: of the places
   double kick_ = 0.0;                           // of the step's loads, J
-  std::int64_t steps_ = 0;
-  std::int64_t iterations_ = 0;
-  std::int64_t halved_steps_ = 0;
-  Sums sums_;
+  BodyCounts counts_;
+  BodySums sums_;
   EnergyBound bound_;
   int steps_since_look_ = 0;
   State sound_;  // at the last valid check
-  Sums sound_sums_;
+  BodySums sound_sums_;
   mutable PotentialWorkspace workspace_;
   mutable Evaluation evaluation_;
   mutable Eigen::VectorXd momentum_;

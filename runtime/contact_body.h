@@ -23,11 +23,11 @@ class BodyGroup;
 class ContactStep;
 class ReducedStep;
 
-// Sums of contact since the start, J. work: on the body, a part of Body::work(). lost, rubbed:
+// Sums of contact since the start, J. work: on the body, a part of BodySums::work. lost, rubbed:
 // taken by restitution and friction. given: by moving colliders. error: contact energy found at the
 // start of a step but not at the end of the step before; it should be zero. Then work = given -
 // lost - rubbed - growth of contact_account().energy + error. hand, joint: work of grabs and joints
-// on the body, also parts of Body::work().
+// on the body, also parts of it.
 struct ContactSums {
   double work = 0.0, lost = 0.0, rubbed = 0.0, given = 0.0, error = 0.0;
   double hand = 0.0, joint = 0.0;

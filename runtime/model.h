@@ -47,7 +47,7 @@ struct DrawnSurface {
   const std::vector<VertexId>& mesh_vertices;
 };
 
-class Model {
+class Model : public std::enable_shared_from_this<Model> {
  public:
   using Pointer = std::shared_ptr<const Model>;
 
@@ -68,7 +68,7 @@ class Model {
   Model& operator=(const Model&) = delete;
   ~Model();
 
-  Eigen::Index modes() const { return potential_.size(); }               // r
+  Eigen::Index modes() const { return potential_.size(); }  // r; 0: rigid (rigid/rigid_solid.h)
   const Eigen::VectorXd& lambda() const { return potential_.lambda(); }  // r, (rad/s)^2, ascending
   const Potential& potential() const { return potential_; }
   // Unique entries of C and Q over the r coordinates, packed as in common/packed_index.h.

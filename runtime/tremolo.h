@@ -534,19 +534,20 @@ tremolo_status tremolo_contacts_joint(const tremolo_contacts* contacts, uint64_t
 
 /* ---- world: many bodies ----
  *
- * Bodies in groups that share a model, a method, a step and a level of detail. Bodies of "verlet"
- * and "imexv-linear" are stepped 16 (float) or 8 (double) at a time; those of other methods, the
- * default "ep4" among them, one by one. A new body sleeps and costs nothing until a force, a state
- * or tremolo_world_wake wakes it; it falls asleep when its energy has been small for some time, and
- * keeps its state. The result does not depend on the number of threads. Details: runtime/world.h.
+ * Bodies in groups that share a model, a method, a step and a level of detail. Bodies of "ep4", the
+ * default, "ep2", "avf", "verlet" and "imexv-linear" are stepped 16 (float) or 8 (double) at a
+ * time; those of other methods, and all with stiffness damping, one by one. A new body sleeps and
+ * costs nothing until a force, a state or tremolo_world_wake wakes it; it falls asleep when its
+ * energy has been small for some time, and keeps its state. The result does not depend on the
+ * number of threads. Details: runtime/world.h.
  */
 
 /* Fill with tremolo_group_options_init. `size` as in tremolo_body_options. */
 typedef struct tremolo_group_options {
   uint32_t size;             /* bytes of this struct as the caller knows it */
   int32_t modes;             /* leading coordinates that move; 0: all of the model's */
-  int32_t single_precision;  /* nonzero: the nonlinear force of the two methods that step several at
-                              * a time in float; all else is double; 0 */
+  int32_t single_precision;  /* nonzero: the nonlinear force of the methods that step several at a
+                              * time in float; all else is double; 0 */
   int32_t reserved;          /* 0 */
   double sleep_energy;       /* J, below which a body may sleep; 0: by sleep_displacement */
   double sleep_displacement; /* of its size, by its first mode; 1e-4 */

@@ -1,12 +1,13 @@
 // Thousands of bodies that share a few models: they step in lanes and on several threads, sleep
 // while nothing acts on them, and are drawn only where they moved.
 //
-// A group is a model, a method, a step and a level of detail; each body belongs to one. The default
-// method, `ep4`, cannot explode; its bodies step one by one (runtime/body.h), as those of all
-// methods except two. Bodies of `verlet` and `imexv-linear` step in lanes
-// (runtime/bodies/lanes/lane_group.h), at least forty times faster. They are stable only while the
-// step resolves the stiffening by deformation: their files (runtime/bodies/reduced/integrators/)
-// give the limit; use them for motion that you know.
+// A group is a model, a method, a step and a level of detail; each body belongs to one. Bodies of
+// the default method `ep4`, of `ep2`, `avf`, `verlet` and `imexv-linear` step in lanes
+// (runtime/bodies/lanes/lane_group.h), those of other methods one by one (runtime/body.h). The
+// first three cannot explode. The last two are ten times faster, but stable only while the step
+// resolves the stiffening by deformation: their files (runtime/bodies/reduced/integrators/) give
+// the limit; use them for motion that you know. With stiffness damping, on a model that is not
+// linear, all bodies step one by one; so do those of the first three on a linear model.
 //
 // The motion of a body depends on its own state and forces only: not on the other bodies, the
 // number of threads, or the steps in which others were added, slept or woke, bit for bit.
@@ -66,9 +67,10 @@ struct GroupOptions {
   std::string_view integrator = kDefaultIntegrator;  // as for make_integrator
   IntegratorOptions options = {};
   // Level of detail: number of leading coordinates that move, 0 for all of the model's. Fewer than
-  // all are only for methods in lanes (for others load the model with fewer).
+  // all are only for verlet and imexv-linear (for others load the model with fewer).
   int modes = 0;
-  // Of grad (C + Q) in lanes; other methods use double.
+  // Of grad (C + Q) and its tangent in lanes; other methods use double. In float the methods that
+  // preserve energy keep it to float rounding.
   LanePrecision precision = LanePrecision::kDouble;
   SleepOptions sleep = {};
 };
@@ -84,7 +86,7 @@ struct WorldReport {
 
 // The surface of a shown body.
 struct SurfaceView {
-  // x y z x y z ..., m, same as Body::surface_positions; valid until the world's next non-const
+  // x y z x y z ..., m, same as Body::surface; valid until the world's next non-const
   // call.
   std::span<const float> positions;
   std::uint64_t version = 0;  // grows with every rebuild; 0 before the first

@@ -91,6 +91,11 @@ Result<Outcome> mesh_close_to_surface(const SurfaceSolid& solid, const SurfaceFi
   }
 }
 
+// Number by number: cast<float>().cast<double>() of Eigen 3.4 leaves vectors of three unrounded.
+double nearest_float(double x) {
+  return static_cast<double>(static_cast<float>(x));
+}
+
 // Notes about the mesh for the user, as sentences.
 std::vector<std::string> notes_on(const Outcome& outcome, const MeshQuality& quality,
                                   int wanted_count) {
@@ -164,13 +169,13 @@ void restore_printed_floats(std::vector<Eigen::Vector3d>& vertices, double metre
   for (const Eigen::Vector3d& x : vertices) {
     const Eigen::Vector3d number = x / metres_per_unit;
     largest = std::max(largest, number.cwiseAbs().maxCoeff());
-    moved = std::max(moved, (number - number.cast<float>().cast<double>()).cwiseAbs().maxCoeff());
+    moved = std::max(moved, (number - number.unaryExpr(&nearest_float)).cwiseAbs().maxCoeff());
   }
   // Floats near the largest are 2^-24 of it or more apart, so numbers that never were floats are
   // 2^-26 of it from them in the mean. That all are within half of that is no chance.
   if (!(moved <= std::ldexp(largest, -27))) return;
   for (Eigen::Vector3d& x : vertices)
-    x = metres_per_unit * (x / metres_per_unit).cast<float>().cast<double>();
+    x = metres_per_unit * (x / metres_per_unit).unaryExpr(&nearest_float);
 }
 
 std::vector<std::string> describe(const SurfaceMeshReport& report) {

@@ -218,8 +218,8 @@ void require_known_flags(const CommandLine& line) {
                      "holds vertices with --fix only"});
 }
 
-ResponseRequest read_response(const std::vector<std::string>& texts) {
-  ResponseRequest request;
+LocalResponseRequest read_response(const std::vector<std::string>& texts) {
+  LocalResponseRequest request;
   for (const std::string& text : texts)
     if (text == "load")
       request.at_load = true;

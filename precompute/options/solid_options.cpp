@@ -151,13 +151,33 @@ std::string require_regular(const std::string& path) {
   return {};
 }
 
-// CLI11's reader, which takes a byte-order mark for a part of the first key.
+// Cuts each line at the first # outside quotes.
+std::string without_comments(std::string_view text) {
+  std::string kept;
+  char quote = 0;
+  bool comment = false;
+  for (const char c : text) {
+    if (c == '\n') quote = 0, comment = false;
+    if (quote != 0)
+      quote = c == quote ? char{0} : quote;
+    else if (c == '"' || c == '\'')
+      quote = c;
+    else if (c == '#')
+      comment = true;
+    if (!comment) kept.push_back(c);
+  }
+  return kept;
+}
+
+// CLI11's reader, which takes a byte-order mark for a part of the first key, and a # in quotes for
+// the beginning of a comment.
 class MarkedConfig : public CLI::ConfigTOML {
  public:
+  MarkedConfig() { comment('\x01'); }  // comments are gone when it reads
   std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
-    std::string text(std::istreambuf_iterator<char>(input), {});
-    std::istringstream unmarked(std::string(without_mark(text)));
-    return CLI::ConfigTOML::from_config(unmarked);
+    const std::string text(std::istreambuf_iterator<char>(input), {});
+    std::istringstream plain(without_comments(without_mark(text)));
+    return CLI::ConfigTOML::from_config(plain);
   }
 };
 

@@ -32,7 +32,7 @@ struct ModeCounts {
 ModeCounts choose_mode_counts(const BasisRequest& request, int free_dofs);
 
 // Places whose local response the file stores (local_response.h).
-struct ResponseRequest {
+struct LocalResponseRequest {
   bool at_load = false;
   std::vector<Selector> at;  // each vertex is a place of its own
 };
@@ -66,7 +66,7 @@ struct OutputRequest {
 struct PrecomputeRequest {
   ProblemRequest solid;
   BasisRequest basis;
-  ResponseRequest response;
+  LocalResponseRequest response;
   SolveRequest solve;
   CheckpointRequest checkpoint;
   OutputRequest output;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "runtime/c/c_api.h"
@@ -60,7 +61,11 @@ constexpr const char* kDefaultName = tremolo::kDefaultIntegrator.data();
 template <class Real>
 tremolo_status positions(const tremolo_body* body, Real* out, std::size_t length) noexcept {
   return with(body, {{out, "the buffer"}}, [&](const ContactBody& known) -> Status {
-    return known.surface_positions(std::span<Real>(out, length));
+    const std::span<Real> numbers(out, length);
+    if constexpr (std::is_same_v<Real, float>)
+      return known.surface(numbers);
+    else
+      return known.surface_positions(numbers);
   });
 }
 

@@ -1,4 +1,6 @@
 // tremolo_body_*: bodies on bones, from C.
+#include <algorithm>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -47,6 +49,11 @@ tremolo_status create_with_skin(const tremolo_model* model, const tremolo_body_o
   });
 }
 
+// The number of one bone, never kAllBones.
+std::size_t one(std::size_t bone) {
+  return std::min(bone, tremolo::kAllBones - 1);
+}
+
 }  // namespace
 
 tremolo_status tremolo_body_create_on_bones(const tremolo_model* model,
@@ -76,7 +83,7 @@ tremolo_status tremolo_body_set_bone(tremolo_body* body, size_t bone, const doub
                                      const double quaternion[4]) {
   return with(body, {{position, "the position"}, {quaternion, "the quaternion"}},
               [&](ContactBody& known) {
-                return known.set_bone(bone, bone_pose_from(position, quaternion));
+                return known.set_pose(bone_pose_from(position, quaternion), one(bone));
               });
 }
 
@@ -84,11 +91,11 @@ tremolo_status tremolo_body_move_bone_to(tremolo_body* body, size_t bone, const 
                                          const double quaternion[4],
                                          const tremolo_frame_motion* motion) {
   return with(body, {{position, "the position"}, {quaternion, "the quaternion"}},
-              [&](ContactBody& known) -> Status {
-                const tremolo::Pose pose = bone_pose_from(position, quaternion);
-                if (motion == nullptr) return known.move_bone_to(bone, pose);
-                return known.move_bone_to(bone, pose,
-                                          {Vector3d(motion->acceleration), Vector3d(motion->spin),
-                                           Vector3d(motion->spin_rate)});
+              [&](ContactBody& known) {
+                std::optional<tremolo::FrameMotion> moves;
+                if (motion != nullptr)
+                  moves = {Vector3d(motion->acceleration), Vector3d(motion->spin),
+                           Vector3d(motion->spin_rate)};
+                return known.move_to(bone_pose_from(position, quaternion), moves, one(bone));
               });
 }

@@ -40,9 +40,9 @@ Status add_body(tremolo_contacts& contacts, tremolo_body* body) {
   if (std::find(contacts.bodies.begin(), contacts.bodies.end(), body) != contacts.bodies.end())
     return usage_error("the body is there already");
   if (!contacts.bodies.empty()) {
-    const double step = contacts.bodies.front()->body.step_size();
-    if (body->body.step_size() != step)
-      return usage_error("the body's step is " + tremolo::number_text(body->body.step_size()) +
+    const double step = contacts.bodies.front()->body.options().step;
+    if (body->body.options().step != step)
+      return usage_error("the body's step is " + tremolo::number_text(body->body.options().step) +
                          " s, that of the others " + tremolo::number_text(step) +
                          " s: bodies that touch share one");
   }

@@ -52,8 +52,9 @@ tremolo_status tremolo_body_move_to(tremolo_body* body, const double position[3]
               [&](ContactBody& known) -> Status {
                 const Pose pose = to_pose(position, quaternion);
                 if (motion == nullptr) return known.move_to(pose);
-                return known.move_to(pose, {Vector3d(motion->acceleration), Vector3d(motion->spin),
-                                            Vector3d(motion->spin_rate)});
+                return known.move_to(pose, tremolo::FrameMotion{Vector3d(motion->acceleration),
+                                                                Vector3d(motion->spin),
+                                                                Vector3d(motion->spin_rate)});
               });
 }
 
@@ -76,8 +77,8 @@ tremolo_status tremolo_body_motion(const tremolo_body* body, double velocity[3],
 tremolo_status tremolo_body_momentum(const tremolo_body* body, double linear[3],
                                      double angular[3]) {
   return with(body, [&](const ContactBody& known) -> Status {
-    copy(known.linear_momentum(), linear);
-    copy(known.angular_momentum(), angular);
+    copy(known.momentum().linear, linear);
+    copy(known.momentum().angular, angular);
     return Success{};
   });
 }
@@ -91,10 +92,10 @@ tremolo_status tremolo_body_work(const tremolo_body* body, double* load, double*
                                  double* gravity, double* damping) {
   return with(body, [&](const ContactBody& known) -> Status {
     const double contact = known.contact_sums().work + known.contact_sums().hand;
-    copy(known.work() - known.support_work() - known.gravity_work() - contact, load);
-    copy(known.support_work(), support);
-    copy(known.gravity_work(), gravity);
-    copy(0.0 - known.dissipated(), damping);
+    copy(known.sums().work - known.sums().support - known.sums().gravity - contact, load);
+    copy(known.sums().support, support);
+    copy(known.sums().gravity, gravity);
+    copy(0.0 - known.sums().dissipated, damping);
     return Success{};
   });
 }

@@ -55,7 +55,9 @@ Correction correct(const ContactLaw& law, const ContactGap& gap, const ContactWa
   const double length2 = way.path.squaredNorm() + way.bend.squaredNorm();
   if (!(length2 > 1e-18 * law.margin * law.margin)) return {};
   const double shorter2 = 1.0 / length2;
-  return {(gap.d1 - gap.d0 - normal.dot(way.path - way.bend)) * shorter2, shorter2};
+  double missed = gap.d1 - gap.d0 - normal.dot(way.path - way.bend);
+  if (law.rounding > 0.0) missed -= std::clamp(missed, -law.rounding, law.rounding);
+  return {missed * shorter2, shorter2};
 }
 
 // The fraction of restitution by the point's own rate, and the fraction of rebound_speed from which
@@ -94,8 +96,10 @@ Restitution restitution_of(const ContactLaw& law, const ContactGap& gap, const C
 }
 
 // The part of the way across the normal, m.
-Vector3d tangential(const ContactWay& way, const Vector3d& n) {
-  const Vector3d over = way.path - way.bend;
+Vector3d tangential(const ContactLaw& law, const ContactWay& way, const ContactHeld& held) {
+  const Vector3d& n = held.normal;
+  Vector3d over = way.path - way.bend;
+  if (law.radius > 0.0) over += way.turn.cross(surface_arm(law, held));
   return over - (n.dot(over) / n.squaredNorm()) * n;
 }
 
@@ -141,12 +145,17 @@ void hold_normal(const Vector3d& normal, const ContactMemory& memory, ContactHel
                            : Vector3d(Vector3d::Zero());
 }
 
+Vector3d surface_arm(const ContactLaw& law, const ContactHeld& held) {
+  const double length = held.normal.norm();
+  return length > 0.0 ? Vector3d(-law.radius / length * held.normal) : Vector3d(Vector3d::Zero());
+}
+
 ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider,
                            const Vector3d& x) {
   ContactStart start;
   start.place = into_frame(collider.start, x);
   const CollisionDistance found = signed_distance(collider.shape, start.place);
-  start.distance = found.distance;
+  start.distance = found.distance - law.radius;
   start.normal = found.normal;
   start.energy = law.energy(start.distance);
   return start;
@@ -184,8 +193,8 @@ ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const C
   const Vector3d point_normal = held.normal + correction.c * way.path;
   contact.limit = law.friction * s * point_normal.norm();
   if (gap.pressure != 0.0) held.limit += limits * (contact.limit - held.limit);
-  const Friction friction = friction_force(friction_law(law, time.h), held.limit, held.slip,
-                                           tangential(way, held.normal));
+  const Friction friction =
+      friction_force(friction_law(law, time.h), held.limit, held.slip, tangential(law, way, held));
   // A contact that ends forgets its slip; the stored energy becomes friction loss.
   const bool ends = gap.d1 >= law.begins;
   contact.rubbed = friction.lost + (ends ? friction.energy : 0.0);
@@ -193,6 +202,7 @@ ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const C
   contact.energy = energy + (ends ? 0.0 : friction.energy);
   contact.force = s * point_normal + friction.force;
   contact.bend_force = s * (held.normal - correction.c * way.bend) + friction.force;
+  contact.rub = friction.force;
   return contact;
 }
 
@@ -213,14 +223,14 @@ double taken_by_distance(const ContactLaw& law, const ContactGap& gap, const Con
 
 ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
                              const ContactTime& time, const ContactHeld& held, bool follows) {
-  const auto& [p, w] = way;
+  const Vector3d &p = way.path, &w = way.bend;
   const Vector3d& n = held.normal;
   const auto [c, shorter2] = correct(law, gap, way, n);
   const Restitution part = restitution_of(law, gap, time);
   const double s = part.factor * gap.pressure;
   const double s_fall = part.factor * gap.fall + gap.pressure * part.fall;
   const FrictionSlopes friction = friction_slopes(friction_law(law, time.h), held.limit, held.slip,
-                                                  tangential(way, n), n / n.norm());
+                                                  tangential(law, way, held), n / n.norm());
   const Matrix3d drag = -friction.by_path;
   const Vector3d by_path = shorter2 * (n + 2.0 * c * p), by_bend = shorter2 * (n - 2.0 * c * w);
   ContactSlopes slopes;
@@ -236,6 +246,11 @@ ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const
   slopes.point.by_taken = gap.pressure * m;
   slopes.bend.by_taken = gap.pressure * (n - c * w);
   slopes.taken_by_distance = taken_by_distance(law, gap, time);
+  const bool rolls = law.radius > 0.0;
+  if (rolls) {
+    slopes.rub = {Vector3d::Zero(), drag, -drag, Vector3d::Zero()};
+    slopes.by_roll = drag;
+  }
   if (follows) {
     // The fall of L = mu s |m|, m = n + c p, with each.
     const double length = m.norm(), sizes = law.friction * s / length;
@@ -249,6 +264,12 @@ ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const
       slope->by_bend += friction.by_limit * fall_by_bend;
       slope->by_taken += (law.friction * gap.pressure * length) * friction.by_limit;
     }
+    if (rolls) {
+      slopes.rub.by_distance = fall * friction.by_limit;
+      slopes.rub.by_path += friction.by_limit * fall_by_path;
+      slopes.rub.by_bend += friction.by_limit * fall_by_bend;
+      slopes.rub.by_taken = (law.friction * gap.pressure * length) * friction.by_limit;
+    }
   }
   return slopes;
 }
@@ -259,7 +280,7 @@ ContactEnd contact_end(const ContactLaw& law, const PlacedCollider& collider,
   end.place = turns.end.transpose() * (x1 - collider.end.position);
   const CollisionDistance found = signed_distance(collider.shape, end.place);
   end.normal = found.normal;
-  end.gap = make_gap(law, start.distance, start.energy, found.distance);
+  end.gap = make_gap(law, start.distance, start.energy, found.distance - law.radius);
   return end;
 }
 
@@ -282,9 +303,10 @@ ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider
         flat ? end.normal : signed_distance(collider.shape, 0.5 * (start.place + end.place)).normal,
         memory, held);
   }
-  ContactForce contact =
-      contact_force(law, end.gap, {end.place - start.place}, time, renewal.limits, held);
+  const ContactWay way{.path = end.place - start.place, .turn = end.turn};
+  ContactForce contact = contact_force(law, end.gap, way, time, renewal.limits, held);
   if (contact.acts) contact.force = turns.mean * contact.force;
+  if (contact.acts && law.radius > 0.0) contact.rub = turns.mean * contact.rub;
   return contact;
 }
 
@@ -301,12 +323,21 @@ double contact_passage(const PlacedCollider& collider, const ContactStart& start
 PlacedSlope contact_slope(const ContactLaw& law, const ColliderTurns& turns,
                           const ContactStart& start, const ContactEnd& end, const ContactTime& time,
                           const ContactHeld& held, bool follows) {
-  const ContactWay way{end.place - start.place};
+  const ContactWay way{.path = end.place - start.place, .turn = end.turn};
   const ContactSlopes slopes = contact_slopes(law, end.gap, way, time, held, follows);
   const ContactSlope& point = slopes.point;
   const Matrix3d by_end = point.by_path + point.by_distance * end.normal.transpose();
-  return {turns.mean * by_end * turns.end.transpose(), turns.mean * point.by_taken,
-          slopes.taken_by_distance * (turns.end * end.normal)};
+  PlacedSlope placed;
+  placed.by_end = turns.mean * by_end * turns.end.transpose();
+  placed.by_taken = turns.mean * point.by_taken;
+  placed.taken = slopes.taken_by_distance * (turns.end * end.normal);
+  if (!(law.radius > 0.0)) return placed;
+  const ContactSlope& rub = slopes.rub;
+  const Matrix3d rub_by_end = rub.by_path + rub.by_distance * end.normal.transpose();
+  placed.rub_by_end = turns.mean * rub_by_end * turns.end.transpose();
+  placed.by_roll = turns.mean * slopes.by_roll * turns.mean.transpose();
+  placed.rub_by_taken = turns.mean * rub.by_taken;
+  return placed;
 }
 
 }  // namespace tremolo

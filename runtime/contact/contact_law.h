@@ -29,6 +29,12 @@
 // B is the margin M, except for a point that was found nearer than M without a memory of contact
 // (the body starts there, or was moved there). Its contact starts with B = d, without energy. B
 // then follows the point outwards up to M, which costs no energy either.
+//
+// A round point is the centre of a ball of radius rho: its distance is that of the centre less rho.
+// s n acts at the centre, through which it passes. Friction acts on the ball's surface, at -rho n
+// from the centre: its path has the additional part theta x (-rho n), with theta the rotation of
+// the body relative to the obstacle, and it turns the body and the obstacle by opposite torques. A
+// ball rolls therefore exactly.
 #pragma once
 
 #include <limits>
@@ -53,6 +59,10 @@ struct ContactLaw {
   double rebound_speed = 0.0;  // speed from which restitution is whole, m/s
   double shear = 0.0;          // k of friction.h, N/m
   double shear_damping = 0.0;  // c of friction.h, N s/m
+  double radius = 0.0;         // rho of a round point, m
+  // Of a contact with a rigid body, which comes to rest entirely: changes of distance below this
+  // are rounding errors, and the normal is not corrected for them, m.
+  double rounding = 0.0;
 
   double energy(double distance) const;
 };
@@ -115,6 +125,9 @@ struct ContactSlope {
 
 struct ContactSlopes {
   ContactSlope point, bend;  // of the force on the point, and of the one that bends the obstacle
+  // Of a round point: of friction alone, and the fall of friction with the path of the surface.
+  ContactSlope rub;
+  Eigen::Matrix3d by_roll;
   double taken_by_distance = 0.0;  // growth of that fraction with d1, 1/m
 };
 
@@ -123,7 +136,8 @@ struct ContactForce {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // on the point, N, world
   // Its opposite deforms the obstacle, N, world.
   Eigen::Vector3d bend_force = Eigen::Vector3d::Zero();
-  bool acts = false;      // there is a force
+  Eigen::Vector3d rub = Eigen::Vector3d::Zero();  // of a round point: the part that is friction, N
+  bool acts = false;                              // there is a force
   double pressure = 0.0;  // the length of s n without restitution and friction, N
   double limit = 0.0;     // friction limit mu |s n| found in this evaluation, N
   double energy = 0.0;    // psi(d1) and that of friction, J
@@ -139,6 +153,7 @@ struct ContactForce {
     rubbed = stored;
     distance = at;
     slip.setZero();
+    rub.setZero();
   }
 };
 
@@ -162,7 +177,12 @@ struct ContactWay {
   Eigen::Vector3d path = Eigen::Vector3d::Zero();  // p: along the obstacle as if that were rigid, m
   // w: deformation of the obstacle at the contact, m
   Eigen::Vector3d bend = Eigen::Vector3d::Zero();
+  // Of a round point: theta, the rotation of the body relative to the obstacle, rad.
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();
 };
+
+// -rho n: from the centre of a round point to the surface, m.
+Eigen::Vector3d surface_arm(const ContactLaw& law, const ContactHeld& held);
 
 // The distance of a point in a step.
 struct ContactGap {
@@ -206,6 +226,7 @@ ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider
 struct ContactEnd {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();    // in the collider's frame then, m
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // there, along its axes
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();     // as in ContactWay; the caller sets it
   ContactGap gap;
 };
 
@@ -230,6 +251,9 @@ struct PlacedSlope {
   Eigen::Matrix3d by_end;    // with x1, N/m, at a held rate of the pair
   Eigen::Vector3d by_taken;  // with the fraction that restitution takes from the pair, N
   Eigen::Vector3d taken;     // growth of that fraction with x1, 1/m
+  // Of a round point: of friction alone, and the fall of both with the path of the surface.
+  Eigen::Matrix3d rub_by_end, by_roll;  // N/m
+  Eigen::Vector3d rub_by_taken;         // N
 };
 // follows: same as for contact_slopes().
 PlacedSlope contact_slope(const ContactLaw& law, const ColliderTurns& turns,

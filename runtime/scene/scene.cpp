@@ -117,8 +117,33 @@ Status check_bones(const SceneBody& body) {
   return problem.empty() ? Status(Success{}) : content_error("bone-weights: " + problem);
 }
 
+// A rigid body has no coordinates: what belongs to them is refused.
+Status check_rigid(const SceneBody& body) {
+  if (!body.model.empty())
+    return content_error("model: a rigid body is made of its shape or mesh: leave the model out");
+  if (body.kind != FrameKind::kFree)
+    return content_error("a rigid body is free: pins hold it, and a collider follows a motion");
+  if (body.rigid->shape && (body.contact.shape || !body.shape_file.empty()))
+    return content_error("shape: the solid of a rigid body is also the shape of its contact");
+  const IntegratorOptions& options = body.options;
+  if (options.alpha != 0.0 || options.beta != 0.0 || !body.alphas.empty() || !body.betas.empty())
+    return content_error(
+        "alpha and beta damp what is relative to the frame: a rigid body has no such motion");
+  const std::string& method = body.integrator;
+  if (method != "avf" && method != "ep2" && method != "ep4")
+    return content_error("integrator: a rigid body goes with avf, ep2 and ep4, not with '" +
+                         method + "'");
+  for (const SceneLoad& load : body.loads)
+    if (load.at.empty() && load.signal.kind != SignalKind::kNone)
+      return content_error("load: a rigid body has no load of its own: say `at` and `force`");
+  return check(*body.rigid);
+}
+
 Status check_body(const SceneBody& body) {
-  if (body.model.empty()) return content_error("its model is empty: give the path of a basis file");
+  if (body.rigid)
+    if (Status s = check_rigid(body); !s) return s;
+  if (!body.rigid && body.model.empty())
+    return content_error("its model is empty: give the path of a basis file");
   if (const std::string problem = pose_problem(body.pose); !problem.empty())
     return content_error(problem);
   if (!body.velocity.allFinite() || !body.spin.allFinite())
@@ -228,9 +253,8 @@ FrameKind frame_kind(const SceneBody& body) {
 bool bodies_touch(const Scene& scene) {
   const auto feels = [](const SceneBody& body) { return body.feels_contact; };
   return std::count_if(scene.bodies.begin(), scene.bodies.end(), feels) > 1 &&
-         std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const SceneBody& body) {
-           return body.feels_contact && (body.contact.shape || !body.shape_file.empty());
-         });
+         std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                     [](const SceneBody& body) { return body.feels_contact && has_shape(body); });
 }
 
 bool needs_contact(const Scene& scene, const SceneBody& body) {

@@ -15,6 +15,7 @@
 #include "common/load_signal.h"
 #include "common/result.h"
 #include "runtime/bodies/reduced/bones/bone_weights.h"
+#include "runtime/bodies/reduced/rigid/rigid_solid.h"
 #include "runtime/contact/collider.h"
 #include "runtime/contact/joint.h"
 #include "runtime/contact_body.h"
@@ -64,6 +65,9 @@ struct SceneBody {
   std::string model;    // path of the basis file
   std::string made_by;  // the command that makes the file, for the error if it is missing
   ModelOptions model_options;
+  // A rigid body: its kind is kFree, it has no file, and its shape is the one with which other
+  // bodies collide (of a mesh: contact.shape or shape_file).
+  std::optional<RigidSolid> rigid;
   FrameKind kind = FrameKind::kFixed;
   std::string integrator{kDefaultIntegrator};
   IntegratorOptions options;  // options.step is ignored: a scene has one step
@@ -93,6 +97,11 @@ struct SceneBody {
   std::string shape_made_by;  // the command that makes it, for the error if it is missing
   SceneColumns columns;
 };
+
+// True if other bodies' points collide with the body's shape.
+inline bool has_shape(const SceneBody& body) {
+  return body.contact.shape || !body.shape_file.empty() || (body.rigid && body.rigid->shape);
+}
 
 // The kind of the body in a world: a fixed one with a pose is driven.
 FrameKind frame_kind(const SceneBody& body);

@@ -81,11 +81,19 @@ void SceneColliders::move(std::int64_t k, double step) {
 
 DeepestPoint deepest_point(const ContactBody& body, std::span<const PlacedCollider> colliders) {
   std::vector<double> places(3 * body.model().surface().rest.size());
-  (void)body.boundary_positions(places);  // the buffer fits
+  (void)body.surface_positions(places, SurfaceKind::kBoundary);  // the buffer fits
   DeepestPoint deepest;
   for (std::size_t c = 0; c < colliders.size(); ++c)
     for (std::size_t i = 0; i + 2 < places.size(); i += 3) {
       const double depth = -distance_to(colliders[c], Vector3d(places.data() + i));
+      if (depth > deepest.depth) deepest = {depth, c};
+    }
+  if (body.contact() == nullptr) return deepest;
+  const ContactPoints& points = body.contact()->points();
+  for (std::size_t c = 0; c < colliders.size(); ++c)
+    for (std::size_t i = 0; i < points.round; ++i) {
+      const double depth =
+          points.round_radius - distance_to(colliders[c], body.pose() * points.rest[i]);
       if (depth > deepest.depth) deepest = {depth, c};
     }
   return deepest;
@@ -99,9 +107,10 @@ double begins_within_margin(const ContactBody& body, std::span<const PlacedColli
   double deepest = 0.0;
   for (const PlacedCollider& collider : colliders)
     for (std::size_t i = 0; i < points.size(); ++i)
-      deepest =
-          std::max(deepest, contact->law().margin -
-                                distance_to(collider, pose * points.place(i, body.state().q)));
+      if (points.meets(i, true))
+        deepest =
+            std::max(deepest, contact->law().margin + points.radius_of(i) -
+                                  distance_to(collider, pose * points.place(i, body.state().q)));
   return deepest;
 }
 

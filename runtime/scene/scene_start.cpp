@@ -81,7 +81,7 @@ Status settle(const SceneBody& wanted, const Eigen::Vector3d& gravity, ContactBo
   for (const SceneLoad& load : wanted.loads) {
     Signal signal = load.signal;
     signal.table = load.table.get();
-    const double now = sample_signal(signal, 0.0, body.step_size()).start;
+    const double now = sample_signal(signal, 0.0, body.options().step).start;
     if (now == 0.0) continue;
     Result<DefaultLoad> forces = forces_of(load, model);
     if (!forces) return forces.error();

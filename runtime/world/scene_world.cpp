@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <filesystem>
+#include <initializer_list>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -54,6 +56,24 @@ Momenta momenta_in_frame(const FrameInertia& inertia, const Eigen::VectorXd& q,
   return {world, pose.position.cross(world) + pose.rotation * angular};
 }
 
+// Rigid bodies with the same key share a model.
+std::string key_of(const SceneBody& body) {
+  const RigidSolid& solid = *body.rigid;
+  std::string key = solid.mesh + "|" + std::to_string(body.contact.points);
+  const auto add = [&key](std::initializer_list<double> values) {
+    for (const double& value : values)
+      key.append(std::bit_cast<std::array<char, 8>>(value).data(), 8);
+  };
+  if (solid.shape) {
+    key += shape_name(*solid.shape);
+    const BoundingBox box = bounds(*solid.shape);
+    add({box.high.x(), box.high.y(), box.high.z()});
+  }
+  add({solid.mass.value_or(-1.0), solid.density.value_or(-1.0)});
+  if (solid.inertia) add({solid.inertia->x(), solid.inertia->y(), solid.inertia->z()});
+  return key;
+}
+
 Pose unit(const Pose& pose) {
   return {pose.position, pose.rotation.normalized()};
 }
@@ -61,6 +81,7 @@ Pose unit(const Pose& pose) {
 }  // namespace
 
 Result<Model::Pointer> load_scene_model(const SceneBody& body) {
+  if (body.rigid) return make_rigid_model(*body.rigid, body.contact.points);
   std::error_code ignored;
   if (!std::filesystem::exists(body.model, ignored)) {
     const std::string usual = "tremolo-precompute MESH -o " + body.model +
@@ -77,9 +98,16 @@ Result<SceneWorld> SceneWorld::create(const Scene& scene, const ModelSource& sou
   const std::vector<Vector3d>& values = world.scene_.gravity.values;
   world.gravity_changes_ = values.size() > 1;
   std::map<std::tuple<std::string, int, bool, bool>, Model::Pointer> models;
+  std::map<std::string, Model::Pointer> rigid_models;
   for (SceneBody& wanted : world.scene_.bodies) {
     const ModelOptions& options = wanted.model_options;
-    Model::Pointer& model = models[{wanted.model, options.modes, options.linear, options.hull}];
+    Model::Pointer& model =
+        wanted.rigid ? rigid_models[key_of(wanted)]
+                     : models[{wanted.model, options.modes, options.linear, options.hull}];
+    if (!model && wanted.rigid) {
+      if (Status s = take(model, load_scene_model(wanted)); !s)
+        return error_of_body(wanted, s.error());
+    }
     if (!model)
       if (Status s = take(model, source(wanted)); !s) return error_of_body(wanted, s.error());
     if (wanted.rig)
@@ -153,7 +181,7 @@ Status SceneWorld::begin(const SceneBody& wanted, Actor& actor) const {
     std::vector<Pose> poses(actor.bones->size());
     actor.bones->poses(0.0, poses);
     for (std::size_t b = 0; b < poses.size(); ++b)
-      if (Status s = body.set_bone(b, poses[b]); !s) return s;
+      if (Status s = body.set_pose(poses[b], b); !s) return s;
   }
   // A body computes integrals for gravity when it first gets some, which must not happen inside a
   // step.
@@ -172,6 +200,7 @@ std::span<const PlacedCollider> SceneWorld::felt_by(std::size_t i) const {
 Result<ContactOptions> SceneWorld::contact_of(const SceneBody& wanted) {
   ContactOptions contact = wanted.contact;
   contact.colliders = wanted.feels_contact;
+  if (wanted.rigid && wanted.rigid->shape) contact.shape = wanted.rigid->shape;
   if (wanted.shape_file.empty()) return contact;
   auto found = shapes_.find(wanted.shape_file);
   if (found == shapes_.end()) {
@@ -301,14 +330,15 @@ Status SceneWorld::damp(std::size_t i) {
       if (from.time <= time() + kSameTime * scene_.step) before = from.value;
     return before;
   };
-  return body.set_damping(now(wanted.alphas, body.alpha()), now(wanted.betas, body.beta()));
+  return body.set_damping(now(wanted.alphas, body.options().alpha),
+                          now(wanted.betas, body.options().beta));
 }
 
 // Poses of a path are finite with quaternions of unit length: the call cannot fail.
 void SceneWorld::move_bones(Actor& actor) const {
   const BonePaths::Step step = actor.bones->step(steps_, scene_.step);
   for (std::size_t b = 0; b < actor.bones->size(); ++b)
-    (void)actor.body.move_bone_to(b, step.end[b], step.motion(b, scene_.step));
+    (void)actor.body.move_to(step.end[b], step.motion(b, scene_.step), b);
 }
 
 void SceneWorld::move_frame(Actor& actor) const {
@@ -512,8 +542,8 @@ EnergyAccount SceneWorld::account(std::size_t i) const {
   account.kinetic = energy.kinetic;
   account.potential = energy.potential;
   account.at_start = actors_[i].energy_at_start;
-  account.support = body.support_work();
-  account.gravity = body.gravity_work();
+  account.support = body.sums().support;
+  account.gravity = body.sums().gravity;
   account.contact = body.contact_account().energy;
   account.contact_given = body.contact_sums().given;
   account.restitution = 0.0 - body.contact_sums().lost;
@@ -521,16 +551,16 @@ EnergyAccount SceneWorld::account(std::size_t i) const {
   account.hand = body.contact_sums().hand;
   account.joint = body.contact_sums().joint;
   account.contact_error = body.contact_sums().error;
-  account.load = body.work() - account.support - account.gravity - body.contact_sums().work -
+  account.load = body.sums().work - account.support - account.gravity - body.contact_sums().work -
                  account.hand - account.joint;
-  account.damping = 0.0 - body.dissipated();
+  account.damping = 0.0 - body.sums().dissipated;
   return account;
 }
 
 Momenta SceneWorld::momenta(std::size_t i) const {
   const Actor& actor = actors_[i];
   const ContactBody& body = actor.body;
-  if (body.frame() == FrameKind::kFree) return {body.linear_momentum(), body.angular_momentum()};
+  if (body.frame() == FrameKind::kFree) return {body.momentum().linear, body.momentum().angular};
   if (!actor.inertia) return {};
   Eigen::VectorXd v(body.model().modes());
   body.integrator().synchronized_momentum(body.state(), v);
@@ -543,7 +573,7 @@ Momenta SceneWorld::momenta(std::size_t i) const {
     Momenta sum;
     for (std::size_t b = 0; b < count; ++b) {
       const Momenta one = momenta_in_frame(*body.skin()->shares[b], body.state().q, v,
-                                           {before[b], body.bone_pose(b), behind[b]}, h);
+                                           {before[b], body.pose(b), behind[b]}, h);
       sum.linear += one.linear;
       sum.angular += one.angular;
     }

@@ -85,7 +85,7 @@ TEST(Rooms, IncludesGoOneWay) {
 // Targets that are built on the engine's public interface.
 bool is_beside_the_engine(const fs::path& path) {
   return is_below(path, "runtime/apps/tremolo") || is_below(path, "runtime/io/scenes") ||
-         is_below(path, "runtime/apps/view");
+         is_below(path, "runtime/apps/view") || is_below(path, "runtime/apps/python");
 }
 
 TEST(Rooms, TheLibraryKnowsNothingOfItsPrograms) {
@@ -125,7 +125,7 @@ TEST(Rooms, TheEngineKnowsNoLibraryOfThePrograms) {
     for (const std::string& include : source.foreign)
       for (const char* library :
            {"petsc", "slepc", "mpi", "metis", "assimp", "CGAL", "boost", "CLI", "nlohmann", "toml",
-            "fmt", "pugixml", "epoxy", "GLFW", "imgui", "png"})
+            "fmt", "pugixml", "epoxy", "GLFW", "imgui", "png", "pybind11", "Python"})
         EXPECT_FALSE(include.starts_with(library))
             << source.path << " includes <" << include << ">";
   }
@@ -172,6 +172,7 @@ const std::vector<std::string>& runtime_rooms() {
                                                  "runtime/step",
                                                  "runtime/contact",
                                                  "runtime/bodies/reduced",
+                                                 "runtime/response",
                                                  "runtime/bodies/lanes",
                                                  "runtime/bodies/cloth",
                                                  "runtime/bodies/tets",

@@ -18,7 +18,7 @@ int main(int count, char** words) {
   for (int step = 0; step < 100; ++step)
     if (!body->step().converged) return 4;
   std::vector<float> positions(3 * (*model)->drawn().rest.size());
-  if (!body->surface_positions(std::span<float>(positions))) return 1;
+  if (!body->surface(std::span<float>(positions))) return 1;
   std::printf("energy %g J after %g s, last vertex at %g %g %g m\n", body->energy().total(),
               body->time(), positions[positions.size() - 3], positions[positions.size() - 2],
               positions.back());

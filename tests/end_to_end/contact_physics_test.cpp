@@ -58,7 +58,7 @@ std::vector<PlacedCollider> floor_plane() {
 
 // Steps for so many seconds.
 void run(ContactBody& body, std::span<const PlacedCollider> colliders, double seconds) {
-  const long steps = std::lround(seconds / body.step_size());
+  const long steps = std::lround(seconds / body.options().step);
   for (long i = 0; i < steps; ++i) ASSERT_TRUE(body.step(colliders).converged) << i;
 }
 
@@ -287,7 +287,7 @@ TEST(ContactPhysics, AStepThatFailsIsTakenInPartsThatCloseTheAccount) {
   const double thrown = blocks[0].energy().total();  // J, each
   for (ContactBody& block : blocks) {
     bodies.push_back(&block);
-    momentum -= block.linear_momentum().z();
+    momentum -= block.momentum().linear.z();
   }
   std::vector<StepReport> reports(bodies.size());
   BodyGroup group;
@@ -304,8 +304,8 @@ TEST(ContactPhysics, AStepThatFailsIsTakenInPartsThatCloseTheAccount) {
   std::int64_t cut = 0;
   double weight = 0.0;
   for (ContactBody& block : blocks) {
-    cut += block.halved_steps();
-    momentum += block.linear_momentum().z();
+    cut += block.counts().halved;
+    momentum += block.momentum().linear.z();
     weight += block.model().inertia()->mass * kGravity;
     EXPECT_NEAR(balance(block), thrown, 1e-6 * thrown);
   }

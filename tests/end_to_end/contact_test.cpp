@@ -77,7 +77,7 @@ TEST(Contact, RestitutionOneKeepsTheEnergyOverManyBounces) {
   EXPECT_EQ(body.contact_sums().lost, 0.0);
   EXPECT_EQ(body.contact_sums().rubbed, 0.0);
   // Kinetic, elastic, contact and potential energy together equal the energy of the fall.
-  const double total = body.energy().total() + body.contact_account().energy - body.gravity_work();
+  const double total = body.energy().total() + body.contact_account().energy - body.sums().gravity;
   EXPECT_NEAR(total, 0.0, 1e-6 * fallen);
 }
 
@@ -144,8 +144,8 @@ TEST(Contact, WithoutFrictionAPlaneTakesNoMomentumAlongItself) {
   const Fall fall{.restitution = 0.7, .friction = 0.0, .height = 0.03};
   ContactBody body = cube_above_floor(cube("1e5", "none"), fall);
   ASSERT_TRUE(body.set_motion({0.4, -0.3, 0}, {3, 5, -2}));
-  const Vector3d linear = body.linear_momentum();
-  const double angular = body.angular_momentum().z();
+  const Vector3d linear = body.momentum().linear;
+  const double angular = body.momentum().angular.z();
   const std::vector<PlacedCollider> floor = floor_of(fall);
   int active = 0;
   for (int i = 0; i < 2'000; ++i) {
@@ -153,9 +153,9 @@ TEST(Contact, WithoutFrictionAPlaneTakesNoMomentumAlongItself) {
     active += body.contact_account().active;
   }
   EXPECT_GT(active, 100);
-  EXPECT_NEAR(body.linear_momentum().x(), linear.x(), 1e-12);
-  EXPECT_NEAR(body.linear_momentum().y(), linear.y(), 1e-12);
-  EXPECT_NEAR(body.angular_momentum().z(), angular, 1e-12);
+  EXPECT_NEAR(body.momentum().linear.x(), linear.x(), 1e-12);
+  EXPECT_NEAR(body.momentum().linear.y(), linear.y(), 1e-12);
+  EXPECT_NEAR(body.momentum().angular.z(), angular, 1e-12);
 }
 
 // Gravity, damping, friction, restitution, a turning fall, a moving sphere and a hand at once.

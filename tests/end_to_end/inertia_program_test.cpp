@@ -176,8 +176,8 @@ TEST_F(InertiaProgram, MomentaAndEnergyOfAFreeBodyAreThoseOfItsMesh) {
     ASSERT_TRUE(body->set_pose({{0.4, -0.7, 1.1}, turn_by({0.8, -1.1, 0.4})}));
     ASSERT_TRUE(body->set_motion({0.5, -0.2, 0.9}, {4.0, -7.0, 3.0}));
     const MeshMomenta mesh = momenta_of_mesh(*body, testing::of_order(mesh_, order));
-    EXPECT_LE((body->linear_momentum() - mesh.linear).norm(), 1e-9 * mesh.linear.norm()) << order;
-    EXPECT_LE((body->angular_momentum() - mesh.angular).norm(), 1e-9 * mesh.angular.norm())
+    EXPECT_LE((body->momentum().linear - mesh.linear).norm(), 1e-9 * mesh.linear.norm()) << order;
+    EXPECT_LE((body->momentum().angular - mesh.angular).norm(), 1e-9 * mesh.angular.norm())
         << order;
     EXPECT_NEAR(body->energy().kinetic, mesh.kinetic, 1e-9 * mesh.kinetic) << order;
   }

@@ -60,6 +60,11 @@ TEST_F(PrecomputeRefusals, AConfigFileWithAnUnknownKeyIsRefused) {
   expect_failure(run(std::string("block.veg --config config.toml ") + kGood), 2, "yuong");
 }
 
+TEST_F(PrecomputeRefusals, ANumberSignInQuotesOfAConfigFileIsNoComment) {
+  std::ofstream(folder_ + "/config.toml") << "fix = [\"colour:#reddish\"]  # a comment\n";
+  expect_failure(run("none.obj --select colour:red --config config.toml"), 2, "colour:#reddish");
+}
+
 TEST_F(PrecomputeRefusals, APartThatNothingHoldsIsNamed) {
   TetMesh two = block_;
   testing::join(two, block_, {0, 3, 0});

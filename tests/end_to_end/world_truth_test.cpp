@@ -62,8 +62,8 @@ void look(const Body& body, const WorldTable& table, std::size_t row, WorldDiffe
   const Pose pose = body.pose();
   keep(worst.place, (pose.position - table.vector(row, "x")).norm());
   keep(worst.turn, turn_of(pose.rotation.conjugate() * table.turn(row)).norm());
-  keep(worst.linear, (body.linear_momentum() - table.vector(row, "px")).norm());
-  keep(worst.angular, (body.angular_momentum() - table.vector(row, "lx")).norm());
+  keep(worst.linear, (body.momentum().linear - table.vector(row, "px")).norm());
+  keep(worst.angular, (body.momentum().angular - table.vector(row, "lx")).norm());
 }
 
 // move(body, time): before each step. The table's rows lie `every` steps apart.

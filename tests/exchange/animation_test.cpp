@@ -74,7 +74,7 @@ TEST(Recording, ABodyOnBonesIsWhereTheBodySaysItIs) {
   ASSERT_TRUE(skin) << skin.error().message;
   Result<Body> body = Body::create(bar.model, "ep4", {}, *skin);
   ASSERT_TRUE(body) << body.error().message;
-  ASSERT_TRUE(body->set_bone(1, {{0.1, 0.0, 0.05}, turn_by({0.0, 0.4, 0.1})}));
+  ASSERT_TRUE(body->set_pose({{0.1, 0.0, 0.05}, turn_by({0.0, 0.4, 0.1})}, 1));
   ASSERT_TRUE(body->set_state(Eigen::VectorXd::Constant(5, 0.01), Eigen::VectorXd::Zero(5)));
   Recording recording;
   const auto track = recording.add(*body, "bar");

@@ -121,8 +121,10 @@ TEST(ContactParts, TheSlopesAreDerivatives) {
     const ContactForce before = at(-t), after = at(t), middle = at(0.0);
     if (!before.acts || !after.acts || !middle.acts) continue;
     const ContactTime time = alone(law, d0, d1);
-    const auto [point, bend, taken] =
+    const ContactSlopes slopes =
         contact_slopes(law, make_gap(law, d0, law.energy(d0), d1), way, time, held, follows);
+    const ContactSlope &point = slopes.point, &bend = slopes.bend;
+    const double taken = slopes.taken_by_distance;
     const auto fall = [&](const ContactSlope& slope) {
       return Vector3d((slope.by_distance + slope.by_taken * taken) * d_distance +
                       slope.by_path * d_path + slope.by_bend * d_bend);

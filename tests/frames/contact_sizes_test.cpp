@@ -106,7 +106,7 @@ TEST(ShapeReach, BodiesWithLargerShapesKeepTheirEnergy) {
       ASSERT_TRUE(reports[0].converged && reports[1].converged) << radius << " " << k;
       worst = std::max(worst, std::abs(energy() - start));
     }
-    EXPECT_GT(bodies[1].linear_momentum().x(), 0.0) << "they met";
+    EXPECT_GT(bodies[1].momentum().linear.x(), 0.0) << "they met";
     EXPECT_LT(worst, 1e-7 * start) << radius;  // the solve's 1e-10 of the momenta a step
   }
 }
@@ -134,8 +134,8 @@ TEST(FewContactPoints, ABodyOfOnePointBouncesAndTheAccountCloses) {
       ASSERT_TRUE(body.step(floor).converged) << points << " " << k;
       deepest = std::min(deepest, body.position(first)->z());
       const double energy = body.energy().total();
-      most = std::max({most, energy, std::abs(body.gravity_work())});
-      worst = std::max(worst, std::abs(energy - start - body.work() + body.dissipated()));
+      most = std::max({most, energy, std::abs(body.sums().gravity)});
+      worst = std::max(worst, std::abs(energy - start - body.sums().work + body.sums().dissipated));
     }
     EXPECT_LT(body.contact_sums().lost, most);
     EXPECT_GT(body.contact_sums().lost, 0.0) << points << ": it touched the floor";

@@ -34,8 +34,10 @@ MotionPath whirl() {
 
 // One step along the path with the poses around it.
 StepReport step_along(const MotionPath& path, ContactBody& body) {
-  const double h = body.step_size();
-  const auto pose = [&](int k) { return path.pose(static_cast<double>(body.steps() + k) * h); };
+  const double h = body.options().step;
+  const auto pose = [&](int k) {
+    return path.pose(static_cast<double>(body.counts().steps + k) * h);
+  };
   const FrameMotion motion = motion_between(pose(-1), pose(0), pose(1), pose(2), h);
   EXPECT_TRUE(body.move_to(pose(1), motion));
   return body.step();
@@ -128,7 +130,7 @@ TEST(DrivenBody, SupportThatAcceleratesIsGravityTurnedRound) {
     for (int k = 0; k < 300; ++k) {
       const double t = (k + 1) * h;
       ASSERT_TRUE(driven.move_to({0.5 * t * t * acceleration, Eigen::Quaterniond::Identity()},
-                                 {acceleration, Vector3d::Zero(), Vector3d::Zero()}));
+                                 FrameMotion{acceleration, Vector3d::Zero(), Vector3d::Zero()}));
       ASSERT_TRUE(driven.step().converged);
       ASSERT_TRUE(fixed.step().converged);
     }
@@ -235,7 +237,7 @@ TEST(FixedBody, HangsInGravityAsItShould) {
     ASSERT_TRUE(body.set_gravity(gravity));
     steps_of(body, 3000);
     EXPECT_LE((body.state().q - hanging).norm(), 1e-6 * hanging.norm()) << method;
-    EXPECT_NEAR(body.gravity_work(), push.dot(hanging), 1e-5 * push.dot(hanging)) << method;
+    EXPECT_NEAR(body.sums().gravity, push.dot(hanging), 1e-5 * push.dot(hanging)) << method;
   }
 }
 
@@ -252,8 +254,8 @@ TEST(DrivenBody, StepsTakenInPartsKeepTheBalance) {
     ASSERT_TRUE(step_along(path, body).converged);
     most = std::max(most, body.energy().total());
   }
-  EXPECT_GT(body.halved_steps(), 5);
-  EXPECT_NEAR(body.energy().total() - start, body.work(), 1e-11 * most);
+  EXPECT_GT(body.counts().halved, 5);
+  EXPECT_NEAR(body.energy().total() - start, body.sums().work, 1e-11 * most);
 }
 
 TEST(DrivenBody, StepThatFailsLeavesTheFrameWhereItWas) {
@@ -263,14 +265,14 @@ TEST(DrivenBody, StepThatFailsLeavesTheFrameWhereItWas) {
   for (int k = 0; k < 5; ++k) ASSERT_TRUE(step_along(path, body).converged);
   const Pose pose = body.pose();
   const State state = body.state();
-  const double support = body.support_work();
+  const double support = body.sums().support;
   ASSERT_TRUE(body.apply_force(5, {1e150, 0.0, 0.0}));
   EXPECT_FALSE(step_along(path, body).converged);
   EXPECT_EQ(body.pose().position, pose.position);
   EXPECT_EQ(body.pose().rotation.coeffs(), pose.rotation.coeffs());
   EXPECT_EQ(body.state().q, state.q);
   EXPECT_EQ(body.state().p, state.p);
-  EXPECT_EQ(body.support_work(), support);
+  EXPECT_EQ(body.sums().support, support);
   body.clear_forces();
   EXPECT_TRUE(step_along(path, body).converged);
 }

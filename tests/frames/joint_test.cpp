@@ -81,7 +81,7 @@ ContactBody touching(const Model::Pointer& model, FrameKind kind, double step = 
 }
 
 double balance_of(const ContactBody& body) {
-  return body.energy().total() - body.work() + body.dissipated();
+  return body.energy().total() - body.sums().work + body.sums().dissipated;
 }
 
 // Soft bodies that tumble, with every kind of joint: both momenta stay, and the energy balance
@@ -109,9 +109,9 @@ TEST(Joints, KeepBothMomentaAndTheEnergy) {
       const std::size_t number = group.join(0, 1, *made);
       const std::array<ContactBody*, 2> bodies = {&one, &two};
       std::array<StepReport, 2> reports;
-      const auto linear = [&] { return Vector3d(one.linear_momentum() + two.linear_momentum()); };
+      const auto linear = [&] { return Vector3d(one.momentum().linear + two.momentum().linear); };
       const auto angular = [&] {
-        return Vector3d(one.angular_momentum() + two.angular_momentum());
+        return Vector3d(one.momentum().angular + two.momentum().angular);
       };
       const Vector3d linear_start = linear(), angular_start = angular();
       const double alone_one = balance_of(one), alone_two = balance_of(two);
@@ -124,7 +124,7 @@ TEST(Joints, KeepBothMomentaAndTheEnergy) {
         iterations += reports[0].iterations;
         const Joint& joint = *group.joint(number);
         const double all = one.energy().total() + two.energy().total() + joint.energy +
-                           joint.damped + one.dissipated() + two.dissipated();
+                           joint.damped + one.sums().dissipated + two.sums().dissipated;
         worst_linear = std::max(worst_linear, (linear() - linear_start).norm());
         worst_angular = std::max(worst_angular, (angular() - angular_start).norm());
         worst_energy = std::max(worst_energy, std::abs(all - start));
@@ -260,7 +260,7 @@ TEST(Joints, AndHandsFollowAnotherStep) {
     ASSERT_TRUE(made.step().converged) << k;
     ASSERT_EQ(changed.state().q, made.state().q) << k;
   }
-  EXPECT_EQ(changed.iterations(), made.iterations());
+  EXPECT_EQ(changed.counts().iterations, made.counts().iterations);
 }
 
 Result<Model::Pointer> joined_model(const SceneBody& body) {

@@ -239,8 +239,9 @@ TEST(Pins, APinnedVertexStaysAndTheAccountCloses) {
               ASSERT_TRUE(body.step().converged) << method << " " << step << " " << k;
               stray = std::max(stray, (*body.position(5) - place).norm());
               const double energy = body.energy().total();
-              most = std::max({most, energy, std::abs(body.gravity_work())});
-              worst = std::max(worst, std::abs(energy - start - body.work() + body.dissipated()));
+              most = std::max({most, energy, std::abs(body.sums().gravity)});
+              worst = std::max(
+                  worst, std::abs(energy - start - body.sums().work + body.sums().dissipated));
             }
             // The body is about a metre long.
             EXPECT_LT(stray, 20.0 * step * step) << method << " " << step;
@@ -355,8 +356,9 @@ TEST(StiffHands, AreLimitedToAPinAndTheAccountCloses) {
               *hand, place + 0.05 * Vector3d(std::sin(3.0 * t), std::sin(2.0 * t), 0.0)));
           ASSERT_TRUE(body.step().converged) << stiffness << " " << damping << " " << k;
           const double energy = body.energy().total();
-          largest = std::max({largest, energy, std::abs(body.gravity_work())});
-          worst = std::max(worst, std::abs(energy - start - body.work() + body.dissipated()));
+          largest = std::max({largest, energy, std::abs(body.sums().gravity)});
+          worst =
+              std::max(worst, std::abs(energy - start - body.sums().work + body.sums().dissipated));
         }
         // As of a pin: the tolerance of the solve, 1e-10 of the momenta, a step.
         EXPECT_LT(worst, 1e-7 * largest) << stiffness << " " << damping;

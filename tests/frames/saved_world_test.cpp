@@ -304,8 +304,8 @@ TEST(SavedWorld, SumsThatAreNoNumbersAreRefused) {
   ASSERT_TRUE(saved);
   const ContactBody& stone = world.body(0);
   int forged_sums = 0;
-  for (const double sum : {stone.gravity_work(), stone.work(), stone.contact_sums().work,
-                           world.account(0).at_start, world.body(3).support_work()}) {
+  for (const double sum : {stone.sums().gravity, stone.sums().work, stone.contact_sums().work,
+                           world.account(0).at_start, world.body(3).sums().support}) {
     std::string bytes(sizeof(sum), '\0');
     std::memcpy(bytes.data(), &sum, sizeof(sum));
     const std::size_t at = saved->state.find(bytes);
@@ -415,7 +415,7 @@ TEST(SavedBody, StepsInPartsComeAlong) {
     };
     ContactBody straight = make();
     for (int k = 0; k < 60; ++k) (void)straight.step();
-    EXPECT_GT(straight.halved_steps(), 0) << method;
+    EXPECT_GT(straight.counts().halved, 0) << method;
     ContactBody fresh = make();
     ASSERT_TRUE(fresh.restore(straight.save()));
     for (int k = 0; k < 60; ++k) {

@@ -105,13 +105,13 @@ TEST_F(SceneBones, ChainIsTheProductOfTheTurnsAboutTheHeads) {
     EXPECT_GT(turn_of(own.rotation).norm(), 0.01);
     chain = chain * Eigen::Translation3d(body.bones[b].head) * own.rotation *
             Eigen::Translation3d(-body.bones[b].head);
-    const Pose& bone = world.body(0).bone_pose(b);
+    const Pose& bone = world.body(0).pose(b);
     EXPECT_LE((bone.position - chain.translation()).norm(), 1e-14);
     EXPECT_LE((bone.rotation.toRotationMatrix() - chain.rotation()).norm(), 1e-14);
     // A joint holds together.
     if (b > 0) {
       const Vector3d joint = body.bones[b].head;
-      EXPECT_LE((bone * joint - world.body(0).bone_pose(b - 1) * joint).norm(), 1e-14);
+      EXPECT_LE((bone * joint - world.body(0).pose(b - 1) * joint).norm(), 1e-14);
     }
   }
 }

@@ -134,7 +134,8 @@ TEST(SceneContact, StepsAreThoseOfABodyAmongTheSameColliders) {
   SceneWorld world = touching_world(scene);
   IntegratorOptions options = scene.bodies[0].options;
   options.step = scene.step;
-  ContactBody body = testing::make_framed(world.body(0).model_pointer(), FrameKind::kFree, options);
+  ContactBody body =
+      testing::make_framed(world.body(0).model().shared_from_this(), FrameKind::kFree, options);
   ASSERT_TRUE(body.set_contact());
   ASSERT_TRUE(body.set_gravity(scene.gravity.values[0]));
   ASSERT_TRUE(body.set_pose(world.body(0).pose()));
@@ -188,7 +189,7 @@ TEST(SceneContact, EventsBeginAndEndAndTheirImpulsesAreTheChangeOfMomentum) {
   scene.colliders[0].friction = 0.0;
   scene.colliders[0].restitution = 1.0;
   SceneWorld world = touching_world(scene);
-  const double start = world.body(0).linear_momentum().z();
+  const double start = world.body(0).momentum().linear.z();
   const double mass = world.body(0).model().inertia()->mass;
   bool touching = false;
   double impulse = 0.0;
@@ -223,7 +224,7 @@ TEST(SceneContact, EventsBeginAndEndAndTheirImpulsesAreTheChangeOfMomentum) {
   }
   EXPECT_GT(begun, 1);
   EXPECT_EQ(begun, world.contacts(0));
-  const double change = world.body(0).linear_momentum().z() - start;
+  const double change = world.body(0).momentum().linear.z() - start;
   EXPECT_NEAR(impulse, change + mass * kFall * world.time(), 1e-9 * impulse);
 }
 
@@ -270,7 +271,7 @@ TEST(SceneContact, HandAtAPlacePullsAsItsSpringAndDamperDo) {
   hand.position = Vector3d(1.0, 2.0, 3.0);
   scene.hands = {hand};
   SceneWorld world = touching_world(scene);
-  Vector3d from = Vector3d::Zero(), momentum = world.body(0).linear_momentum();
+  Vector3d from = Vector3d::Zero(), momentum = world.body(0).momentum().linear;
   for (int k = 0; k < 300; ++k) {
     ASSERT_TRUE(world.step().empty());
     const Vector3d to = *world.body(0).position(5) - *hand.position;
@@ -278,7 +279,7 @@ TEST(SceneContact, HandAtAPlacePullsAsItsSpringAndDamperDo) {
         -0.5 * hand.stiffness * (from + to) - hand.damping / scene.step * (to - from);
     ASSERT_LE((world.hand_force(0) - expected).norm(), 1e-8 * expected.norm()) << k;
     momentum += scene.step * world.hand_force(0);
-    ASSERT_LE((world.body(0).linear_momentum() - momentum).norm(), 1e-9 * momentum.norm()) << k;
+    ASSERT_LE((world.body(0).momentum().linear - momentum).norm(), 1e-9 * momentum.norm()) << k;
     from = to;
   }
 }
@@ -297,7 +298,7 @@ TEST(SceneContact, BodyMayBeginWithinTheMargin) {
   Scene scene = dropped();
   std::vector<double> places(3 * 12);
   const SceneWorld before = touching_world(scene);
-  ASSERT_TRUE(before.body(0).boundary_positions(places));
+  ASSERT_TRUE(before.body(0).surface_positions(places, SurfaceKind::kBoundary));
   double lowest = places[2];
   for (std::size_t i = 2; i < places.size(); i += 3) lowest = std::min(lowest, places[i]);
   const double margin = before.body(0).contact()->law().margin;

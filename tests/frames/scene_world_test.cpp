@@ -114,7 +114,8 @@ TEST(SceneWorld, FixedBodyAtAnotherPlaceFeelsGravityAlongItsOwnAxes) {
   turned.pose = {{5.0, 0.0, 0.0}, turn_by({M_PI, 0.0, 0.0})};
   scene.bodies = {turned};
   SceneWorld world = world_of(scene);
-  ContactBody other = testing::make_framed(world.body(0).model_pointer(), FrameKind::kFixed, {});
+  ContactBody other =
+      testing::make_framed(world.body(0).model().shared_from_this(), FrameKind::kFixed, {});
   ASSERT_TRUE(other.set_gravity({0.0, 0.0, 9.81}));
   for (int k = 0; k < 100; ++k) {
     world.step();
@@ -217,8 +218,8 @@ TEST(SceneWorld, BodyThatFailsStandsStillAndTheOthersGoOn) {
   EXPECT_TRUE(world.failed(thrown));
   EXPECT_EQ(world.body(thrown).state().q, before);
   EXPECT_TRUE(world.step().empty());
-  EXPECT_EQ(world.body(thrown).steps(), 1);
-  EXPECT_EQ(world.body(shaken).steps(), 3);
+  EXPECT_EQ(world.body(thrown).counts().steps, 1);
+  EXPECT_EQ(world.body(shaken).counts().steps, 3);
 }
 
 TEST(SceneWorld, RefusesWhatMakesNoScene) {

@@ -45,14 +45,14 @@ FrameMotion motion_in_step(const MotionPath& path, double t, double h) {
 
 // One step, each bone along its path.
 StepReport step_bones(const std::vector<MotionPath>& paths, ContactBody& body) {
-  const double h = body.step_size(), t = body.time();
+  const double h = body.options().step, t = body.time();
   for (std::size_t b = 0; b < paths.size(); ++b)
-    EXPECT_TRUE(body.move_bone_to(b, paths[b].pose(t + h), motion_in_step(paths[b], t, h)));
+    EXPECT_TRUE(body.move_to(paths[b].pose(t + h), motion_in_step(paths[b], t, h), b));
   return body.step();
 }
 
 void begin_bones(const std::vector<MotionPath>& paths, ContactBody& body) {
-  for (std::size_t b = 0; b < paths.size(); ++b) ASSERT_TRUE(body.set_bone(b, paths[b].pose(0.0)));
+  for (std::size_t b = 0; b < paths.size(); ++b) ASSERT_TRUE(body.set_pose(paths[b].pose(0.0), b));
 }
 
 std::vector<double> positions_of(const ContactBody& body) {
@@ -76,7 +76,7 @@ TEST(Skeleton, OneBoneTakesTheBitsOfADrivenFrame) {
       ASSERT_TRUE(body->set_gravity({0.0, 2.0, -9.81}));
       ASSERT_TRUE(body->add_default_load({.kind = SignalKind::kSine}, 3.0));
     }
-    const double h = driven.step_size();
+    const double h = driven.options().step;
     for (int k = 0; k < 200; ++k) {
       const double t = driven.time();
       ASSERT_TRUE(driven.move_to(paths[0].pose(t + h), motion_in_step(paths[0], t, h)));
@@ -86,7 +86,7 @@ TEST(Skeleton, OneBoneTakesTheBitsOfADrivenFrame) {
     EXPECT_GT(driven.state().q.norm(), 1e-3);
     EXPECT_EQ(driven.state().q, boned.state().q) << method;
     EXPECT_EQ(driven.state().p, boned.state().p) << method;
-    EXPECT_EQ(driven.support_work(), boned.support_work()) << method;
+    EXPECT_EQ(driven.sums().support, boned.sums().support) << method;
     EXPECT_EQ(positions_of(driven), positions_of(boned)) << method;
   }
 }
@@ -101,7 +101,7 @@ TEST(Skeleton, BonesThatMoveTogetherAreADrivenFrame) {
     ContactBody boned = make_rigged(bar.model, bar_skin(bar), options, method);
     ASSERT_TRUE(driven.set_pose(path.pose(0.0)));
     begin_bones(paths, boned);
-    const double h = driven.step_size();
+    const double h = driven.options().step;
     for (int k = 0; k < 200; ++k) {
       const double t = driven.time();
       ASSERT_TRUE(driven.move_to(path.pose(t + h), motion_in_step(path, t, h)));
@@ -111,7 +111,7 @@ TEST(Skeleton, BonesThatMoveTogetherAreADrivenFrame) {
     const VectorXd &one = driven.state().q, &other = boned.state().q;
     // The integrals sum to the whole's to rounding; 200 steps and the solves add a little.
     EXPECT_LE((one - other).norm(), 1e-11 * one.norm()) << method;
-    EXPECT_NEAR(driven.support_work(), boned.support_work(), 1e-11 * driven.energy().total());
+    EXPECT_NEAR(driven.sums().support, boned.sums().support, 1e-11 * driven.energy().total());
   }
 }
 
@@ -128,7 +128,7 @@ TEST(Skeleton, SavedInMotionItGoesOnWithTheSameBits) {
     for (ContactBody* one : {&body, &other}) ASSERT_TRUE(step_bones(paths, *one).converged);
   EXPECT_EQ(body.state().q, other.state().q);
   EXPECT_EQ(body.state().p, other.state().p);
-  EXPECT_EQ(body.support_work(), other.support_work());
+  EXPECT_EQ(body.sums().support, other.sums().support);
   EXPECT_EQ(positions_of(body), positions_of(other));
   // Another skin is another body.
   const std::vector<BoneSegment> bones = bar_bones();
@@ -173,7 +173,7 @@ TEST(Skeleton, BalanceClosesWithDampingLoadGravityAndBonesThatTurn) {
     ASSERT_TRUE(body.add_default_load({.kind = SignalKind::kSine}, 5.0));
     const auto balance = testing::balance_of(body, 2000, [&] { return step_bones(paths, body); });
     testing::expect_balance(balance, body, method);
-    EXPECT_GT(body.dissipated(), 0.1 * balance.most) << method;
+    EXPECT_GT(body.sums().dissipated, 0.1 * balance.most) << method;
   }
 }
 
@@ -379,7 +379,7 @@ TEST(Skeleton, VerticesAreWhereTheBlendOfTheirBonesIs) {
     Vector3d expected = Vector3d::Zero();
     for (std::size_t b = 0; b < 3; ++b)
       expected += w(0, static_cast<Eigen::Index>(b)) *
-                  (body.bone_pose(b) * Vector3d(rows.rest + rows.rows * body.state().q));
+                  (body.pose(b) * Vector3d(rows.rest + rows.rows * body.state().q));
     EXPECT_LE((*body.position(id) - expected).norm(), 1e-15) << id;
     const std::vector<VertexId>& ids = bar.model->surface().vertex_ids;
     const auto at = std::find(ids.begin(), ids.end(), id) - ids.begin();
@@ -396,7 +396,7 @@ TEST(Skeleton, ForceOnAVertexDoesItsWorkOnTheSkinnedPlace) {
   const auto skin = bar_skin(bar);
   ContactBody body = make_rigged(bar.model, skin, {.step = 3e-3, .tolerance = 1e-12});
   for (std::size_t b = 0; b < 3; ++b)
-    ASSERT_TRUE(body.set_bone(b, {{0.1, 0.2, 0.3}, turn_by({0.0, 0.5 * double(b), 1.0})}));
+    ASSERT_TRUE(body.set_pose({{0.1, 0.2, 0.3}, turn_by({0.0, 0.5 * double(b), 1.0})}, b));
   // Near the second joint, where two bones move it.
   VertexId place = 0;
   for (const VertexId id : bar.model->surface().vertex_ids)
@@ -410,7 +410,7 @@ TEST(Skeleton, ForceOnAVertexDoesItsWorkOnTheSkinnedPlace) {
     worked += force.dot(*body.position(place) - before);
   }
   EXPECT_GT(std::abs(worked), 1e-4);
-  EXPECT_NEAR(body.work(), worked, 1e-12 * std::abs(worked) + 1e-14);
+  EXPECT_NEAR(body.sums().work, worked, 1e-12 * std::abs(worked) + 1e-14);
 }
 
 TEST(Skeleton, WeightsByDistanceSumToOneAndAreSmooth) {
@@ -495,13 +495,13 @@ TEST(Skeleton, RefusesWhatItCannotBe) {
   expect_in(ContactBody::create(other, "ep4", {}, bar_skin(bar)).error().message, "another model");
   EXPECT_FALSE(ContactBody::create(bar.model, "verlet", {.step = 1e-4}, bar_skin(bar)));
   ContactBody body = make_rigged(bar.model, bar_skin(bar), {});
-  EXPECT_FALSE(body.set_bone(3, {}));
-  EXPECT_FALSE(body.move_bone_to(0, {{NAN, 0.0, 0.0}, {}}));
-  EXPECT_FALSE(body.move_bone_to(0, {{}, Eigen::Quaterniond(2.0, 0.0, 0.0, 0.0)}));
+  EXPECT_FALSE(body.set_pose({}, 3));
+  EXPECT_FALSE(body.move_to({{NAN, 0.0, 0.0}, {}}, std::nullopt, 0));
+  EXPECT_FALSE(body.move_to({{}, Eigen::Quaterniond(2.0, 0.0, 0.0, 0.0)}, std::nullopt, 0));
   EXPECT_EQ(body.bones(), 3U);
   ContactBody driven = make_framed(other, FrameKind::kDriven, {});
   EXPECT_EQ(driven.bones(), 0U);
-  EXPECT_FALSE(driven.set_bone(0, {}));
+  EXPECT_FALSE(driven.set_pose({}, 0));
 }
 
 }  // namespace

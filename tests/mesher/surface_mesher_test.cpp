@@ -57,7 +57,7 @@ TEST(SurfaceMesher, FloatsThatWerePrintedInDecimalsComeBack) {
     const Eigen::Vector3d x = 0.05 * Eigen::Vector3d(std::sin(i), std::sin(3 * i), std::cos(i));
     // Floats below 0.001 are closer together than ten decimals are.
     if (x.cwiseAbs().minCoeff() < 0.001) continue;
-    floats.push_back(x.cast<float>().cast<double>());
+    floats.push_back(x.unaryExpr([](double v) { return double(float(v)); }));
     decimals.push_back(floats.back().unaryExpr(&printed));
     doubles.push_back(x);
   }

@@ -163,7 +163,7 @@ TEST(Allocation, ReadingTheSurfaceAndEnergyAllocatesNothingAfterTheFirstTime) {
   // The model's rows in float are made at the first call, the scratch for normals too.
   ASSERT_TRUE(body.surface(positions, normals));
   const long before = allocations;
-  const bool written = static_cast<bool>(body.surface_positions(positions)) &&
+  const bool written = static_cast<bool>(body.surface(positions)) &&
                        static_cast<bool>(body.surface(positions, normals)) &&
                        static_cast<bool>(body.surface_positions(exact));
   const double energy = body.energy().total();

@@ -51,7 +51,7 @@ TEST(Body, PositionsAreTheRestShapePlusDisplacements) {
   std::vector<double> positions(15);
   std::vector<float> rounded(15);
   ASSERT_TRUE(body.surface_positions(positions));
-  ASSERT_TRUE(body.surface_positions(rounded));
+  ASSERT_TRUE(body.surface(rounded));
   for (std::size_t v = 0; v < 5; ++v) {
     const VertexId id = body.model().surface().vertex_ids[v];
     const Eigen::Vector3d expected = body.model().surface().rest[v] + *body.displacement(id);
@@ -76,7 +76,7 @@ TEST(Body, AppliedForceEqualsAPulseOfTheSameSteps) {
   Body loaded = make_body("imexv");
   const Eigen::Vector3d force(1.0, -2.0, 0.5);
   ASSERT_TRUE(pushed.apply_force(5, force, 4));
-  const Signal pulse{.kind = SignalKind::kSquare, .duration = 4 * loaded.step_size()};
+  const Signal pulse{.kind = SignalKind::kSquare, .duration = 4 * loaded.options().step};
   ASSERT_TRUE(loaded.add_load(pulse, 5, force));
   for (int k = 0; k < 10; ++k) {
     EXPECT_EQ(pushed.load_to_come(), k < 4) << k;
@@ -126,9 +126,10 @@ TEST(Body, WorkAndDissipationBalanceTheEnergyOfTheMidpointRuleExactly) {
   drift.observe(0.0, 0.0, 0.0, true);
   for (int k = 0; k < 200; ++k) {
     advance(body, 1);
-    drift.observe(body.energy().total(), body.work(), body.dissipated(), body.load_to_come());
+    drift.observe(body.energy().total(), body.sums().work, body.sums().dissipated,
+                  body.load_to_come());
   }
-  EXPECT_GT(body.dissipated(), 0.1 * body.work());
+  EXPECT_GT(body.sums().dissipated, 0.1 * body.sums().work);
   EXPECT_LE(drift.worst(), 1e-11);  // rounding of 200 steps
 }
 
@@ -139,7 +140,8 @@ double imbalance(std::string_view name, double step) {
   DriftMeter drift;
   for (long k = std::lround(0.5 / step); k > 0; --k) {
     advance(body, 1);
-    drift.observe(body.energy().total(), body.work(), body.dissipated(), body.load_to_come());
+    drift.observe(body.energy().total(), body.sums().work, body.sums().dissipated,
+                  body.load_to_come());
   }
   return drift.worst();
 }
@@ -196,9 +198,9 @@ TEST(Body, FailedStepKeepsStateTimeAndPendingForces) {
   ASSERT_TRUE(body.set_state(q, 100.0 * q));
   ASSERT_TRUE(body.apply_force(5, {1.0, 0.0, 0.0}));
   EXPECT_FALSE(body.step().converged);
-  EXPECT_EQ(body.steps(), 0);
+  EXPECT_EQ(body.counts().steps, 0);
   EXPECT_EQ(body.state().q, q);
-  EXPECT_EQ(body.work(), 0.0);
+  EXPECT_EQ(body.sums().work, 0.0);
   EXPECT_TRUE(body.load_to_come());
 }
 

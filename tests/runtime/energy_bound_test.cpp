@@ -75,7 +75,7 @@ TEST(EnergyBound, BodyWhoseMethodExplodesSaysSoAndIsPutBackToASoundState) {
     for (int k = 0; k < 1000 && report.converged; ++k) {
       // The energy that one step of this force gives a body at rest, and its work.
       const Eigen::VectorXd force = *reduce_force(body.model(), 5, {30.0, -20.0, 40.0});
-      most = std::max({most, 0.5 * std::pow(kTooLong * force.norm(), 2.0), body.work()});
+      most = std::max({most, 0.5 * std::pow(kTooLong * force.norm(), 2.0), body.sums().work});
       report = body.step();
     }
     ASSERT_FALSE(report.converged) << method;
@@ -84,14 +84,14 @@ TEST(EnergyBound, BodyWhoseMethodExplodesSaysSoAndIsPutBackToASoundState) {
     EXPECT_LT(body.state().q.norm(), 100.0) << method;
     EXPECT_NE(why_not_made(report, body.time()).find("exploded"), std::string::npos);
     // The failed step was not made, and its force still acts.
-    const std::int64_t steps = body.steps();
+    const std::int64_t steps = body.counts().steps;
     EXPECT_TRUE(body.load_to_come());
     body.clear_forces();
     EXPECT_FALSE(body.load_to_come());
     ASSERT_TRUE(
         body.set_state(Eigen::VectorXd::Zero(kCrowdModes), Eigen::VectorXd::Zero(kCrowdModes)));
     for (int k = 0; k < 20; ++k) ASSERT_TRUE(body.step().converged) << method;
-    EXPECT_EQ(body.steps(), steps + 20);
+    EXPECT_EQ(body.counts().steps, steps + 20);
   }
 }
 
@@ -101,9 +101,9 @@ TEST(EnergyBound, WorkAndDissipationOfABodyThatIsPutBackBelongToTheStateItHas) {
   ASSERT_TRUE(body.apply_force(5, {30.0, -20.0, 40.0}, 40));
   const StepReport report = step_until_failure(body, 5000);
   ASSERT_EQ(report.failure, StepFailure::kEnergy);
-  const double excess = body.energy().total() - (body.work() - body.dissipated());
-  EXPECT_LE(std::abs(excess), 10.0 * body.work());
-  EXPECT_GT(body.dissipated(), 0.0);
+  const double excess = body.energy().total() - (body.sums().work - body.sums().dissipated);
+  EXPECT_LE(std::abs(excess), 10.0 * body.sums().work);
+  EXPECT_GT(body.sums().dissipated, 0.0);
 }
 
 TEST(EnergyBound, StateThatIsSetIsTheNewMeasure) {

@@ -50,7 +50,7 @@ TEST(Render, WhatIsShownIsTheAuthorsSurface) {
   std::vector<double> exact(size);
   std::vector<float> rounded(size), with_normals(size), normals(size);
   ASSERT_TRUE(body.surface_positions(exact));
-  ASSERT_TRUE(body.surface_positions(rounded));
+  ASSERT_TRUE(body.surface(rounded));
   ASSERT_TRUE(body.surface(with_normals, normals));
   const VectorXd u = tube.rows * q;
   for (std::size_t i = 0; i < size; ++i) {
@@ -66,7 +66,7 @@ TEST(Render, TheBoundaryIsStillThere) {
   const Model::Pointer model = tube_model();
   const Body body = body_at(model, some_q());
   std::vector<double> boundary(3 * model->surface().rest.size());
-  ASSERT_TRUE(body.boundary_positions(boundary));
+  ASSERT_TRUE(body.surface_positions(boundary, SurfaceKind::kBoundary));
   for (std::size_t v = 0; v < model->surface().rest.size(); ++v) {
     const VertexId id = model->surface().vertex_ids[v];
     const Vector3d expected = model->surface().rest[v] + *body.displacement(id);
@@ -180,7 +180,7 @@ TEST(Render, AWorldShowsItToo) {
   for (unsigned b = 0; b < 6; ++b) {
     const Body body = body_at(model, some_q() * b);
     std::vector<float> expected(3 * model->render()->surface.vertices.size());
-    ASSERT_TRUE(body.surface_positions(expected));
+    ASSERT_TRUE(body.surface(expected));
     const Result<SurfaceView> view = world->surface(b);
     ASSERT_TRUE(view);
     EXPECT_EQ(std::vector<float>(view->positions.begin(), view->positions.end()), expected);
@@ -196,7 +196,7 @@ TEST(Render, ACompactFileShowsItFromItsIntegers) {
   const Body body = body_at(*model, some_q());
   std::vector<float> rounded(3 * (*model)->drawn().rest.size());
   std::vector<double> exact(rounded.size());
-  ASSERT_TRUE(body.surface_positions(rounded));
+  ASSERT_TRUE(body.surface(rounded));
   ASSERT_TRUE(body.surface_positions(exact));
   for (std::size_t i = 0; i < exact.size(); ++i) EXPECT_NEAR(rounded[i], exact[i], 2e-6);
 }

@@ -210,7 +210,7 @@ TEST(Surface, ABodyOfACompactFileIsWhereTheFullOneIs) {
   ASSERT_TRUE(a->set_state(q, p));
   ASSERT_TRUE(b->set_state(q, p));
   std::vector<float> x(3 * data.surface.rest.size()), y(x.size()), n(x.size());
-  ASSERT_TRUE(a->surface_positions(std::span<float>(x)));
+  ASSERT_TRUE(a->surface(std::span<float>(x)));
   ASSERT_TRUE(b->surface(y, n));
   EXPECT_FALSE((*compact)->surface_basis().pairs.empty());
   EXPECT_TRUE((*full)->surface_basis().pairs.empty());

@@ -107,7 +107,7 @@ TEST(World, LanesInFloatAreExactWhereTheModelIsLinear) {
 }
 
 TEST(World, OtherMethodsAreBodies) {
-  EXPECT_EQ(difference_to_bodies(crowd_model(), group_options("ep4"), 30), 0.0);
+  EXPECT_EQ(difference_to_bodies(crowd_model(), group_options("newmark"), 30), 0.0);
 }
 
 // Lanes have the damping of the rest shape alone.

@@ -127,7 +127,7 @@ void Defaults::run_body() {
     ASSERT_TRUE(report.converged) << why_not_made(report, body.time());
     orbit.q.col(k) = body.state().q;
     orbit.energy[k] = body.energy().total();
-    drift.observe(orbit.energy[k], body.work(), body.dissipated(), body.load_to_come());
+    drift.observe(orbit.energy[k], body.sums().work, body.sums().dissipated, body.load_to_come());
   }
   EXPECT_LE(drift.worst(), kDrift);
   check("Body", orbit);
@@ -235,7 +235,7 @@ TEST(LanesUnderTheSamplesLoads, AreWatchedAndPutBackToASoundStateWhereTheyExplod
     double most = 0.0;
     for (int k = 0; k < kPush; ++k) {
       ASSERT_TRUE(measure.step().converged);
-      most = std::max(most, measure.work());
+      most = std::max(most, measure.sums().work);
     }
     const double largest = measure.state().q.norm();
     for (const LanePrecision precision : {LanePrecision::kDouble, LanePrecision::kFloat}) {

@@ -49,13 +49,14 @@ double energy_left(const Model::Pointer& model, const char* method, double share
   for (int crossings = 0;;) {
     EXPECT_TRUE(body->step().converged);
     const double now = body->energy().total(), q_now = body->state().q[0];
-    if (body->steps() > 1 && (q_now < 0.0) != (q_before < 0.0) && ++crossings == kCrossings) {
+    if (body->counts().steps > 1 && (q_now < 0.0) != (q_before < 0.0) &&
+        ++crossings == kCrossings) {
       const double part = q_before / (q_before - q_now);
       return (before + part * (now - before)) / start;
     }
     q_before = q_now;
     before = now;
-    if (body->steps() > 100000) return 0.0;
+    if (body->counts().steps > 100000) return 0.0;
   }
 }
 

@@ -271,6 +271,37 @@ TEST_F(WorldProgram, RunsTheScenesThatAreShipped) {
   }
 }
 
+// Plates on soft balls with a weight of twice their mass on top: it settles and sleeps where it was
+// built. The balls are pressed by what they carry and roll a little.
+TEST_F(WorldProgram, AStackOfRigidAndSoftBodiesRests) {
+  const ProgramResult result = run(shipped_scene("mixed-stack"), "--json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_LE(report["energy_balance_error"].get<double>(), 1e-9);
+  int rigid = 0;
+  for (const json& body : report["bodies"]) {
+    rigid += body["kind"] == "rigid" ? 1 : 0;
+    EXPECT_TRUE(body["asleep"].get<bool>()) << body["body"];
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(body["position_final"][axis].get<double>(),
+                  body["position_initial"][axis].get<double>(), 0.015)
+          << body["body"];
+  }
+  EXPECT_EQ(rigid, 3);
+}
+
+TEST_F(WorldProgram, ThrownRigidBodiesBounceOffASoftHorse) {
+  const ProgramResult result = run(shipped_scene("struck-horse"), "--json --duration 2");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_LE(report["energy_balance_error"].get<double>(), 1e-8);
+  for (const json& body : report["bodies"]) EXPECT_GT(body["contacts"].get<int>(), 0);
+  // The light ball comes back.
+  const json& light = report["bodies"][1];
+  EXPECT_GT(light["linear_momentum_initial"][1].get<double>(), 0.0);
+  EXPECT_LT(light["linear_momentum_final"][1].get<double>(), 0.0);
+}
+
 // The first layers have reached the floor then, and each other.
 TEST_F(WorldProgram, PoursTwoHundredBalls) {
   const ProgramResult result = run(shipped_scene("poured"), "--json --duration 0.15");

@@ -170,7 +170,7 @@ TEST(ViewerPicture, AMovingBodyMovesAsTheStatesSay) {
       before = body->state().q;
       ASSERT_TRUE(body->step().converged);
     }
-    const double share = k == 0 ? 1.0 : 1.0 - (body->time() - t) / body->step_size();
+    const double share = k == 0 ? 1.0 : 1.0 - (body->time() - t) / body->options().step;
     auto shown = Body::create(*model);
     ASSERT_TRUE(shown);
     ASSERT_TRUE(shown->set_state(before + share * (body->state().q - before),

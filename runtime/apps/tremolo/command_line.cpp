@@ -18,6 +18,7 @@
 #include "runtime/apps/tremolo/nodal_scenes.h"
 #include "runtime/apps/tremolo/output/plot.h"
 #include "runtime/apps/tremolo/output/tell.h"
+#include "runtime/apps/tremolo/response/response_commands.h"
 #include "runtime/apps/tremolo/run/run_options.h"
 #include "runtime/apps/tremolo/run/simulate.h"
 #include "runtime/apps/tremolo/world/world_commands.h"
@@ -117,6 +118,8 @@ void add_motion_outputs(CLI::App& app, MotionOutputs& o) {
 struct Request {
   ExportOptions exported;
   MotionOutputs motion;
+  ResponseOptions response;
+  BackboneOptions backbone;
   std::string file;
   std::string select;
   bool json = false;
@@ -134,6 +137,8 @@ struct Parser {
   CLI::App* inspect = nullptr;
   CLI::App* run = nullptr;
   CLI::App* plot = nullptr;
+  CLI::App* response = nullptr;
+  CLI::App* backbone = nullptr;
   CLI::App* exporter = nullptr;
   CLI::App* bench = nullptr;
   CLI::App* reproduce = nullptr;
@@ -165,6 +170,14 @@ struct Parser {
                               "energy over time of several runs on one page or in one picture");
     plot->add_option("runs", request.directories, "directories of tremolo run --out")->required();
     plot->add_option("-o,--output", request.picture, "page, .html")->required();
+    response = app.add_subcommand(
+        "response",
+        "the periodic motions under a periodic load over its frequency, and their "
+        "stability");
+    add_response_flags(*response, request.response);
+    backbone = app.add_subcommand(
+        "backbone", "the free periodic motions of a mode: frequency over amplitude and energy");
+    add_backbone_flags(*backbone, request.backbone);
     exporter = app.add_subcommand(
         "export", "write a model, or what it does, in files that other programs open");
     add_export_flags(*exporter, request.exported);
@@ -232,7 +245,7 @@ std::function<bool(const char*)> told_flags(const CLI::App& command) {
 Result<SceneFile> world_of(const std::string& text, const SceneCommand& command) {
   Result<SceneFile> file = parse_world(text, command.file);
   if (!file) return file.error();
-  if (Status s = apply_flags(command.flags, command.told, *file); !s) return s.error();
+  if (Status s = apply_flags(command.flags, command.given, *file); !s) return s.error();
   return file;
 }
 
@@ -263,7 +276,7 @@ Result<std::vector<BodyScene>> body_scenes(std::vector<RunOptions> bodies,
                                            const SceneCommand& command) {
   std::vector<BodyScene> scenes;
   for (RunOptions& body : bodies) {
-    put_over(command.flags, command.told, body);
+    put_over(command.flags, command.given, body);
     if (!body.wav.empty() && bodies.size() > 1)
       return usage_error("--wav applies only to one body, and " + command.file + " has several");
     // Several bodies have a folder each.
@@ -384,6 +397,8 @@ int run_program(int count, char** words) {
   if (*parser.inspect && is_scene(request.file)) return inspect_scene(request);
   if (*parser.inspect) return inspect_command(request.file, request.select, request.json);
   if (*parser.plot) return plot_command(request.directories, request.picture);
+  if (*parser.response) return response_command(request.response);
+  if (*parser.backbone) return backbone_command(request.backbone);
   if (*parser.exporter) return run_export(request, options, *parser.exporter);
   if (*parser.bench || *parser.reproduce) return start_laboratory(words);
   if (*parser.view) return start_viewer(words);

@@ -12,8 +12,8 @@ namespace tremolo {
 struct SceneCommand {
   std::string file;  // path of the scene
   RunOptions flags;
-  std::function<bool(const char*)> told;  // whether a flag, such as "--step", was given
-  std::string degree;                     // of --degree; empty: not given
+  std::function<bool(const char*)> given;  // whether a flag, such as "--step", was given
+  std::string degree;                      // of --degree; empty: not given
   bool json = false;
   std::string beside = {};  // of --beside; empty: not given
 };

@@ -15,14 +15,14 @@ void ClothWorld::Inside::hold(WorldCloth& cloth, std::size_t particle, const Vec
   const double before = was_free ? free_cloth_kinetic(cloth) : 0.0;
   cloth.model.hold(particle, at);
   if (!was_free) return;
-  told.pins += free_cloth_kinetic(cloth) - before;
+  sums.pins += free_cloth_kinetic(cloth) - before;
   cloth.integrator->reset();
 }
 
 void ClothWorld::Inside::let_go(WorldCloth& cloth, std::size_t particle) {
   const double before = free_cloth_kinetic(cloth);
   if (cloth.model.let_go(particle)) cloth.integrator->reset();
-  told.pins += free_cloth_kinetic(cloth) - before;
+  sums.pins += free_cloth_kinetic(cloth) - before;
 }
 
 // wanted: has passed check_scene(), so that its cloth exists.

@@ -66,9 +66,9 @@ void ClothWorld::Inside::add_present(ClothEnergy& energy) const {
 void ClothWorld::Inside::set_weather(double t) {
   const Vector3d now = scene.gravity.at(t), change = now - gravity;
   if (!change.isZero(0.0)) {
-    for (const auto& cloth : cloths) told.wind -= change.dot(first_moment(*cloth));
+    for (const auto& cloth : cloths) sums.wind -= change.dot(first_moment(*cloth));
     for (const MovingBall& ball : balls)
-      if (ball.inverse_mass > 0.0) told.wind -= change.dot(ball.now.position) / ball.inverse_mass;
+      if (ball.inverse_mass > 0.0) sums.wind -= change.dot(ball.now.position) / ball.inverse_mass;
   }
   gravity = now;
   for (const auto& cloth : cloths) {
@@ -82,13 +82,13 @@ void ClothWorld::Inside::release_pins(double t) {
   for (const auto& cloth : cloths) {
     const double before = free_cloth_kinetic(*cloth);
     if (!cloth->model.release_pins(t)) continue;
-    told.pins += free_cloth_kinetic(*cloth) - before;
+    sums.pins += free_cloth_kinetic(*cloth) - before;
     cloth->integrator->reset();
   }
 }
 
 Status ClothWorld::Inside::advance_cloths(double t) {
-  ClothEnergy made = told;
+  ClothEnergy made = sums;
   for (const auto& cloth : cloths) cloth->before = cloth->state;
   for (const auto& cloth : cloths) {
     cloth->state.time = t;
@@ -111,7 +111,7 @@ Status ClothWorld::Inside::advance_cloths(double t) {
     iterations += report.iterations;
     if (report.parts > 1) ++cut_steps;
   }
-  told = made;
+  sums = made;
   return Success{};
 }
 
@@ -134,7 +134,7 @@ double ClothWorld::Inside::present() const {
 
 // Energy from outside since the start, J.
 double ClothWorld::Inside::given() const {
-  return told.wind + told.pins - told.damped;
+  return sums.wind + sums.pins - sums.damped;
 }
 
 // After the cloths' own steps: moves balls and applies all contact at once. True if there was any.
@@ -152,7 +152,7 @@ bool ClothWorld::Inside::touch(double t, double h) {
   for (const auto& cloth : cloths)
     if (cloth->touched) cloth->integrator->reset();
   add_present(after);
-  told.contact += after.total() - before.total();
+  sums.contact += after.total() - before.total();
   return true;
 }
 
@@ -169,7 +169,7 @@ Status ClothWorld::step() {
   if (Status s = in.advance_cloths(t); !s) return s;
   if (in.touch(t, h) && presses && in.stands_still()) {
     const double excess = in.present() - in.given() - before;
-    if (excess > 0.0) in.told.contact -= in.take_excess(excess);
+    if (excess > 0.0) in.sums.contact -= in.take_excess(excess);
   }
   ++in.steps;
   for (std::size_t i = 0; i < in.balls.size(); ++i) in.shown[i] = in.balls[i].now;
@@ -227,7 +227,7 @@ Pose ClothWorld::collider_pose(std::size_t collider) const {
 }
 
 ClothEnergy ClothWorld::energy() const {
-  ClothEnergy energy = inside_->told;
+  ClothEnergy energy = inside_->sums;
   inside_->add_present(energy);
   return energy;
 }

@@ -47,7 +47,7 @@ struct ClothWorld::Inside {
   ClothContact contact;
   ClothSurroundings around;
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
-  ClothEnergy told;
+  ClothEnergy sums;
   double limit = 0.0;
   double penetration = 0.0;
   std::int64_t steps = 0, iterations = 0, cut_steps = 0;

@@ -19,7 +19,8 @@ LaneVector* vectors(LaneRow* rows) {
 
 Result<std::size_t> low_rows(const Model& model, std::string_view integrator,
                              const IntegratorOptions& options, Eigen::Index modes) {
-  if (integrator == "verlet") return static_cast<std::size_t>(modes);
+  if (integrator == "verlet" || preserves_energy_in_lanes(integrator))
+    return static_cast<std::size_t>(modes);
   const Result<Split> split = choose_split(model.lambda().head(modes), options.step, options.split);
   if (!split) return split.error();
   return static_cast<std::size_t>(split->low);
@@ -28,12 +29,14 @@ Result<std::size_t> low_rows(const Model& model, std::string_view integrator,
 }  // namespace
 
 bool steps_in_lanes(std::string_view integrator) {
-  return integrator == "verlet" || integrator == "imexv-linear";
+  return integrator == "verlet" || integrator == "imexv-linear" ||
+         preserves_energy_in_lanes(integrator);
 }
 
-Result<LaneGroup> LaneGroup::create(const Model& model, std::string_view integrator,
-                                    const IntegratorOptions& options, std::size_t modes,
-                                    LanePrecision precision) {
+Result<LaneGroup> LaneGroup::create(const Model::Pointer& model_pointer,
+                                    std::string_view integrator, const IntegratorOptions& options,
+                                    std::size_t modes, LanePrecision precision) {
+  const Model& model = *model_pointer;
   const auto r = static_cast<Eigen::Index>(modes);
   const Result<std::size_t> low = low_rows(model, integrator, options, r);
   if (!low) return low.error();
@@ -62,6 +65,12 @@ Result<LaneGroup> LaneGroup::create(const Model& model, std::string_view integra
     group.lanes_ = kBodiesPerBlock<float>;
     group.coefficients_ = make_lane_coefficients<float>(modes, model.cubic(), model.quartic());
   }
+  if (preserves_energy_in_lanes(integrator))
+    std::visit(
+        [&](const auto& known) {
+          group.preserving_ = LanePreserving::create(integrator, model_pointer, options, known);
+        },
+        group.coefficients_);
   return group;
 }
 
@@ -76,11 +85,13 @@ void LaneGroup::reserve(std::size_t bodies) {
   quiet_time_.resize(blocks * lanes_ / 8);
   dirty_.resize(blocks, 0);
   loaded_.resize(blocks, 0);
+  if (preserving_) preserving_->reserve(blocks);
 }
 
-void LaneGroup::make_scratch(LaneScratch& scratch) const {
+void LaneGroup::make_scratch(LaneScratch& scratch) {
   for (std::vector<LaneRow>* rows : {&scratch.q, &scratch.p, &scratch.x, &scratch.gradient})
     if (rows->size() < block_rows()) rows->resize(block_rows());
+  if (preserving_) preserving_->make_scratch(scratch.preserving, scratch.thread);
 }
 
 std::size_t LaneGroup::insert(const double* saved, const EnergyBound& bound) {
@@ -92,6 +103,7 @@ std::size_t LaneGroup::insert(const double* saved, const EnergyBound& bound) {
   bounds_[slot] = bound;
   flat(quiet_time_.data())[slot] = 0.0;
   dirty_[slot / lanes_] |= bound.started() ? kForceDirty : kBothDirty;
+  if (preserving_) preserving_->forget(slot);
   return slot;
 }
 
@@ -118,6 +130,7 @@ void LaneGroup::remove(std::size_t slot) {
   bounds_[slot] = bounds_[last];
   dirty_[slot / lanes_] |= dirty_[last / lanes_];
   loaded_[slot / lanes_] |= loaded_[last / lanes_];
+  if (preserving_) preserving_->move(last, slot);
 }
 
 void LaneGroup::read(std::size_t slot, double* q, double* p) const {
@@ -136,6 +149,7 @@ void LaneGroup::write(std::size_t slot, const double* q, const double* p) {
   bounds_[slot].restart();
   flat(quiet_time_.data())[slot] = 0.0;
   dirty_[slot / lanes_] |= kBothDirty;
+  if (preserving_) preserving_->forget(slot);
 }
 
 void LaneGroup::add_force(std::size_t slot, const double* force) {
@@ -187,11 +201,21 @@ LaneGroup::Outcome LaneGroup::step_block(std::size_t block, const QuietRule& rul
   dirty_[block] = 0;
   std::copy_n(&q_[first], block_rows(), scratch.q.data());
   std::copy_n(&p_[first], block_rows(), scratch.p.data());
-  kick_and_drift(view);
-  evaluate_view(rule.since_last > 0);
-  kick_again(view);
   Outcome outcome;
-  outcome.failed = lanes_not_finite(view);
+  if (preserving_) {
+    const LanePreserving::Failed failed =
+        preserving_->step({block, bodies_in(block), flat(&q_[first]), flat(&p_[first]),
+                           loaded_[block] != 0 ? flat(&load_[first]) : nullptr},
+                          scratch.preserving, scratch.thread);
+    if (rule.since_last > 0) evaluate_view(true);
+    outcome.gave_up = failed.gave_up;
+    outcome.failed = lanes_not_finite(view) | failed.all;
+  } else {
+    kick_and_drift(view);
+    evaluate_view(rule.since_last > 0);
+    kick_again(view);
+    outcome.failed = lanes_not_finite(view);
+  }
   if (loaded_[block] != 0) {
     sum_work(view, vectors(scratch.q.data()), vectors(scratch.work), vectors(scratch.kick));
     put_in(block, outcome, scratch);
@@ -208,6 +232,8 @@ LaneGroup::Outcome LaneGroup::step_block(std::size_t block, const QuietRule& rul
     copy_lanes(block, outcome.failed, sound_q_, q_);
     copy_lanes(block, outcome.failed, sound_p_, p_);
     dirty_[block] |= kForceDirty;
+    for (std::size_t lane = 0; preserving_ && lane < lanes_; ++lane)
+      if ((outcome.failed >> lane & 1u) != 0) preserving_->forget(block * lanes_ + lane);
   }
   return outcome;
 }

@@ -1,12 +1,13 @@
-// Awake bodies of one model that step together, one body per lane: `verlet` and `imexv-linear`.
-// Both are conditionally stable (their headers give the limit), and an EnergyBound checks each
-// lane.
+// Awake bodies of one model that step together, one body per lane: `verlet`, `imexv-linear`, `avf`,
+// `ep2` and `ep4`. An EnergyBound checks each lane.
 //
-// Both are one formula (runtime/bodies/reduced/integrators/imexv/imexv_linear.cpp; verlet is the
-// split with every row low) and have no equation to solve. State, linear force, load, damping and
-// sums are always in double; the precision is that of grad (C + Q) alone
-// (runtime/bodies/lanes/lane_force.h). Therefore a small motion is exact to double, and rounding
-// errors of the state do not accumulate.
+// The energy-preserving ones solve their equation (runtime/bodies/lanes/lane_preserving.h). The
+// other two are conditionally stable (their files give the limit). Both are one formula
+// (runtime/bodies/reduced/integrators/imexv/imexv_linear.cpp; verlet is the split with every row
+// low) and have no equation to solve. State, linear force, load, damping and sums are always in
+// double; the precision is that of grad (C + Q) and its tangent alone
+// (runtime/bodies/lanes/lane_force.h, lane_segment.h). Therefore a small motion is exact to double,
+// and rounding errors of the state do not accumulate.
 //
 // Layout: blocks of kBodiesPerBlock bodies; in a block [coordinate][lane], 64 or 128 bytes per row.
 // Slots 0..size-1 are used without gaps; the lanes after them are zero.
@@ -15,6 +16,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <variant>
@@ -22,6 +24,7 @@
 
 #include "common/result.h"
 #include "runtime/bodies/lanes/lane_force.h"
+#include "runtime/bodies/lanes/lane_preserving.h"
 #include "runtime/bodies/lanes/lane_step.h"
 #include "runtime/energy_bound.h"
 #include "runtime/integrator.h"
@@ -43,13 +46,16 @@ struct LaneScratch {
   std::vector<LaneRow> x, gradient;  // of evaluate_lanes, in its precision
   LaneRow energy[2], harmonic[2];    // J
   LaneRow work[2], kick[2];          // J, of the step's load
+  LanePreservingScratch preserving;
+  std::size_t thread = 0;  // of the world
 };
 
 class LaneGroup {
  public:
-  // modes: leading coordinates that move, 1 .. model.modes(). integrator: one of the two. options
-  // as for make_integrator: step, alpha, beta, split. Errors (kUsage): same as for choose_split.
-  static Result<LaneGroup> create(const Model& model, std::string_view integrator,
+  // modes: leading coordinates that move, 1 .. model.modes(); all of them for the energy-preserving
+  // methods. integrator: one in lanes. options as for make_integrator, valid: step, alpha, beta,
+  // split, and those of the solve. Errors (kUsage): same as for choose_split.
+  static Result<LaneGroup> create(const Model::Pointer& model, std::string_view integrator,
                                   const IntegratorOptions& options, std::size_t modes,
                                   LanePrecision precision);
 
@@ -60,7 +66,7 @@ class LaneGroup {
 
   // Memory for this number of bodies; up to it insert() does not allocate.
   void reserve(std::size_t bodies);
-  void make_scratch(LaneScratch& scratch) const;  // grows it to the size for step_block
+  void make_scratch(LaneScratch& scratch);  // grows it to the size for step_block
 
   // A body in a lane is identified by its slot. saved: 4 x modes, its q and p and those of the last
   // valid check (runtime/energy_bound.h). remove() moves the last body into the freed slot.
@@ -70,6 +76,11 @@ class LaneGroup {
   // q, p: `modes` long. A state that is written counts as valid, at any energy.
   void read(std::size_t slot, double* q, double* p) const;
   void write(std::size_t slot, const double* q, const double* p);
+
+  // Energy taken by damping in the last step, J; 0 for a method that does not preserve energy.
+  double dissipated(std::size_t slot) const {
+    return preserving_ ? preserving_->dissipated(slot) : 0.0;
+  }
 
   // Adds a reduced force that acts on the next step only, `modes` long.
   void add_force(std::size_t slot, const double* force);
@@ -81,6 +92,7 @@ class LaneGroup {
     std::uint32_t failed = 0;
     std::uint32_t exploded = 0;  // failed lanes whose energy was far too high
     std::uint32_t loaded = 0;    // the other failed lanes with a load
+    std::uint32_t gave_up = 0;   // failed lanes whose solve did not converge
     std::uint32_t quiet = 0;     // T + V has been at or below `threshold` for `time`
   };
   // The condition for a quiet lane.
@@ -128,6 +140,8 @@ class LaneGroup {
   std::vector<double> reach_;    // DampedKick's on low rows; h/2 on high rows
   std::vector<LinearRow> rows_;  // used on high rows
   std::variant<LaneCoefficients<double>, LaneCoefficients<float>> coefficients_;
+
+  std::optional<LanePreserving> preserving_;
 
   // force_: R_s of BlockArrays.
   std::vector<LaneRow> q_, p_, force_, load_;

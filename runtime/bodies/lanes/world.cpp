@@ -75,16 +75,19 @@ Result<GroupId> World::add_group(Model::Pointer model, const GroupOptions& optio
                        std::to_string(available));
   const Eigen::Index modes = options.modes == 0 ? available : options.modes;
   WorldGroup group;
-  // Lanes support only the damping at rest.
-  const bool strain_damped = options.options.beta > 0.0 && !model->potential().linear();
-  if (steps_in_lanes(options.integrator) && !strain_damped) {
-    Result<LaneGroup> lanes = LaneGroup::create(*model, options.integrator, options.options,
+  // Lanes support only the damping at rest. On a linear model ep4 is a closed form.
+  const bool linear = model->potential().linear();
+  const bool strain_damped = options.options.beta > 0.0 && !linear;
+  const bool preserving = preserves_energy_in_lanes(options.integrator);
+  if (steps_in_lanes(options.integrator) && !strain_damped &&
+      !(preserving && (linear || modes != available))) {
+    Result<LaneGroup> lanes = LaneGroup::create(model, options.integrator, options.options,
                                                 static_cast<std::size_t>(modes), options.precision);
     if (!lanes) return lanes.error();
     group.lanes.emplace(std::move(*lanes));
   } else if (modes != available) {
     return usage_error(
-        std::string(strain_damped && steps_in_lanes(options.integrator)
+        std::string(strain_damped && steps_in_lanes(options.integrator) && !preserving
                         ? "with beta > 0 the bodies of a group step each by itself and leave no "
                           "coordinates out"
                         : "only verlet and imexv-linear leave coordinates out") +
@@ -100,7 +103,9 @@ Result<GroupId> World::add_group(Model::Pointer model, const GroupOptions& optio
   group.threshold = quiet_energy(*model, options.sleep);
   group.quiet_time = options.sleep.time;
   group.model = std::move(model);
-  for (WorldScratch& scratch : contents_->scratch) {
+  for (std::size_t thread = 0; thread < contents_->scratch.size(); ++thread) {
+    WorldScratch& scratch = contents_->scratch[thread];
+    scratch.lanes.thread = thread;
     if (group.lanes) group.lanes->make_scratch(scratch.lanes);
     const std::size_t most = std::max(scratch.q.size(), group.modes);
     scratch.q.resize(most);

@@ -10,6 +10,7 @@ namespace {
 StepFailure failure_of(const LaneGroup::Outcome& outcome, std::size_t lane) {
   if ((outcome.failed >> lane & 1u) == 0) return StepFailure::kNone;
   if ((outcome.exploded >> lane & 1u) != 0) return StepFailure::kEnergy;
+  if ((outcome.gave_up >> lane & 1u) != 0) return StepFailure::kSolver;
   return (outcome.loaded >> lane & 1u) != 0 ? StepFailure::kLoad : StepFailure::kNumbers;
 }
 

@@ -36,6 +36,8 @@ void add_response(const BasisRows& response, const Eigen::VectorXd& forces, std:
 }
 
 Status check_frame(const Model& model, std::string_view method, FrameKind frame) {
+  if (model.modes() == 0 && frame != FrameKind::kFree)
+    return usage_error("a rigid body is free: hold it by pins, or use a collider that moves");
   if (frame == FrameKind::kFixed) return Success{};
   if (!kHasFrames)
     return usage_error("driven and free bodies are not in this module but in engine-full.wasm");
@@ -231,11 +233,11 @@ bool Body::load_to_come() const {
                      [now](const Load& load) { return signal_end(load.signal) > now; });
 }
 
-Energy Body::energy(Eigen::Index low) const {
+Energy Body::energy(std::optional<Eigen::Index> low) const {
   integrator_->synchronized_momentum(state_, momentum_);
   model_->potential().evaluate(state_.q, kWantEnergy | kWantForce, workspace_, evaluation_);
   return {frame_kinetic(momentum_), evaluation_.energy,
-          band_energy(model_->lambda(), evaluation_.force, momentum_, low)};
+          band_energy(model_->lambda(), evaluation_.force, momentum_, low.value_or(low_))};
 }
 
 Result<Eigen::Vector3d> Body::displacement(VertexId vertex) const {
@@ -255,34 +257,26 @@ const Eigen::VectorXd& Body::shown() const {
   return shown_;
 }
 
-Status Body::surface_positions(std::span<double> out) const {
-  if (Status s = check_buffer(drawn_numbers(*model_), out.size(), "positions"); !s) return s;
-  const DrawnSurface drawn = model_->drawn();
-  write_positions(drawn.rest, drawn.rows, state_.q, out);
-  add_response(drawn.response, place_forces_.now(), out);
-  to_world(out, true, &Skin::drawn);
-  return Success{};
-}
-
-Status Body::boundary_positions(std::span<double> out) const {
-  const VertexBlock& surface = model_->surface();
-  if (Status s = check_buffer(3 * surface.rest.size(), out.size(), "positions"); !s) return s;
-  write_positions(surface.rest, surface.rows, state_.q, out);
-  add_response(model_->boundary_response(), place_forces_.now(), out);
-  to_world(out, true, &Skin::surface);
-  return Success{};
-}
-
-Status Body::surface_positions(std::span<float> out) const {
-  if (Status s = check_buffer(drawn_numbers(*model_), out.size(), "positions"); !s) return s;
-  tremolo::surface_positions(model_->surface_basis(), shown(), surface_, out);
-  to_world(out, true, &Skin::drawn);
+Status Body::surface_positions(std::span<double> out, SurfaceKind surface) const {
+  const bool drawn = surface == SurfaceKind::kDrawn;
+  const auto& rest = drawn ? model_->drawn().rest : model_->surface().rest;
+  const BasisRows& rows = drawn ? model_->drawn().rows : model_->surface().rows;
+  if (Status s = check_buffer(3 * rest.size(), out.size(), "positions"); !s) return s;
+  write_positions(rest, rows, state_.q, out);
+  add_response(drawn ? model_->drawn().response : model_->boundary_response(), place_forces_.now(),
+               out);
+  to_world(out, true, drawn ? &Skin::drawn : &Skin::surface);
   return Success{};
 }
 
 Status Body::surface(std::span<float> positions, std::span<float> normals) const {
   const std::size_t needed = drawn_numbers(*model_);
   if (Status s = check_buffer(needed, positions.size(), "positions"); !s) return s;
+  if (normals.empty()) {
+    tremolo::surface_positions(model_->surface_basis(), shown(), surface_, positions);
+    to_world(positions, true, &Skin::drawn);
+    return Success{};
+  }
   if (Status s = check_buffer(needed, normals.size(), "normals"); !s) return s;
   surface_with_normals(model_->surface_basis(), model_->drawn().triangles, shown(), surface_,
                        positions, normals);

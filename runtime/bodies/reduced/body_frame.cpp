@@ -35,9 +35,9 @@ void Body::begin_driven() {
     driven_ = std::make_unique<DrivenFrame>(model_->inertia_about_origin(), options_.step);
 }
 
-Pose Body::pose() const {
+Pose Body::pose(std::size_t bone) const {
   if (free_) return free_->pose();
-  return frame() == FrameKind::kDriven ? driven_->pose() : Pose{};
+  return frame() == FrameKind::kDriven ? driven_->pose(bone) : Pose{};
 }
 
 Status Body::check_pose(const Pose& pose) const {
@@ -51,10 +51,20 @@ Status Body::check_pose(const Pose& pose) const {
   return Success{};
 }
 
-Status Body::set_pose(const Pose& pose) {
+Result<std::pair<std::size_t, std::size_t>> Body::bones_of(std::size_t bone) const {
+  if (bone == kAllBones) return std::pair(std::size_t{0}, driven_ ? driven_->bones() : 0);
+  if (bone >= bones())
+    return usage_error("the body has " + std::to_string(bones()) + " bones, no bone " +
+                       std::to_string(bone));
+  return std::pair(bone, bone + 1);
+}
+
+Status Body::set_pose(const Pose& pose, std::size_t bone) {
+  const auto range = bones_of(bone);
+  if (!range) return range.error();
   if (Status s = check_pose(pose); !s) return s;
   const Pose unit{pose.position, pose.rotation.normalized()};
-  for (std::size_t b = 0; driven_ && b < driven_->bones(); ++b) driven_->teleport(unit, b);
+  for (std::size_t b = range->first; b < range->second; ++b) driven_->teleport(unit, b);
   if (free_) {
     free_->set_pose(unit, state_.q, state_.p);
     keep_sound_state();
@@ -62,46 +72,20 @@ Status Body::set_pose(const Pose& pose) {
   return Success{};
 }
 
-Status Body::move_to(const Pose& next) {
+Status Body::move_to(const Pose& next, const std::optional<FrameMotion>& motion, std::size_t bone) {
   if (frame() != FrameKind::kDriven) return usage_error("the body's frame is not driven");
+  const auto range = bones_of(bone);
+  if (!range) return range.error();
   if (Status s = check_pose(next); !s) return s;
-  for (std::size_t b = 0; b < driven_->bones(); ++b)
-    driven_->move_to({next.position, next.rotation.normalized()}, b);
-  return Success{};
-}
-
-Status Body::move_to(const Pose& next, const FrameMotion& motion) {
-  if (frame() != FrameKind::kDriven) return usage_error("the body's frame is not driven");
-  if (Status s = check_pose(next); !s) return s;
-  if (Status s = check_frame_motion(motion); !s) return s;
-  for (std::size_t b = 0; b < driven_->bones(); ++b)
-    driven_->move_to({next.position, next.rotation.normalized()}, motion, b);
-  return Success{};
-}
-
-Status Body::check_bone(std::size_t bone, const Pose& pose) const {
-  if (bone >= bones())
-    return usage_error("the body has " + std::to_string(bones()) + " bones, no bone " +
-                       std::to_string(bone));
-  return check_pose(pose);
-}
-
-Status Body::set_bone(std::size_t bone, const Pose& pose) {
-  if (Status s = check_bone(bone, pose); !s) return s;
-  driven_->teleport({pose.position, pose.rotation.normalized()}, bone);
-  return Success{};
-}
-
-Status Body::move_bone_to(std::size_t bone, const Pose& next) {
-  if (Status s = check_bone(bone, next); !s) return s;
-  driven_->move_to({next.position, next.rotation.normalized()}, bone);
-  return Success{};
-}
-
-Status Body::move_bone_to(std::size_t bone, const Pose& next, const FrameMotion& motion) {
-  if (Status s = check_bone(bone, next); !s) return s;
-  if (Status s = check_frame_motion(motion); !s) return s;
-  driven_->move_to({next.position, next.rotation.normalized()}, motion, bone);
+  if (motion)
+    if (Status s = check_frame_motion(*motion); !s) return s;
+  const Pose unit{next.position, next.rotation.normalized()};
+  for (std::size_t b = range->first; b < range->second; ++b) {
+    if (motion)
+      driven_->move_to(unit, *motion, b);
+    else
+      driven_->move_to(unit, b);
+  }
   return Success{};
 }
 
@@ -130,12 +114,9 @@ Status Body::set_gravity(const Eigen::Vector3d& gravity) {
   return Success{};
 }
 
-Eigen::Vector3d Body::linear_momentum() const {
-  return free_ ? free_->linear_momentum() : Eigen::Vector3d::Zero();
-}
-
-Eigen::Vector3d Body::angular_momentum() const {
-  return free_ ? free_->angular_momentum() : Eigen::Vector3d::Zero();
+BodyMomentum Body::momentum() const {
+  if (!free_) return {};
+  return {free_->linear_momentum(), free_->angular_momentum()};
 }
 
 // steps: as in PointForce.

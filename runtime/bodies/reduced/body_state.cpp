@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "common/hash.h"
-#include "runtime/body.h"
 #include "runtime/bodies/reduced/saved_body.h"
+#include "runtime/body.h"
 
 namespace tremolo {
 namespace {
@@ -57,9 +57,9 @@ void Body::carry(StateStream& stream) {
   double alpha = options_.alpha, beta = options_.beta;
   stream(alpha, beta);
   if (stream.reads() && stream.good()) stream.require(bool(set_damping(alpha, beta)));
-  stream(state_, steps_, iterations_, halved_steps_, sums_, bound_, steps_since_look_);
+  stream(state_, counts_, sums_, bound_, steps_since_look_);
   stream(sound_, sound_rigid_, sound_sums_);
-  stream.require(steps_ >= 0 && state_.q.allFinite() && state_.p.allFinite());
+  stream.require(counts_.steps >= 0 && state_.q.allFinite() && state_.p.allFinite());
   stream.require(sound_.q.allFinite() && sound_.p.allFinite());
   if (stream.reads()) stream.require(all_finite(sums_) && all_finite(sound_sums_));
   carry_frame(stream);
@@ -149,7 +149,7 @@ Status Body::set_method(std::string_view integrator, double step) {
   // A method with a staggered momentum passes on the momentum at the state's own time.
   integrator_->synchronized_momentum(state_, momentum_);
   state_.p = momentum_;
-  steps_ = std::llround(time() / step);
+  counts_.steps = std::llround(time() / step);
   integrator_ = std::move(made->integrator_);
   options_ = made->options_;
   low_ = made->low_;

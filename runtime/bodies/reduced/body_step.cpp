@@ -24,7 +24,7 @@ std::optional<StepReport> Body::begin_step() {
 
 // Adds a step that succeeded to the sums, or sets the reason of its failure.
 StepReport Body::end_step(StepReport report, double outside, bool booked) {
-  iterations_ += report.iterations;
+  counts_.iterations += report.iterations;
   if (!report.converged) {
     end_frame_motion(false);
     return explain(report);
@@ -37,8 +37,8 @@ StepReport Body::end_step(StepReport report, double outside, bool booked) {
     return report;
   }
   take_place_forces();
-  ++steps_;
-  if (report.parts > 1) ++halved_steps_;
+  ++counts_.steps;
+  if (report.parts > 1) ++counts_.halved;
   age_applied_forces();
   return report;
 }
@@ -71,7 +71,7 @@ double Body::stop_motion() {
 }
 
 void Body::rest_a_step() {
-  ++steps_;
+  ++counts_.steps;
   age_applied_forces();
 }
 

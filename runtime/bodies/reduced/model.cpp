@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -103,6 +104,11 @@ Status check_inertia(const InertiaIntegrals& inertia, Eigen::Index modes) {
   return Success{};
 }
 
+// A solid without coordinates moves by its frame alone, which needs integrals and no support.
+bool is_rigid(const BasisData& data) {
+  return data.lambda.size() == 0 && data.inertia && data.rigid_mode_count == 6;
+}
+
 // Integrals of the leading coordinates.
 InertiaIntegrals leading_inertia(const InertiaIntegrals& inertia, Eigen::Index modes) {
   InertiaIntegrals leading = inertia;
@@ -189,8 +195,10 @@ Result<std::shared_ptr<Model>> Model::assemble(const BasisData& data, Eigen::Ind
   if (Status s = check_triangles(data.triangles, surface->vertex_ids.size()); !s) return s.error();
   if (Status s = check_load(data.load); !s) return s.error();
   const std::span<const double> cubic = data.cubic, quartic = data.quartic, none;
-  Result<Potential> potential = Potential::create(
-      data.lambda.head(modes), options.linear ? none : cubic, options.linear ? none : quartic);
+  Result<Potential> potential =
+      is_rigid(data) ? Potential()
+                     : Potential::create(data.lambda.head(modes), options.linear ? none : cubic,
+                                         options.linear ? none : quartic);
   if (!potential) return potential.error();
   std::shared_ptr<Model> model(new Model(std::move(*potential), std::move(*surface)));
   if (data.render && !options.hull) {
@@ -290,6 +298,7 @@ Eigen::VectorXd Model::frequencies_hz() const {
 }
 
 double Model::explicit_step_limit() const {
+  if (modes() == 0) return std::numeric_limits<double>::infinity();
   return 2.0 / std::sqrt(lambda()[modes() - 1]);
 }
 

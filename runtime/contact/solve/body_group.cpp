@@ -32,7 +32,7 @@ bool is_disturbed(const ContactStep& contact, std::span<const PlacedCollider> co
 bool BodyGroup::has_to_wake(std::size_t i) const {
   const ContactBody& body = *bodies_[i];
   return !body.grips_.empty() || body.load_to_come() || body.gravity() != rest_[i].gravity ||
-         body.alpha() != rest_[i].alpha || body.beta() != rest_[i].beta ||
+         body.options().alpha != rest_[i].alpha || body.options().beta != rest_[i].beta ||
          is_disturbed(*body.contact_, colliders_);
 }
 
@@ -180,8 +180,8 @@ void BodyGroup::put_to_sleep() {
     }
     rest.quiet = quiet ? rest.quiet + body.options_.step : 0.0;
     rest.gravity = body.gravity();
-    rest.alpha = body.alpha();
-    rest.beta = body.beta();
+    rest.alpha = body.options().alpha;
+    rest.beta = body.options().beta;
     if (!(rest.quiet >= kQuiet)) restless_[parent_[i]] = 1;
   }
   for (const std::size_t i : islands_) {

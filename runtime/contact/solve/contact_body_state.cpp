@@ -56,7 +56,8 @@ std::uint64_t ContactBody::content_hash() const {
 void ContactBody::carry(StateStream& stream) {
   Body::carry(stream);
   // The method's step and damping are the body's.
-  if (contact_ && stream.reads() && stream.good()) contact_->set_damping(alpha(), beta());
+  if (contact_ && stream.reads() && stream.good())
+    contact_->set_damping(options_.alpha, options_.beta);
   stream(touched_, sound_touched_);
   if (stream.reads()) stream.require(are_finite(touched_) && are_finite(sound_touched_));
   carry_hands(stream);

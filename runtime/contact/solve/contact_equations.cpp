@@ -1,5 +1,7 @@
 #include "runtime/contact/solve/contact_equations.h"
 
+#include "runtime/math/pose.h"
+
 namespace tremolo {
 
 using Eigen::Index;
@@ -44,6 +46,26 @@ void ContactEquations::push(const Vector3d& force_there, const Vector3d& bend_fo
   pushed.noalias() += rows * (motion.mean.transpose() * (motion.R0.transpose() * bend_force));
   force += force_there;
   torque += touch.arm.cross(motion.R0.transpose() * force_there);
+}
+
+void ContactEquations::add_turn_slopes(const Eigen::Ref<const Eigen::Matrix3Xd>& fall,
+                                       Eigen::Ref<Eigen::MatrixXd> block) const {
+  if (!turns()) return;
+  block.middleRows<3>(modes()).noalias() +=
+      motion.h * motion.turn.transpose() * motion.R0.transpose() * fall;
+}
+
+void ContactEquations::add_turn_geometry(const Vector3d& torque_alone) {
+  if (!turns()) return;
+  const Index r = modes();
+  const Vector3d turned = motion.turn.transpose() * (motion.R0.transpose() * torque_alone);
+  jacobian.block<3, 3>(r, r) -= motion.h * cross_matrix(turned) * motion.turned;
+}
+
+Eigen::Matrix3Xd ContactEquations::roll_slopes(const Vector3d& arm) const {
+  Eigen::Matrix3Xd slopes = Eigen::Matrix3Xd::Zero(3, unknowns());
+  if (turns()) slopes.middleCols<3>(modes()) = (-0.5 * motion.h) * cross_matrix(arm) * motion.R0;
+  return slopes;
 }
 
 // For a position of the body itself, at which the force is `force_there`.

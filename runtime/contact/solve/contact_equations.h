@@ -74,6 +74,15 @@ struct ContactEquations {
     torque += motion.R0.transpose() * torque_alone;
   }
 
+  // Adds to the Jacobian the effect of a torque alone (N m, world): fall is its fall with some
+  // body's unknowns, 3 x n of the block; and the change of the torque because the body rotates.
+  void add_turn_slopes(const Eigen::Ref<const Eigen::Matrix3Xd>& fall,
+                       Eigen::Ref<Eigen::MatrixXd> block) const;
+  void add_turn_geometry(const Eigen::Vector3d& torque_alone);
+  // Derivative of theta x arm with the body's own unknowns, theta its rotation: the path of the
+  // surface of a round point at that arm, 3 x n.
+  Eigen::Matrix3Xd roll_slopes(const Eigen::Vector3d& arm) const;
+
   // Adds to the Jacobian the change of the force on a position because the position and the body
   // rotate. Needs the lever's swing.
   void add_geometry(const Eigen::Vector3d& force_there, const Eigen::Vector3d& bend_force,

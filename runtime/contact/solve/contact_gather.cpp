@@ -126,8 +126,10 @@ void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t ind
   for (const PointGroup& group : eq_.points->groups) {
     if (distance(poses_.start * group.centre) > group.radius + deformed + reach) continue;
     for (std::size_t i = group.first; i < group.first + group.count; ++i) {
+      if (!eq_.points->meets(i, true)) continue;
       const Vector3d x = poses_.start * eq_.points->place(i, q);
-      if (distance(x) <= reach) candidates_.push_back(make_candidate(i, index, x));
+      if (distance(x) - eq_.points->radius_of(i) <= reach)
+        candidates_.push_back(make_candidate(i, index, x));
     }
   }
 }
@@ -164,7 +166,8 @@ bool ContactStep::find_missed(const Pose& end, const VectorXd& q) {
     for (const PointGroup& group : eq_.points->groups) {
       if (distance(end * group.centre) > group.radius + deformed + law_.margin) continue;
       for (std::size_t i = group.first; i < group.first + group.count; ++i)
-        if (listed_[i] == 0 && distance(end * eq_.points->place(i, q)) < law_.margin)
+        if (listed_[i] == 0 && eq_.points->meets(i, true) &&
+            distance(end * eq_.points->place(i, q)) - eq_.points->radius_of(i) < law_.margin)
           candidates_.push_back(make_candidate(i, c, poses_.start * eq_.points->place(i, eq_.q0)));
     }
   }

@@ -212,6 +212,10 @@ void ContactIsland::push(const PairPoint& pair) {
     body(pair.a).equations().push_point(pair.now.force, pair.touch_a, pair.point);
   if (looked_[pair.b] != 0)
     body(pair.b).equations().push(-pair.now.force, -pair.now.bend_force, pair.touch_b, pair.rows);
+  if (!(pair.law.radius > 0.0)) return;
+  const Eigen::Vector3d torque = surface_arm(pair.law, pair.held).cross(pair.now.rub);
+  if (looked_[pair.a] != 0) body(pair.a).equations().push_turn(torque);
+  if (looked_[pair.b] != 0) body(pair.b).equations().push_turn(-torque);
 }
 
 void ContactIsland::push(const IslandJoint& link) {
@@ -498,12 +502,15 @@ void ContactIsland::remember() {
     ContactStep& first = body(pair.a);
     if (ContactMemory memory; memory_of(pair, memory)) first.remember_pair(memory);
     if (pair.now.acts && pair.now.pressure != 0.0)
-      first.note_contact({.vertex = first.points().ids[pair.point],
-                          .on_body = true,
-                          .obstacle = members_[pair.b].number,
-                          .position = pair.touch_a.x1,
-                          .normal = pair.held.normal.normalized(),
-                          .impulse = h_ * pair.now.force});
+      first.note_contact(
+          {.vertex = first.points().ids[pair.point],
+           .on_body = true,
+           .obstacle = members_[pair.b].number,
+           .position = pair.law.radius > 0.0
+                           ? Eigen::Vector3d(pair.touch_a.x1 + surface_arm(pair.law, pair.held))
+                           : pair.touch_a.x1,
+           .normal = pair.held.normal.normalized(),
+           .impulse = h_ * pair.now.force});
   }
   for (const IslandMember& member : members_) member.contact->sort_pair_memories();
 }

@@ -33,6 +33,10 @@ struct ContactPoints {
   // r: the largest displacement of any point by a unit of a coordinate: |u| <= sum_i |q_i| reach_i.
   Eigen::VectorXd reach;
   std::vector<PointGroup> groups;
+  // The first points of a rigid sphere or capsule are round (contact_law.h): the centre, or points
+  // of the axis. They feel what does not deform; the others feel what does.
+  std::size_t round = 0;
+  double round_radius = 0.0;  // m
   std::vector<double> areas;  // of the boundary nearest to each point, m^2
   double area = 0.0;          // sum of areas, m^2
   // Ball around the boundary and the body's shape, which may extend beyond it (shape_reach.h), m.
@@ -44,6 +48,16 @@ struct ContactPoints {
   double gap = 0.0;
 
   std::size_t size() const { return rest.size(); }
+  bool rigid() const { return rows.rows() == 0; }
+  double radius_of(std::size_t i) const { return i < round ? round_radius : 0.0; }
+  // True if point i meets an obstacle that is rigid, or that deforms.
+  bool meets(std::size_t i, bool rigid_obstacle) const {
+    return round == 0 || (i < round) == rigid_obstacle;
+  }
+  // True if these points need not feel the shape of `other`, whose round points feel this body's.
+  bool yield_to(const ContactPoints& other, bool has_shape) const {
+    return has_shape && rigid() && round == 0 && other.round != 0;
+  }
   // X + U q of point i, m.
   Eigen::Vector3d place(std::size_t i, const Eigen::VectorXd& q) const {
     const Eigen::Index column = 3 * i;
@@ -66,8 +80,9 @@ std::shared_ptr<const ContactPoints> shared_contact_points(const Model::Pointer&
                                                            std::size_t most, const Collider* shape);
 
 // The distance of a position from a deformed body (docs/theory.md, section "Contact"). It uses the
-// body's shape at rest and a smooth field u through the displacements of its points. The position y
-// of the body's frame is approximately the deformed X at rest: X1 = y - u(y), X = y - u(X1).
+// body's shape at rest and a smooth field u through the displacements of its points; of a rigid
+// body the distance of the shape itself. The position y of the body's frame is approximately the
+// deformed X at rest: X1 = y - u(y), X = y - u(X1).
 
 // A deformed shape. All pointers must outlive it.
 struct BentShape {

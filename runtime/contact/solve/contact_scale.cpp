@@ -80,6 +80,13 @@ void ContactStep::settle_grips() {
   }
 }
 
+// Bound of the rounding error of a distance, and of its change, near the body, m.
+double ContactStep::distance_rounding() const {
+  constexpr double kRoundings = 32.0;
+  return kRoundings * std::numeric_limits<double>::epsilon() *
+         (eq_.points->extent + ball_.centre.norm());
+}
+
 // The law of a point, scaled by its area. The friction spring is as stiff as the contact at half
 // the margin, or where it is linear.
 ContactLaw ContactStep::law_of(std::size_t point, double friction, double restitution) const {
@@ -89,15 +96,20 @@ ContactLaw ContactStep::law_of(std::size_t point, double friction, double restit
   law.stiffness *= eq_.points->areas[point];
   law.shear = law.stiffness * std::min(law.margin, 2.0 * law.linear_from);
   law.shear_damping = dampers_[point] * std::sqrt(law.shear);
+  law.radius = eq_.points->radius_of(point);
+  if (eq_.points->rigid()) law.rounding = distance_rounding();
   return law;
 }
 
 // Friction and restitution of two bodies are geometric means.
 ContactLaw ContactStep::law_of(std::size_t point, const ContactStep& other) const {
   const ContactLaw& theirs = other.law_;
-  return law_in_series(law_of(point, std::sqrt(law_.friction * theirs.friction),
-                              std::sqrt(law_.restitution * theirs.restitution)),
-                       law_, theirs, eq_.points->areas[point]);
+  ContactLaw law = law_in_series(law_of(point, std::sqrt(law_.friction * theirs.friction),
+                                        std::sqrt(law_.restitution * theirs.restitution)),
+                                 law_, theirs, eq_.points->areas[point]);
+  if (eq_.points->rigid() || other.points().rigid())
+    law.rounding = distance_rounding() + other.distance_rounding();
+  return law;
 }
 
 // About half of critical damping for the effective mass of a point: c = (k m)^1/2.
@@ -129,6 +141,9 @@ void ContactStep::settle_account() {
     record_.account.lost += now.lost;
     record_.account.rubbed += now.rubbed;
     record_.account.work += now.force.dot(candidate.touch.x1 - candidate.touch.x0);
+    const bool round = candidate.law.radius > 0.0;
+    if (round)
+      record_.account.work += now.rub.dot(eq_.motion.turn_in_step().cross(surface_of(candidate)));
     record_.account.penetration = std::max(record_.account.penetration, -now.distance);
     bool through = false;
     const double way =
@@ -140,11 +155,13 @@ void ContactStep::settle_account() {
     record_.impulses[candidate.collider] += impulse;
     record_.collider_impulses[candidate.collider] -= options_.step * now.force;
     const Pose& frame = colliders_[candidate.collider].end;
-    record_.contacted.push_back({.vertex = eq_.points->ids[candidate.point],
-                                 .obstacle = candidate.collider,
-                                 .position = candidate.touch.x1,
-                                 .normal = frame.rotation * candidate.held.normal.normalized(),
-                                 .impulse = options_.step * now.force});
+    record_.contacted.push_back(
+        {.vertex = eq_.points->ids[candidate.point],
+         .obstacle = candidate.collider,
+         .position =
+             round ? Vector3d(candidate.touch.x1 + surface_of(candidate)) : candidate.touch.x1,
+         .normal = frame.rotation * candidate.held.normal.normalized(),
+         .impulse = options_.step * now.force});
     record_.account.impulse += impulse;
     record_.account.impulse_vector += options_.step * now.force;
     ++record_.account.active;

@@ -124,6 +124,17 @@ void ContactStep::add_grips() {
   }
 }
 
+// The rotation of the body relative to a collider in the step, along the collider's axes, rad.
+Vector3d ContactStep::turn_along(const ColliderTurns& turns, const PlacedCollider& collider) const {
+  return turns.mean.transpose() * eq_.motion.turn_in_step() -
+         turn_of(collider.start.rotation.conjugate() * collider.end.rotation);
+}
+
+// From a round point to the surface, m, world.
+Vector3d ContactStep::surface_of(const Candidate& candidate) const {
+  return turns_[candidate.collider].mean * surface_arm(candidate.law, candidate.held);
+}
+
 void ContactStep::add_contact(const ContactRenewal& renewal) {
   eq_.clear_forces();
   std::fill(rates_.begin(), rates_.end(), PairRate{});
@@ -131,6 +142,8 @@ void ContactStep::add_contact(const ContactRenewal& renewal) {
     candidate.touch = eq_.motion.touch(candidate.y0, eq_.place_in_body(candidate.point, eq_.q1));
     candidate.end = contact_end(candidate.law, colliders_[candidate.collider],
                                 turns_[candidate.collider], candidate.start, candidate.touch.x1);
+    if (candidate.law.radius > 0.0)
+      candidate.end.turn = turn_along(turns_[candidate.collider], colliders_[candidate.collider]);
     const ContactGap& gap = candidate.end.gap;
     rates_[candidate.collider].add(gap.pressure, gap.d1 - gap.d0);
   }
@@ -139,6 +152,8 @@ void ContactStep::add_contact(const ContactRenewal& renewal) {
         candidate.law, colliders_[candidate.collider], turns_[candidate.collider], candidate.start,
         candidate.memory, candidate.end, time_with(candidate.collider), renewal, candidate.held);
     if (candidate.now.acts) eq_.push_point(candidate.now.force, candidate.touch, candidate.point);
+    if (candidate.now.acts && candidate.law.radius > 0.0)
+      eq_.push_turn(surface_of(candidate).cross(candidate.now.rub));
   }
   add_grips();
 }
@@ -217,6 +232,7 @@ void ContactStep::add_contact_slopes(bool follows) {
                       time_with(candidate.collider), candidate.held, follows);
     eq_.lever.add_tangent(slope.by_end, eq_.jacobian);
     eq_.add_geometry_at_point(candidate.now.force, candidate.touch, candidate.point);
+    if (candidate.law.radius > 0.0) add_roll_slopes(candidate, slope);
     if (!pushes(candidate.collider)) continue;
     const auto column = static_cast<Index>(candidate.collider);
     taken_push_.col(column).head(n).noalias() += eq_.lever.push().lazyProduct(slope.by_taken);
@@ -229,6 +245,21 @@ void ContactStep::add_contact_slopes(bool follows) {
     eq_.jacobian.topLeftCorner(n, n).noalias() +=
         taken_push_.col(column).head(n).lazyProduct(taken_growth_.col(column).head(n).transpose());
   }
+}
+
+// The parts that a round point has in addition: the surface's path, and the torque of friction.
+void ContactStep::add_roll_slopes(const Candidate& candidate, const PlacedSlope& slope) {
+  const Index n = eq_.unknowns();
+  const Vector3d arm = surface_of(candidate);
+  const Matrix3d lever = cross_matrix(arm);
+  const Eigen::Matrix3Xd by_turn = slope.by_roll * eq_.roll_slopes(arm);
+  const Eigen::Matrix3Xd by_end = slope.rub_by_end * eq_.lever.way();
+  eq_.jacobian.topLeftCorner(n, n).noalias() += eq_.lever.push() * by_turn;
+  eq_.add_turn_slopes(lever * (by_turn + by_end), eq_.own_block());
+  eq_.add_turn_geometry(arm.cross(candidate.now.rub));
+  const auto column = static_cast<Index>(candidate.collider);
+  if (rates_[candidate.collider].force > 0.0)
+    eq_.add_turn_slopes(lever * slope.rub_by_taken, taken_push_.col(column).head(n));
 }
 
 // The Jacobian of the residual of evaluate(), without the gyroscopic terms of a rotating frame,

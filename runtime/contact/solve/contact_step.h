@@ -194,10 +194,14 @@ class ContactStep {
   void add_contact(const ContactRenewal& renewal);
   ContactTime time_with(std::size_t collider) const { return {options_.step, rates_[collider]}; }
   void add_contact_slopes(bool follows);
+  Eigen::Vector3d turn_along(const ColliderTurns& turns, const PlacedCollider& collider) const;
+  Eigen::Vector3d surface_of(const Candidate& candidate) const;
+  void add_roll_slopes(const Candidate& candidate, const PlacedSlope& slope);
   bool went_far(const Pose& end, const Eigen::VectorXd& q) const;
   Pose end_pose() const;
   double size_of_motion() const;
   double way_of_move() const;
+  double distance_rounding() const;
   double held_rounding(const VertexRows& place, double stiffness, double far) const;
   double grips_rounding() const;
   bool solve(double heavier, bool hold, StepReport& report);

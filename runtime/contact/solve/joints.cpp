@@ -22,7 +22,7 @@ Status set_springs(Joint& joint, const ContactBody& first, const ContactBody& se
   for (const double value : {options.stiffness.value_or(0.0), options.damping, joint.length})
     if (!std::isfinite(value) || value < 0.0)
       return usage_error("a joint's stiffness, damping and length are finite and not negative");
-  const double h = first.step_size();
+  const double h = first.options().step;
   const double lightness = 1.0 / first.mass_at(joint.first) + 1.0 / second.mass_at(joint.second);
   if (!options.stiffness && !(lightness > 0.0))
     return usage_error("neither place moves: there is nothing to join");
@@ -37,7 +37,7 @@ Status check_bodies(const ContactBody& first, const ContactBody& second) {
   if (&first == &second) return usage_error("a joint needs two bodies");
   if (first.contact() == nullptr || second.contact() == nullptr)
     return usage_error("joints need set_contact() of both bodies first");
-  if (first.step_size() != second.step_size())
+  if (first.options().step != second.options().step)
     return usage_error("bodies that are joined have one step size");
   return Success{};
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "runtime/contact/collider.h"
+#include "runtime/math/pose.h"
 
 namespace tremolo {
 namespace {
@@ -62,6 +63,11 @@ void find_changes(PairPoint& pair, const Way& first_way, ContactEquations& secon
       contact_slopes(pair.law, pair.gap, pair.way, time, pair.held, follows);
   find(slopes.point, scratch.change_a, scratch.change_b);
   find(slopes.bend, scratch.bend_change_a, scratch.bend_change_b);
+  if (pair.law.radius > 0.0) {
+    scratch.rub = slopes.rub;
+    scratch.by_roll = slopes.by_roll;
+    scratch.gradient = gradient;
+  }
   scratch.link = slopes.point.by_taken;
   scratch.bend_link = slopes.bend.by_taken;
   const double growth = slopes.taken_by_distance;
@@ -71,6 +77,38 @@ void find_changes(PairPoint& pair, const Way& first_way, ContactEquations& secon
   if (second.turns())
     scratch.growth_b.tail<6>().noalias() =
         -growth * (second.lever.way().rightCols<6>().transpose() * gradient);
+}
+
+// The parts that a round point has in addition: the surface's path, and the opposite torques of
+// friction on the two bodies, which are rigid.
+void add_roll_slopes(const PairPoint& pair, const PairBodies& bodies, const PairScratch& scratch,
+                     const PairSides& sides) {
+  const auto& [first, second] = bodies;
+  const Vector3d arm = surface_arm(pair.law, pair.held);
+  const Eigen::Matrix3d lever = cross_matrix(arm);
+  const Eigen::Matrix3d by_end =
+      scratch.rub.by_path + scratch.rub.by_distance * scratch.gradient.transpose();
+  const Eigen::Matrix3Xd turn_a = scratch.by_roll * first.roll_slopes(arm);
+  const Eigen::Matrix3Xd turn_b = -scratch.by_roll * second.roll_slopes(arm);
+  const Eigen::Matrix3Xd way_b = second.lever.change_of_way(second.motion, pair.touch_b, pair.rows)
+                                     .leftCols(second.unknowns());
+  const Eigen::Matrix3Xd rub_a = lever * (turn_a + by_end * first.lever.way());
+  const Eigen::Matrix3Xd rub_b =
+      lever * (turn_b - scratch.rub.by_path * way_b -
+               scratch.rub.by_distance * (scratch.gradient.transpose() * second.lever.way()));
+  first.lever.add_pushed(turn_a, turn_a, 1.0, first.own_block());
+  first.lever.add_pushed(turn_b, turn_b, 1.0, sides.first_by_second);
+  second.lever.add_pushed(turn_b, turn_b, -1.0, second.own_block());
+  second.lever.add_pushed(turn_a, turn_a, -1.0, sides.second_by_first);
+  first.add_turn_slopes(rub_a, first.own_block());
+  first.add_turn_slopes(rub_b, sides.first_by_second);
+  second.add_turn_slopes(-rub_b, second.own_block());
+  second.add_turn_slopes(-rub_a, sides.second_by_first);
+  first.add_turn_slopes(lever * scratch.rub.by_taken, sides.first_push);
+  second.add_turn_slopes(-(lever * scratch.rub.by_taken), sides.second_push);
+  const Vector3d torque = arm.cross(pair.now.rub);
+  first.add_turn_geometry(torque);
+  second.add_turn_geometry(-torque);
 }
 
 // Makes a point of the first body near the second, at y in the second's mesh coordinates and at
@@ -102,8 +140,9 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
                             const PairNames& names, std::vector<PairPoint>& points,
                             std::size_t count) {
   const Collider* shape = second.shape();
-  if (shape == nullptr) return count;
   const ContactPoints& on = first.points();
+  if (shape == nullptr || on.yield_to(second.points(), first.shape() != nullptr)) return count;
+  const bool rigid = second.points().rigid();
   const Pose from = first.poses().start, into = second.poses().start;
   const double margin = first.law().margin;
   const double reach = margin + 2.0 * (first.ball().travel + second.ball().travel);
@@ -115,11 +154,13 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
     const double far = group.radius + first.ball().deformed + bent + reach;
     if (signed_distance(*shape, place(from * group.centre)).distance > far) continue;
     for (std::size_t i = group.first; i < group.first + group.count; ++i) {
+      if (!on.meets(i, rigid)) continue;
       const Vector3d y = place(from * on.place(i, first.equations().q0));
-      if (signed_distance(*shape, y).distance > reach + bent) continue;
+      const double round = on.radius_of(i);
+      if (signed_distance(*shape, y).distance - round > reach + bent) continue;
       if (count == points.size()) points.emplace_back();
       PairPoint& pair = points[count];
-      const double distance = bent_distance(second.equations().shape_at_start(), y);
+      const double distance = bent_distance(second.equations().shape_at_start(), y) - round;
       if (distance > reach) continue;
       begin_point(pair, first, second, names, i, y, distance);
       ++count;
@@ -150,7 +191,7 @@ void approach_shape(PairPoint& pair, const ContactEquations& second, double bend
   const double nearer = 2.0 * ((pair.place - pair.place_at_start).norm() + bend);
   if (!acts && pair.distance - nearer > pair.law.margin)
     return pair.now.clear(pair.distance, stored);
-  const double distance = bent_distance(second.shape_at_end(), pair.place);
+  const double distance = bent_distance(second.shape_at_end(), pair.place) - pair.law.radius;
   pair.now.clear(distance, stored);
   if (!acts && distance >= pair.law.begins) return;
   pair.near = true;
@@ -184,6 +225,8 @@ void press_shape(PairPoint& pair, const ContactEquations& second, const PairSite
     const Vector3d end = bent_gradient(second.shape_at_end(), pair.place);
     hold_normal(second.motion.turn_out(0.5 * (pair.gradient + end)), memory, pair.held);
   }
+  if (pair.law.radius > 0.0)
+    pair.way.turn = first.motion.turn_in_step() - second.motion.turn_in_step();
   pair.now = contact_force(pair.law, pair.gap, pair.way, time, renewal.limits, pair.held);
 }
 
@@ -191,8 +234,11 @@ std::size_t add_missed_points(const ContactStep& first, const ContactStep& secon
                               const PairNames& names, std::vector<PairPoint>& points,
                               std::size_t count) {
   const Collider* shape = second.shape();
-  if (shape == nullptr || !(first.went_far() || second.went_far())) return count;
   const ContactPoints& on = first.points();
+  if (shape == nullptr || !(first.went_far() || second.went_far()) ||
+      on.yield_to(second.points(), first.shape() != nullptr))
+    return count;
+  const bool rigid = second.points().rigid();
   const double margin = first.law().margin, bent = second.ball().deformed;
   const std::size_t known = count;
   const auto listed = [&](std::size_t point) {
@@ -203,16 +249,19 @@ std::size_t add_missed_points(const ContactStep& first, const ContactStep& secon
   };
   const Pose into = second.poses().start, from = first.poses().start;
   for (std::size_t i = 0; i < on.size(); ++i) {
+    if (!on.meets(i, rigid)) continue;
+    const double round = on.radius_of(i);
     const Vector3d end =
         second.equations().motion.into_rest(first.equations().end_of_point(i), true);
-    if (signed_distance(*shape, end).distance > margin + 2.0 * bent) continue;
-    if (bent_distance(second.equations().shape_at_end(), end) >= margin || listed(i)) continue;
+    if (signed_distance(*shape, end).distance - round > margin + 2.0 * bent) continue;
+    if (bent_distance(second.equations().shape_at_end(), end) - round >= margin || listed(i))
+      continue;
     if (count == points.size()) points.emplace_back();
     const Vector3d x = from * on.place(i, first.equations().q0);
     const Vector3d y = into.rotation.conjugate() * (x - into.position);
     PairPoint& pair = points[count++];
     begin_point(pair, first, second, names, i, y,
-                bent_distance(second.equations().shape_at_start(), y));
+                bent_distance(second.equations().shape_at_start(), y) - round);
     begin_pair(pair);
   }
   return count;
@@ -254,6 +303,7 @@ void add_pair_slopes(PairPoint& pair, const PairBodies& bodies, const ContactTim
   second.lever.add_pushed(scratch.link, scratch.bend_link, -1.0, sides.second_push);
   sides.first_growth += scratch.growth_a;
   sides.second_growth += scratch.growth_b;
+  if (pair.law.radius > 0.0) add_roll_slopes(pair, bodies, scratch, sides);
   first.add_geometry_at_point(pair.now.force, pair.touch_a, pair.point);
   second.add_geometry_of_other(-pair.now.force, -pair.now.bend_force, pair.touch_b, pair.rows);
   // The torque on the second body acts at the first's point.
@@ -305,6 +355,12 @@ void settle_pair(const PairPoint& pair, const ContactEquations& second, double h
   a.penetration = std::max(a.penetration, -pair.now.distance);
   if (!pair.now.acts) return;
   a.work += pair.now.force.dot(pair.touch_a.x1 - pair.touch_a.x0);
+  if (pair.law.radius > 0.0) {
+    const Vector3d torque = surface_arm(pair.law, pair.held).cross(pair.now.rub);
+    const Vector3d turn_b = second.motion.turn_in_step();
+    a.work += torque.dot(pair.way.turn + turn_b);
+    b.work -= torque.dot(turn_b);
+  }
   b.work -= pair.now.force.dot(pair.touch_a.x1 - pair.touch_a.x0 - pair.way.path) +
             pair.now.bend_force.dot(pair.way.bend);
   const double impulse = h * pair.now.force.norm();

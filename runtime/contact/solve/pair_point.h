@@ -49,6 +49,10 @@ struct PairScratch {
   // Fall of the force (change_*) and of the force that deforms the second body (bend_change_*) with
   // the unknowns of body a and b, 3 x n each.
   Eigen::Matrix3Xd change_a, change_b, bend_change_a, bend_change_b;
+  // Of a round point, as in ContactSlopes; and the gradient of the distance, world.
+  ContactSlope rub;
+  Eigen::Matrix3d by_roll;
+  Eigen::Vector3d gradient;
   // A ContactLink's vectors, 3 x 1.
   Eigen::Matrix3Xd link = Eigen::Matrix3Xd::Zero(3, 1), bend_link = link;
   // A ContactLink's growth with the unknowns, n each.

@@ -65,6 +65,8 @@ struct StepMotion {
   Eigen::Vector3d way_under(const ContactTouch& touch) const {
     return (c1 - c0) + R0 * phi.cross(touch.arm);
   }
+  // The rotation whose product with a torque is its work, rad, world.
+  Eigen::Vector3d turn_in_step() const { return R0 * phi; }
   // Converts a position of the world to the mesh's coordinates, at the start or the end of the
   // step.
   Eigen::Vector3d into_rest(const Eigen::Vector3d& x, bool at_end) const {

@@ -69,7 +69,7 @@ Result<std::size_t> Recording::add(const Model::Pointer& model, std::string name
 Result<std::size_t> Recording::add(const Body& body, std::string name) {
   std::shared_ptr<const Skin> skin;
   if (body.skin() != nullptr) skin = std::make_shared<const Skin>(*body.skin());
-  return add(body.model_pointer(), std::move(name), skin);
+  return add(body.model().shared_from_this(), std::move(name), skin);
 }
 
 Result<std::size_t> Recording::add(AnimatedShape shape, std::string name) {
@@ -127,7 +127,7 @@ Status Recording::record(std::size_t track, std::span<const double> q,
 
 Status Recording::record(std::size_t track, const Body& body) {
   poses_.clear();
-  for (std::size_t b = 0; b < body.bones(); ++b) poses_.push_back(body.bone_pose(b));
+  for (std::size_t b = 0; b < body.bones(); ++b) poses_.push_back(body.pose(b));
   if (body.bones() < 2) poses_.assign(1, body.pose());
   const Eigen::VectorXd& q = body.shown();
   return record(track, {q.data(), static_cast<std::size_t>(q.size())}, poses_);

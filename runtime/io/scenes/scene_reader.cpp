@@ -130,20 +130,41 @@ void read_method(TomlKeys& keys, SceneBody& body) {
   keys.read("safety", options.split.safety);
 }
 
-void read_what(TomlKeys& keys, SceneBody& body) {
-  constexpr FrameKind kKinds[] = {FrameKind::kFixed, FrameKind::kDriven, FrameKind::kFree};
-  body.kind = kKinds[keys.read_word("kind", {"fixed", "driven", "free"}, 0)];
+// The model of a body that deforms.
+void read_model(TomlKeys& keys, SceneBody& body) {
   keys.read_path("model", body.model);
   if (!keys.has("model")) keys.fail("model", "it has no key `model`");
   keys.read("made-by", body.made_by);
   keys.read("modes", body.model_options.modes);
   keys.read("linear", body.model_options.linear);
   keys.read("hull", body.model_options.hull);
+}
+
+// The matter of a rigid body. Its shape is read with its contact.
+void read_rigid(TomlKeys& keys, RigidSolid& solid) {
+  keys.read_path("mesh", solid.mesh);
+  if (keys.has("mass")) keys.read("mass", solid.mass.emplace());
+  if (keys.has("density")) keys.read("density", solid.density.emplace());
+  if (keys.has("inertia")) keys.read("inertia", solid.inertia.emplace());
+  if (!keys.has("mesh") && !keys.has("shape"))
+    keys.fail("kind", "a rigid body needs a `shape` or a `mesh`");
+}
+
+void read_what(TomlKeys& keys, SceneBody& body) {
+  constexpr FrameKind kKinds[] = {FrameKind::kFixed, FrameKind::kDriven, FrameKind::kFree,
+                                  FrameKind::kFree};
+  const std::size_t kind = keys.read_word("kind", {"fixed", "driven", "free", "rigid"}, 0);
+  body.kind = kKinds[kind];
+  if (kind == 3)
+    read_rigid(keys, body.rigid.emplace());
+  else
+    read_model(keys, body);
   body.pose = read_pose(keys);
   keys.read("velocity", body.velocity);
   keys.read("spin", body.spin);
   keys.read("acceleration-limit", body.acceleration_limit);
   read_body_contact(keys, body);
+  if (body.rigid && body.rigid->mesh.empty()) body.rigid->shape.swap(body.contact.shape);
   body.settled = keys.read_word("start", {"rest", "static"}, 0) == 1;
   keys.read("probe", body.columns.probes);
   keys.read("coordinate", body.columns.coordinates);

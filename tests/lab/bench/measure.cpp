@@ -73,7 +73,8 @@ Runner make_runner(const Scene& scene, const std::string& integrator, double ste
   const double end = signal_end(spec.load.signal);
   const auto steps =
       static_cast<std::int64_t>(std::ceil((std::isfinite(end) ? end : 0.3) / step - 1e-9)) + 1;
-  while (runner.good && runner.body.steps() < steps) runner.good = runner.body.step().converged;
+  while (runner.good && runner.body.counts().steps < steps)
+    runner.good = runner.body.step().converged;
   runner.start = runner.body.state();
   return runner;
 }

@@ -25,7 +25,8 @@ bool observe(const Body& body, const Energy& energy, Progress& progress, Sampled
     run.bound_left();
     return false;
   }
-  progress.drift.observe(energy.total(), body.work(), body.dissipated(), body.load_to_come());
+  progress.drift.observe(energy.total(), body.sums().work, body.sums().dissipated,
+                         body.load_to_come());
   if (body.load_to_come() || run.energy_reference == 0.0) run.energy_reference = energy.total();
   return true;
 }
@@ -70,8 +71,8 @@ SampledRun run_sampled(const RunSpec& spec) {
   run.drift = progress.drift.worst();
   run.high_band = k == samples ? progress.band_sum / static_cast<double>(progress.band_count)
                                : std::numeric_limits<double>::quiet_NaN();
-  run.iterations_per_step = static_cast<double>(body.iterations()) /
-                            static_cast<double>(std::max<std::int64_t>(body.steps(), 1));
+  run.iterations_per_step = static_cast<double>(body.counts().iterations) /
+                            static_cast<double>(std::max<std::int64_t>(body.counts().steps, 1));
   return run;
 }
 

@@ -63,23 +63,23 @@ Orbit run_orbit(const OrbitSpec& spec) {
       orbit.bound_left();
       break;
     }
-    drift.observe(energy.total(), body.work(), body.dissipated(), body.load_to_come());
+    drift.observe(energy.total(), body.sums().work, body.sums().dissipated, body.load_to_come());
     orbit.total.t.push_back(body.time());
     orbit.total.y.push_back(energy.total());
     orbit.highest_energy = std::max(orbit.highest_energy, energy.total());
     if (lasts || !body.load_to_come()) means.take(energy);
-    if (body.steps() == steps) break;
+    if (body.counts().steps == steps) break;
     const StepReport step = body.step();
     if (!step.converged) {
       orbit.solver_gave_up(step);
       break;
     }
   }
-  orbit.steps = body.steps();
+  orbit.steps = body.counts().steps;
   orbit.reached = body.time();
-  orbit.iterations_per_step = static_cast<double>(body.iterations()) /
-                              static_cast<double>(std::max<std::int64_t>(body.steps(), 1));
-  orbit.cut_steps = body.halved_steps();
+  orbit.iterations_per_step = static_cast<double>(body.counts().iterations) /
+                              static_cast<double>(std::max<std::int64_t>(body.counts().steps, 1));
+  orbit.cut_steps = body.counts().halved;
   orbit.energy_drift = drift.worst();
   store_means(means, orbit);
   thin(orbit.total.t, orbit.total.y, kBuckets);

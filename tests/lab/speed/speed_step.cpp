@@ -26,9 +26,9 @@ struct OurRunner {
 
   void window() {
     if (!body.set_state(start.q, start.p)) return;
-    const std::int64_t before = body.iterations();
+    const std::int64_t before = body.counts().iterations;
     for (int k = 0; k < kWindow; ++k) body.step();
-    iterations = body.iterations() - before;
+    iterations = body.counts().iterations - before;
   }
 };
 

@@ -145,7 +145,7 @@ void measure_default_step(const Model::Pointer& model, SpeedSection& section) {
   section.rows.push_back(microseconds(fmt::format("step of one of {} bodies, {}, r = {}", kBodies,
                                                   options.integrator, model->modes()),
                                       one[0] / kBodies, SpeedRow::kNone,
-                                      "the default: each by itself, h = 3 ms"));
+                                      "the default, double lanes, h = 3 ms"));
   section.rows.push_back(microseconds(
       fmt::format("the same on two threads, {}, r = {}", options.integrator, model->modes()),
       wall[1] / kBodies, wall[0] / kBodies, "wall clock, against one thread"));
@@ -225,8 +225,7 @@ void measure_surfaces(const Model::Pointer& model, const MachineProbe& probe,
                 },
                 [&] { world.step(); },
                 [&] {
-                  for (const Body& body : bodies)
-                    (void)body.surface_positions(std::span<float>(positions));
+                  for (const Body& body : bodies) (void)body.surface(std::span<float>(positions));
                 }},
                1, 60);
   world.update_surfaces();
@@ -249,8 +248,8 @@ SpeedSection measure_world_speed(const Options& options, const MachineProbe& pro
   SpeedSection section;
   section.title = "Many bodies";
   section.text =
-      "Bodies of verlet and imexv-linear step a body a lane: 16 in float or 8 in double share each "
-      "load of a coefficient. Those of other methods, ep4 among them, step each by itself. grad(C "
+      "Bodies of ep4, ep2, avf, verlet and imexv-linear step a body a lane: 16 in float or 8 in "
+      "double share each load of a coefficient. Those of other methods step each by itself. grad(C "
       "+ Q) alone is in the lanes' precision; the state, the linear force and all sums are in "
       "double. The column `textbook` holds here the same work done body by body, or what the note "
       "says.";

@@ -197,7 +197,8 @@ Balance balance_of(ContactBody& body, int count, const Step& step) {
     EXPECT_TRUE(step().converged) << k;
     const double energy = body.energy().total();
     balance.most = std::max(balance.most, energy);
-    balance.worst = std::max(balance.worst, std::abs(energy - body.work() + body.dissipated()));
+    balance.worst =
+        std::max(balance.worst, std::abs(energy - body.sums().work + body.sums().dissipated));
   }
   return balance;
 }
@@ -205,8 +206,8 @@ Balance balance_of(ContactBody& body, int count, const Step& step) {
 // The balance closes to rounding although support and gravity did work.
 inline void expect_balance(const Balance& balance, const ContactBody& body, const char* method) {
   std::printf("%s: balance %.1e of %.3g J\n", method, balance.worst / balance.most, balance.most);
-  EXPECT_GT(std::abs(body.support_work()), 0.1 * balance.most) << method;
-  EXPECT_GT(std::abs(body.gravity_work()), 1e-3 * balance.most) << method;
+  EXPECT_GT(std::abs(body.sums().support), 0.1 * balance.most) << method;
+  EXPECT_GT(std::abs(body.sums().gravity), 1e-3 * balance.most) << method;
   EXPECT_LE(balance.worst, 1e-12 * balance.most) << method;
 }
 

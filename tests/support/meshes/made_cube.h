@@ -39,7 +39,7 @@ inline Model::Pointer made_cube(const std::string& name, const Eigen::Vector3d& 
 
 // Energy of the body and its contact less the energy put in, J.
 inline double balance(const ContactBody& body) {
-  return body.energy().total() - body.work() + body.dissipated();
+  return body.energy().total() - body.sums().work + body.sums().dissipated;
 }
 
 }  // namespace tremolo::testing

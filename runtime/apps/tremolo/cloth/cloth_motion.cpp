@@ -187,8 +187,8 @@ MotionSource cloth_motion(std::vector<ClothFile> files) {
     methods += (methods.empty() ? "`" : "; beside it by `") + scene.integrator + "`";
   }
   const ClothScene& first = files.front().scene;
-  source.told = fmt::format("{:.4g} s in steps of {:.4g} ms by {}", first.duration,
-                            1e3 * first.options.step, methods);
+  source.description = fmt::format("{:.4g} s in steps of {:.4g} ms by {}", first.duration,
+                                   1e3 * first.options.step, methods);
   source.no_modes = "--modes applies only to bodies: a cloth has none";
   source.no_live = "--live applies only to bodies: a page's engine moves no cloth";
   source.record = [files = std::move(files)](const FrameRange& range, bool colliders) {

@@ -86,7 +86,7 @@ Error step_error(const std::string& name, const StepReport& report, double time)
 }
 
 Status step_to(StartedBody& one, std::int64_t step) {
-  while (one.body.steps() < step)
+  while (one.body.counts().steps < step)
     if (const StepReport report = one.body.step(); !report.converged)
       return step_error(one.name(), report, one.body.time());
   return Success{};

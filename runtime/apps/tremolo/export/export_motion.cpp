@@ -314,7 +314,7 @@ Status export_motion(const MotionOutputs& outputs, const MotionSource& source) {
   double left_out = 0.0;
   if (outputs.modes > 0)
     if (Status s = take(left_out, keep_coordinates(motion->animation, outputs.modes)); !s) return s;
-  const Result<Json> files = write_motion_files(outputs, motion->animation, source.told);
+  const Result<Json> files = write_motion_files(outputs, motion->animation, source.description);
   if (!files) return files.error();
   tell_motion(outputs, *motion, left_out);
   if (!outputs.json) {

@@ -27,8 +27,8 @@ MotionSource bodies_motion(std::vector<BodyScene> bodies) {
       methods.push_back(method);
   }
   const Scene& first = bodies.front().file.scene;
-  source.told = fmt::format("{:.4g} s by `{}` in steps of {:.4g} ms", first.duration,
-                            fmt::join(methods, "`, `"), 1e3 * first.step);
+  source.description = fmt::format("{:.4g} s by `{}` in steps of {:.4g} ms", first.duration,
+                                   fmt::join(methods, "`, `"), 1e3 * first.step);
   source.record = [bodies = std::move(bodies)](const FrameRange& range, bool) {
     return animate_bodies(bodies, range);
   };
@@ -41,7 +41,7 @@ MotionSource world_motion(SceneFile file) {
   for (const SceneCollider& collider : file.scene.colliders)
     source.scenery.push_back(collider.name);
   source.inputs = inputs_of(file);
-  source.told =
+  source.description =
       fmt::format("{:.4g} s in steps of {:.4g} ms", file.scene.duration, 1e3 * file.scene.step);
   source.record = [file = std::move(file)](const FrameRange& range, bool colliders) {
     return animate_world(file, range, colliders);

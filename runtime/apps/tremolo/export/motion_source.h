@@ -19,7 +19,7 @@ struct MotionSource {
   std::vector<std::string> names;    // of the deforming bodies, in the order of the recording
   std::vector<std::string> scenery;  // names of the scenery that is recorded with it
   std::vector<NamedFile> inputs;     // files that a run of it reads
-  std::string told;                  // "30 s by `imexv` in steps of 3 ms"
+  std::string description;           // "30 s by `imexv` in steps of 3 ms"
   // Errors of --modes and of --live; empty: the motion supports them.
   std::string no_modes = {}, no_live = {};
   // Runs it. colliders: they are recorded too. Errors: those of the run, and of frame_steps.

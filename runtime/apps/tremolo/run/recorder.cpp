@@ -15,15 +15,15 @@
 namespace tremolo {
 
 void look_at(const Body& body, Moment& moment) {
-  moment.steps = body.steps();
+  moment.steps = body.counts().steps;
   moment.time = body.time();
   moment.state.q = body.state().q;
   moment.state.p.resize(moment.state.q.size());
   body.integrator().synchronized_momentum(body.state(), moment.state.p);
-  moment.work = body.work();
-  moment.dissipated = body.dissipated();
-  moment.iterations = body.iterations();
-  moment.halved_steps = body.halved_steps();
+  moment.work = body.sums().work;
+  moment.dissipated = body.sums().dissipated;
+  moment.iterations = body.counts().iterations;
+  moment.halved_steps = body.counts().halved;
   moment.loaded = body.load_to_come();
   moment.split = body.integrator().split();
   moment.bound = body.energy_bound();
@@ -37,7 +37,7 @@ March::March(Body& body, std::size_t block)
 std::span<const Moment> March::advance(std::int64_t last) {
   std::size_t made = 0;
   const double before = processor_time();
-  while (made < moments_.size() && body_.steps() < last && !failed_) {
+  while (made < moments_.size() && body_.counts().steps < last && !failed_) {
     const StepReport report = body_.step();
     ++tried_;
     if (report.converged)

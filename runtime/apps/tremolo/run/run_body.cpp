@@ -11,22 +11,6 @@
 namespace tremolo {
 namespace {
 
-// The vertices of the scene's load and the force on each.
-Result<DefaultLoad> forces_of(const BodyScene& scene, const Model& model) {
-  const SceneLoad& load = scene.load();
-  if (load.signal.kind == SignalKind::kNone) return DefaultLoad{};
-  if (load.at.empty()) {
-    if (model.default_load().vertices.empty())
-      return usage_error(scene.body().model +
-                         ": the model has no default load; name one with --at and --force, or "
-                         "--load none");
-    return model.default_load();
-  }
-  const Result<std::vector<VertexId>> vertices = vertices_of(load.at, model);
-  if (!vertices) return Error{vertices.error().kind, "--at: " + vertices.error().message};
-  return shared_by_area(*vertices, load.force, model);
-}
-
 // Reduced and scaled; zero without a load.
 Result<Load> reduced_load(const RunInput& input) {
   const SceneLoad& given = input.scene.load();
@@ -68,10 +52,25 @@ Result<Model::Pointer> load_model(const BodyScene& scene) {
   return model;
 }
 
+Result<DefaultLoad> load_of_run(const BodyScene& scene, const Model& model) {
+  const SceneLoad& load = scene.load();
+  if (load.signal.kind == SignalKind::kNone) return DefaultLoad{};
+  if (load.at.empty()) {
+    if (model.default_load().vertices.empty())
+      return usage_error(scene.body().model +
+                         ": the model has no default load; name one with --at and --force, or "
+                         "--load none");
+    return model.default_load();
+  }
+  const Result<std::vector<VertexId>> vertices = vertices_of(load.at, model);
+  if (!vertices) return Error{vertices.error().kind, "--at: " + vertices.error().message};
+  return shared_by_area(*vertices, load.force, model);
+}
+
 Result<RunInput> load_body(const BodyScene& scene) {
   RunInput input{nullptr, scene, {}};
   if (Status s = take(input.model, load_model(scene)); !s) return s.error();
-  if (Status s = take(input.forces, forces_of(scene, *input.model)); !s) return s.error();
+  if (Status s = take(input.forces, load_of_run(scene, *input.model)); !s) return s.error();
   return input;
 }
 

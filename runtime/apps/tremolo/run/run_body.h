@@ -13,15 +13,19 @@ namespace tremolo {
 // The model of the scene's body.
 Result<Model::Pointer> load_model(const BodyScene& scene);
 
+// The vertices of the scene's load and the force on each, unscaled; empty for --load none. Errors:
+// those of selectors; kUsage for a model without a default load where the scene names none.
+Result<DefaultLoad> load_of_run(const BodyScene& scene, const Model& model);
+
 // A body before its run. It must outlive the body that make_body() makes of it.
 struct RunInput {
   Model::Pointer model;
   BodyScene scene;
-  DefaultLoad forces;  // of --at and --force, else the model's, N, unscaled; none for --load none
+  DefaultLoad forces;  // load_of_run()
 };
 
-// Loads the model and finds the vertices of the load. Errors: those of load_model() and of
-// selectors; kUsage for a model without a default load where the scene names none.
+// Loads the model and finds the vertices of the load. Errors: those of load_model() and
+// load_of_run().
 Result<RunInput> load_body(const BodyScene& scene);
 
 // Makes the body with its load in the state of --start. Errors of Body::create and Body::add_load,

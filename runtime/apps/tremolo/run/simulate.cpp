@@ -56,7 +56,7 @@ Result<bool> follow(Body& body, std::int64_t steps, const RunLinks& links, Watch
   if (!inside || !*inside) return inside;
   March march(body, kBlock);
   auto flushed = std::chrono::steady_clock::now();
-  while (body.steps() < steps && !march.failed()) {
+  while (body.counts().steps < steps && !march.failed()) {
     for (const Moment& moment : march.advance(steps)) {
       inside = watch.observe(moment);
       if (!inside || !*inside) break;

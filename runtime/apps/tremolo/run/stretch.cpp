@@ -61,7 +61,7 @@ SurfaceStretch::SurfaceStretch(const Model& model)
 
 StretchRange SurfaceStretch::measure(const Body& body) {
   StretchRange range;
-  if (!body.boundary_positions(positions_)) return range;
+  if (!body.surface_positions(positions_, SurfaceKind::kBoundary)) return range;
   double smallest = 1.0, largest = 1.0;  // squared
   const auto position = [&](VertexId vertex) {
     return Eigen::Vector3d::Map(positions_.data() + 3 * std::ptrdiff_t{vertex});

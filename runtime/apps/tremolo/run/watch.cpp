@@ -17,7 +17,7 @@ namespace {
 std::int64_t steps_between_shapes(const Body& body) {
   constexpr std::int64_t kLeast = 10;
   const double slowest = std::sqrt(std::max(body.model().lambda()(0), 0.0));  // rad/s
-  const double steps = 2 * std::numbers::pi / 40 / slowest / body.step_size();
+  const double steps = 2 * std::numbers::pi / 40 / slowest / body.options().step;
   return steps < 1e6 ? std::max(kLeast, static_cast<std::int64_t>(steps)) : kLeast;
 }
 
@@ -32,9 +32,9 @@ std::string why_out_of_bound(double time, double energy) {
 // Any method without a momentum of its own kind will do: the copy is never stepped.
 Result<Body> make_seen(const Body& body, const SplitOptions& split) {
   IntegratorOptions settings;
-  settings.step = body.step_size();
+  settings.step = body.options().step;
   settings.split = split;
-  return Body::create(body.model_pointer(), "verlet", settings);
+  return Body::create(body.model().shared_from_this(), "verlet", settings);
 }
 
 // Between samples of the sound, s.

@@ -30,7 +30,7 @@ std::string unstable_place(const Body& body, const VectorXd& q, const char* wher
   const double stiffness = explicit_stiffness(body, q);
   if (!(stiffness > 4.0)) return {};
   return fmt::format("{} its explicit half is stable up to a step of {:.3g} s", where,
-                     body.step_size() * 2.0 / std::sqrt(stiffness));
+                     body.options().step * 2.0 / std::sqrt(stiffness));
 }
 
 std::string note_on_explicit_half(const Body& body, const VectorXd& load) {
@@ -52,7 +52,7 @@ std::string note_on_explicit_half(const Body& body, const VectorXd& load) {
   return fmt::format(
       "{} takes {} coordinates explicitly, and {}, not {:.3g} s: deformation has stiffened them. "
       "The run will probably break off; ep4 holds, imexv-adaptive too",
-      method, body.integrator().split()->low, unstable, body.step_size());
+      method, body.integrator().split()->low, unstable, body.options().step);
 }
 
 }  // namespace
@@ -73,13 +73,14 @@ double explicit_stiffness(const Body& body, const VectorXd& q) {
   if (rows == 0) return 0.0;
   const MatrixXd block = at.tangent.topLeftCorner(rows, rows);
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(block, Eigen::EigenvaluesOnly);
-  const double h = body.step_size();
+  const double h = body.options().step;
   return h * h * std::max(0.0, eigen.eigenvalues().maxCoeff());
 }
 
 std::vector<std::string> notes_before(const Body& body, const VectorXd& load) {
   std::vector<std::string> notes;
-  if (body.beta() > 0.0 && !body.model().potential().linear() && !body.model().has_strain_gram())
+  if (body.options().beta > 0.0 && !body.model().potential().linear() &&
+      !body.model().has_strain_gram())
     notes.push_back(
         "the model has no Gram matrix of its strains (an imported model, or a file made before "
         "version 1.4): beta damps it by the positive part of its tangent stiffness; "

@@ -28,28 +28,28 @@ Result<State> start_state(const std::string& text, const Model& model,
                           const Eigen::VectorXd& force) {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(model.modes());
   if (text.empty()) return State{zero, zero};
-  const auto told = [&text](Error error) {
+  const auto with_text = [&text](Error error) {
     error.message = "--start " + text + ": " + error.message;
     return error;
   };
   if (text == kStaticStart) {
     if (force.isZero(0.0))
-      return told(
+      return with_text(
           content_error("no load acts at t = 0 (a sine begins with zero): the body would stand in "
                         "its rest shape"));
     const Result<Eigen::VectorXd> q = standing_shape(model.potential(), force);
-    if (!q) return told(q.error());
+    if (!q) return with_text(q.error());
     return State{*q, zero};
   }
   if (const auto displacement = start_displacement(text)) {
     const Result<Eigen::VectorXd> q = displaced_shape(*displacement, model);
-    if (!q) return told(q.error());
+    if (!q) return with_text(q.error());
     return State{*q, zero};
   }
   const StartRow row = start_row(text);
   std::error_code ignored;
   if (!std::filesystem::exists(row.path, ignored) && text.find('=') != std::string::npos)
-    return told(
+    return with_text(
         usage_error("expected VERTEX|SELECTOR=X,Y,Z, three finite numbers in m, static, or "
                     "a file of rows; there is no such file"));
   const Result<std::string> csv = read_whole_file(row.path);

@@ -136,8 +136,8 @@ MotionSource tets_motion(TetScene scene) {
   for (const TetSceneBody& body : scene.bodies) source.names.push_back(body.name);
   for (const SceneCollider& collider : scene.colliders) source.scenery.push_back(collider.name);
   source.inputs = inputs_of(scene);
-  source.told = fmt::format("{:.4g} s of {} bodies of tetrahedra in steps of {:.4g} ms",
-                            scene.duration, scene.bodies.size(), 1e3 * scene.step);
+  source.description = fmt::format("{:.4g} s of {} bodies of tetrahedra in steps of {:.4g} ms",
+                                   scene.duration, scene.bodies.size(), 1e3 * scene.step);
   source.no_modes = "--modes applies only to bodies with a basis: tetrahedra have none";
   source.no_live =
       "--live applies only to bodies with a basis: a page's engine moves no tetrahedra";

@@ -58,7 +58,7 @@ struct TouchForces {
 TouchForces touch_forces(const SceneWorld& world, std::size_t body) {
   TouchForces forces;
   const ContactBody& known = world.body(body);
-  forces.contact = known.contact_account().impulse_vector / known.step_size();
+  forces.contact = known.contact_account().impulse_vector / known.options().step;
   for (const Grip& grip : known.grips()) forces.hands += grip.force;
   return forces;
 }
@@ -171,7 +171,7 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
                 account.restitution,
                 account.hand,
                 account.contact,
-                body.contact_account().impulse / body.step_size(),
+                body.contact_account().impulse / body.options().step,
                 account.joint,
                 touching.contact.x(),
                 touching.contact.y(),
@@ -237,9 +237,9 @@ Status BodyLog::finish(const SceneWorld& world) {
   report_.end = place_of(world, body_);
   report_.account = world.account(body_);
   report_.high_band_final = body.energy().high_band;
-  report_.steps = body.steps();
-  report_.iterations = body.iterations();
-  report_.halved_steps = body.halved_steps();
+  report_.steps = body.counts().steps;
+  report_.iterations = body.counts().iterations;
+  report_.halved_steps = body.counts().halved;
   report_.penetration_max = world.penetration_max(body_);
   report_.contact_speed_max = world.contact_speed_max(body_);
   report_.passed_through = world.passed_through(body_);

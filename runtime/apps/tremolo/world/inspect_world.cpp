@@ -10,7 +10,8 @@ namespace {
 
 Result<std::vector<Eigen::Vector3d>> boundary_of(const Body& body) {
   std::vector<double> numbers(3 * body.model().surface().rest.size());
-  if (Status s = body.boundary_positions(std::span<double>(numbers)); !s) return s.error();
+  if (Status s = body.surface_positions(std::span<double>(numbers), SurfaceKind::kBoundary); !s)
+    return s.error();
   std::vector<Eigen::Vector3d> places;
   for (std::size_t v = 0; v < numbers.size(); v += 3) places.emplace_back(numbers.data() + v);
   return places;
@@ -20,6 +21,7 @@ Result<PlacedBody> placed(const std::string& name, const std::string& kind,
                           const std::string& model, const Body& body) {
   PlacedBody place{name, kind, model, body.pose(), {}, {}};
   if (Status s = take(place.surface, boundary_of(body)); !s) return s.error();
+  if (body.model().modes() == 0) return place;
   const double first = hertz(body.model().lambda()(0));
   if (first > 0.0) place.first_mode = first;
   return place;
@@ -41,7 +43,7 @@ Result<ScenePlaces> places_of(const SceneFile& file) {
   for (std::size_t i = 0; i < world->size(); ++i) {
     const SceneBody& wanted = file.scene.bodies[i];
     Result<PlacedBody> body =
-        placed(wanted.name, kind_name(wanted.kind), wanted.model, world->body(i));
+        placed(wanted.name, kind_name(wanted), solid_name(wanted), world->body(i));
     if (!body) return body.error();
     warn_of_step(*body, places.step, places);
     places.bodies.push_back(std::move(*body));

@@ -69,9 +69,9 @@ Json json_causes(const EnergyAccount& account) {
 Json body_json(const SceneBody& body, const BodyReport& report, double step) {
   Json json;
   json["body"] = body.name;
-  json["model"] = body.model;
+  json["model"] = solid_name(body);
   json["integrator"] = body.integrator;
-  json["kind"] = kind_name(body.kind);
+  json["kind"] = kind_name(body);
   json["steps"] = report.steps;
   json["reached"] = static_cast<double>(report.steps) * step;
   json["iterations_per_step"] =
@@ -173,6 +173,7 @@ void add_step_warnings(const Scene& scene, const SceneWorld& world, Warnings& wa
     const Model& model = world.body(i).model();
     if (std::find(seen.begin(), seen.end(), &model) != seen.end()) continue;
     seen.push_back(&model);
+    if (model.modes() == 0) continue;
     const std::string warning =
         step_warning(hertz(model.lambda()(0)), world.step_size(),
                      "body '" + scene.bodies[i].name + "': its ", "a step of ");
@@ -319,7 +320,7 @@ void print_bodies(const SceneFile& file, const SceneWorld& world,
     const BodyReport& report = logs[i].report();
     const EnergyAccount& account = report.account;
     tell("  {} ({}, {}): energy {:.6g} -> {:.6g} J; ", file.scene.bodies[i].name,
-         kind_name(file.scene.bodies[i].kind), file.scene.bodies[i].integrator, account.at_start,
+         kind_name(file.scene.bodies[i]), file.scene.bodies[i].integrator, account.at_start,
          account.total());
     tell("load {:.4g}, support {:.4g}, gravity {:.4g}, damping {:.4g} J; balance to {:.1e}\n",
          account.load, account.support, account.gravity, account.damping, report.balance_error());
@@ -382,7 +383,7 @@ Result<SceneWorld> make_world(SceneFile& file) {
   if (file.outputs.sound_steps == 1) return world;
   file.scene.step /= file.outputs.sound_steps;
   return SceneWorld::create(file.scene, [&world](const SceneBody& body) {
-    return Result<Model::Pointer>(world->body(*world->find(body.name)).model_pointer());
+    return Result<Model::Pointer>(world->body(*world->find(body.name)).model().shared_from_this());
   });
 }
 
@@ -440,9 +441,15 @@ Result<WorldRun> run_world(SceneFile file, unsigned threads) {
 
 }  // namespace
 
-const char* kind_name(FrameKind kind) {
-  if (kind == FrameKind::kFree) return "free";
-  return kind == FrameKind::kDriven ? "driven" : "fixed";
+const char* kind_name(const SceneBody& body) {
+  if (body.rigid) return "rigid";
+  if (body.kind == FrameKind::kFree) return "free";
+  return body.kind == FrameKind::kDriven ? "driven" : "fixed";
+}
+
+std::string solid_name(const SceneBody& body) {
+  if (!body.rigid) return body.model;
+  return body.rigid->shape ? shape_name(*body.rigid->shape) : body.rigid->mesh;
 }
 
 std::vector<NamedFile> inputs_of(const Scene& scene) {
@@ -456,6 +463,7 @@ std::vector<NamedFile> inputs_of(const Scene& scene) {
   };
   for (const SceneBody& body : scene.bodies) {
     add(body.model, "a basis file");
+    if (body.rigid) add(body.rigid->mesh, "a body's mesh");
     add(body.shape_file, "a body's shape");
     for (const SceneLoad& load : body.loads) add_ids(load.at, "a load");
     for (const std::string& probe : body.columns.probes) add_ids(probe, "a probe");

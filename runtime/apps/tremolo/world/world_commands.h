@@ -19,8 +19,10 @@ namespace tremolo {
 Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
                    SceneFile& file);
 
-// "fixed", "driven" or "free".
-const char* kind_name(FrameKind kind);
+// "fixed", "driven", "free" or "rigid".
+const char* kind_name(const SceneBody& body);
+// The file of the model or the mesh, or the name of a rigid body's shape.
+std::string solid_name(const SceneBody& body);
 
 // The files that a run of the scene reads; of the scene alone: those that its parts name.
 std::vector<NamedFile> inputs_of(const Scene& scene);

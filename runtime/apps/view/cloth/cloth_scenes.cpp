@@ -52,7 +52,7 @@ Result<ClothFile> read_cloth_file(const std::string& file, const ViewFlags& flag
   if (!text) return text.error();
   Result<ClothFile> read = parse_cloths(*text, file);
   if (!read) return read.error();
-  if (Status s = apply_cloth_flags(flags.flags, flags.told, *read); !s) return s.error();
+  if (Status s = apply_cloth_flags(flags.flags, flags.given, *read); !s) return s.error();
   return read;
 }
 
@@ -135,7 +135,7 @@ Pose ClothScenes::pose(std::size_t solid) const {
   return pose;
 }
 
-std::vector<std::string> ClothScenes::told() const {
+std::vector<std::string> ClothScenes::panel_lines() const {
   std::vector<std::string> lines;
   for (const Shown& shown : shown_) {
     const ClothEnergy energy = shown.world.energy();

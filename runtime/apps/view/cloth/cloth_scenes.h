@@ -73,7 +73,7 @@ class ClothScenes : public MovingSurfaces {
   // Errors: those of ClothWorld::step and create.
   Status step() override;
   Status begin_again() override;
-  std::vector<std::string> told() const override;
+  std::vector<std::string> panel_lines() const override;
   // The hand holds the particle nearest to where the ray first meets a cloth.
   bool take(const CameraRay& ray) override;
   void move_to(const Eigen::Vector3d& point) override;

@@ -19,7 +19,7 @@ std::vector<Keyframe>& keys_of(Motion& motion) {
 // True for keys whose value is a file name relative to the scene's folder.
 bool names_file(std::string_view key, const toml::node& node) {
   if (!node.is_string()) return false;
-  for (const char* known : {"model", "file", "signal", "bone-weights", "gravity"})
+  for (const char* known : {"model", "mesh", "file", "signal", "bone-weights", "gravity"})
     if (key == known) return true;
   return false;
 }

@@ -96,7 +96,7 @@ Result<Eigen::VectorXd> push_at_start(const SceneBody& wanted, const ContactBody
     const Result<DefaultLoad> forces = forces_of(load, body.model());
     if (!forces) return forces.error();
     const Result<Eigen::VectorXd> reduced =
-        reduce_load(body.model(), *forces, sample_signal(signal, 0.0, body.step_size()).start);
+        reduce_load(body.model(), *forces, sample_signal(signal, 0.0, body.options().step).start);
     if (!reduced) return reduced.error();
     push += *reduced;
   }
@@ -127,8 +127,8 @@ Status LiveWorld::begin_again(ModelCache& models) {
   for (std::size_t i = 0; i < world_->size(); ++i) {
     SceneBody& body = viewed_.scene.bodies[i];
     body.integrator = world_->body(i).integrator().name();
-    body.options.alpha = world_->body(i).alpha();
-    body.options.beta = world_->body(i).beta();
+    body.options.alpha = world_->body(i).options().alpha;
+    body.options.beta = world_->body(i).options().beta;
   }
   return begin(models);
 }

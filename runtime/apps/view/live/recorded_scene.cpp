@@ -85,8 +85,8 @@ void say_method(const LiveWorld& live, std::size_t i, toml::table& table) {
   table.insert_or_assign("integrator", std::string(body.integrator().name()));
   // Values that the scene changes in time keep the scene's keys.
   const SceneBody& wanted = live.viewed().scene.bodies[i];
-  if (wanted.alphas.empty()) table.insert_or_assign("alpha", body.alpha());
-  if (wanted.betas.empty()) table.insert_or_assign("beta", body.beta());
+  if (wanted.alphas.empty()) table.insert_or_assign("alpha", body.options().alpha);
+  if (wanted.betas.empty()) table.insert_or_assign("beta", body.options().beta);
 }
 
 Result<toml::table> begun_table(const LiveWorld& live, const fs::path& folder) {

@@ -65,7 +65,7 @@ Result<ViewedScene> single_bodies(const std::string& text, const std::string& fi
   if (!tables) return tables.error();
   std::vector<BodyScene> bodies;
   for (RunOptions& table : *tables) {
-    put_over(flags.flags, flags.told, table);
+    put_over(flags.flags, flags.given, table);
     Result<BodyScene> body = body_scene(table);
     if (!body) return body.error();
     bodies.push_back(std::move(*body));
@@ -80,7 +80,7 @@ Result<ViewedScene> basis_file(const std::string& file, const ViewFlags& flags) 
   options.name = fs::path(file).stem().string();
   Result<BodyScene> body = body_scene(options);
   if (!body) return body.error();
-  if (options.at.empty() && !flags.told("--load") && options.signal.empty()) {
+  if (options.at.empty() && !flags.given("--load") && options.signal.empty()) {
     const Result<Model::Pointer> model = load_model(*body);
     if (!model) return model.error();
     if ((*model)->default_load().vertices.empty()) body->load().signal.kind = SignalKind::kNone;
@@ -99,7 +99,7 @@ Result<ViewedScene> read_viewed_scene(const std::string& file, const ViewFlags& 
   if (!*world) return single_bodies(*text, file, flags);
   Result<SceneFile> read = parse_world(*text, file);
   if (!read) return read.error();
-  if (Status s = apply_flags(flags.flags, flags.told, *read); !s) return s.error();
+  if (Status s = apply_flags(flags.flags, flags.given, *read); !s) return s.error();
   return ViewedScene{file, std::move(*text), read->scene,
                      std::vector<std::string>(read->scene.bodies.size()), inputs_of(*read)};
 }

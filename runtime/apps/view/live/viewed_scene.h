@@ -28,8 +28,8 @@ struct ViewedScene {
 
 // The command line.
 struct ViewFlags {
-  RunOptions flags;                       // as parsed
-  std::function<bool(const char*)> told;  // whether a flag, by its long name, was given
+  RunOptions flags;                        // as parsed
+  std::function<bool(const char*)> given;  // whether a flag, by its long name, was given
 };
 
 // A single body, of a basis file or of a scene without [[bodies]], keeps its load; without --load,

@@ -1,4 +1,4 @@
-// What `tremolo view` is told, and the two ways in which it shows: a window, pictures without a
+// The flags of `tremolo view`, and the two ways in which it shows: a window, pictures without a
 // display.
 #pragma once
 

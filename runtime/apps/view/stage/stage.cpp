@@ -131,7 +131,7 @@ void Stage::add_body(const Body& body, const Vector3f& colour,
   const DrawnSurface drawn = body.model().drawn();
   const RenderBlock* render = body.model().render();
   StagedBody staged;
-  staged.model = body.model_pointer();
+  staged.model = body.model().shared_from_this();
   staged.colour = colour;
   staged.own_frame = body.bones() == 0;
   // Sorts the triangles by material.

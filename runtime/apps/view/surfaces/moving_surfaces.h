@@ -60,7 +60,7 @@ class MovingSurfaces {
   // Restarts from the beginning.
   virtual Status begin_again() = 0;
   // Lines for the window's panel.
-  virtual std::vector<std::string> told() const = 0;
+  virtual std::vector<std::string> panel_lines() const = 0;
 
   // The user's hand. take() grabs the first thing that the ray hits; false if it hits nothing or
   // something that cannot be grabbed. The hand moves from the next step on. hand(): its position;

@@ -229,7 +229,7 @@ class SurfaceViewer {
 
   void build_panel() {
     ImGui::Begin("scene");
-    for (const std::string& line : scenes_.told()) ImGui::TextUnformatted(line.c_str());
+    for (const std::string& line : scenes_.panel_lines()) ImGui::TextUnformatted(line.c_str());
     ImGui::Text("%.2f s%s", scenes_.time(), paused_ ? ", paused" : "");
     build_methods();
     ImGui::Text("left: pull; right: turn; space, . , R, F, W%s",

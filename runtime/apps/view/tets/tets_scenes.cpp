@@ -114,7 +114,7 @@ Status TetsScenes::step() {
   return Success{};
 }
 
-std::vector<std::string> TetsScenes::told() const {
+std::vector<std::string> TetsScenes::panel_lines() const {
   const TetGroup& group = *bodies_.group;
   double share = 0.0;
   for (std::size_t i = 0; i < group.size(); ++i)
@@ -183,7 +183,7 @@ Result<int> view_tets(const ViewerOptions& options, const ViewFlags& flags) {
   if (!text) return text.error();
   Result<TetScene> scene = parse_tets_scene(*text, options.file);
   if (!scene) return scene.error();
-  if (Status s = apply_tets_flags(flags.flags, "", flags.told, *scene); !s) return s.error();
+  if (Status s = apply_tets_flags(flags.flags, "", flags.given, *scene); !s) return s.error();
   const std::vector<NamedFile> inputs = inputs_of(*scene);
   Result<TetsScenes> scenes = TetsScenes::create(std::move(*scene), options.colour == "degree");
   if (!scenes) return scenes.error();

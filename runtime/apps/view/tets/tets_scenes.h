@@ -36,7 +36,7 @@ class TetsScenes : public MovingSurfaces {
   // kSolver: bodies whose step failed, and those in contact with them, keep their state.
   Status step() override;
   Status begin_again() override;
-  std::vector<std::string> told() const override;
+  std::vector<std::string> panel_lines() const override;
   // The vertex of the drawn surface that is nearest to where the ray first meets it is taken, and
   // pulled by suitable springs (tet_hand.h).
   bool take(const CameraRay& ray) override;

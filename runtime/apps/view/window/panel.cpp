@@ -235,9 +235,10 @@ PanelState first_panel(const LiveWorld& live, double rate) {
   state.rate = static_cast<float>(rate);
   state.step_ms = static_cast<float>(1e3 * live.world().step_size());
   const Body& body = live.world().body(0);
-  state.alpha = static_cast<float>(body.alpha());
-  state.log_beta =
-      body.beta() > 0.0 ? static_cast<float>(std::max(-7.0, std::log10(body.beta()))) : -7.0f;
+  state.alpha = static_cast<float>(body.options().alpha);
+  state.log_beta = body.options().beta > 0.0
+                       ? static_cast<float>(std::max(-7.0, std::log10(body.options().beta)))
+                       : -7.0f;
   const SceneGravity& gravity = live.viewed().scene.gravity;
   state.gravity_is_ours = gravity.values.size() < 2;
   for (const SceneBody& wanted : live.viewed().scene.bodies)

@@ -102,6 +102,7 @@ MadeIntegrator make_integrator(std::string_view name, Model::Pointer model,
   for (const Entry& entry : kEntries) {
     if (entry.name != name) continue;
     if (Status status = check_options(wanted); !status) return status.error();
+    if (model->modes() == 0) return make_rigid_step(entry.name, wanted);
     // For a linear model the solution that ep4 approximates is known.
     if (entry.name == "ep4" && model->potential().linear() && !wanted.moving_frame)
       return make_exact_linear(entry.name, std::move(model), wanted);

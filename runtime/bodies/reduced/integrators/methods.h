@@ -42,4 +42,7 @@ MadeIntegrator make_imexv_coupled(Model::Pointer model, const IntegratorOptions&
 IntegratorPointer make_exact_linear(std::string_view name, Model::Pointer model,
                                     const IntegratorOptions& options);
 
+// name: returned by Integrator::name(). For a model without coordinates, whose frame is free.
+IntegratorPointer make_rigid_step(std::string_view name, const IntegratorOptions& options);
+
 }  // namespace tremolo

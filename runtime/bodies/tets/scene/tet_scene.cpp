@@ -89,7 +89,7 @@ Result<TetsBodies> make_tets_bodies(const TetBodiesScene& scene) {
   std::vector<TetContact> contacts;
   std::vector<double> frictions;
   for (const TetSceneBody& wanted : scene.bodies) {
-    const auto told = [&](const Error& error) {
+    const auto with_name = [&](const Error& error) {
       const std::string file = scene.path.empty() ? "" : scene.path + ": ";
       return Error{error.kind, file + "body '" + wanted.name + "': " + error.message};
     };
@@ -97,12 +97,12 @@ Result<TetsBodies> make_tets_bodies(const TetBodiesScene& scene) {
                               [&](const TetsKind& kind) { return kind.path == wanted.model; });
     if (found == made.kinds.end()) {
       Result<TetsKind> kind = read_tets_kind(wanted);
-      if (!kind) return told(kind.error());
+      if (!kind) return with_name(kind.error());
       found = made.kinds.insert(made.kinds.end(), std::move(*kind));
     }
     Result<TetBody> body = TetBody::create(found->model, wanted.options);
-    if (!body) return told(body.error());
-    if (Status s = place_tets_body(wanted, *body); !s) return told(s.error());
+    if (!body) return with_name(body.error());
+    if (Status s = place_tets_body(wanted, *body); !s) return with_name(s.error());
     made.kind_of.push_back(static_cast<std::size_t>(found - made.kinds.begin()));
     bodies.push_back(std::move(*body));
     contacts.emplace_back(found->hull, tets_obstacles(scene, wanted), wanted.creep);

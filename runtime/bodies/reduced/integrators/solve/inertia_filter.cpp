@@ -77,7 +77,9 @@ Polynomial denominator(const FilterShape& shape) {
   return {1.0, b1, shape.a2 + b1 / 3.0 + 1.0 / 45.0};
 }
 
-FilterFractions make_fractions(const FilterShape& shape) {
+}  // namespace
+
+FilterFractions filter_fractions(const FilterShape& shape) {
   const Polynomial above = numerator(shape), below = denominator(shape);
   FilterFractions fractions;
   fractions.limit = above[2] / below[2];
@@ -102,8 +104,6 @@ FilterFractions make_fractions(const FilterShape& shape) {
   return fractions;
 }
 
-}  // namespace
-
 double filter_value(const FilterShape& shape, double z) {
   return (value(numerator(shape), z) / value(denominator(shape), z)).real();
 }
@@ -116,7 +116,7 @@ double filter_slope(const FilterShape& shape, double z, double y) {
 }
 
 RationalFilter::RationalFilter(Eigen::Index size, const FilterShape& shape)
-    : RationalFilter(size, make_fractions(shape)) {}
+    : RationalFilter(size, filter_fractions(shape)) {}
 
 RationalFilter::RationalFilter(Eigen::Index size, const FilterFractions& fractions)
     : tridiagonal_(size), fractions_(fractions), resolvents_(size, fractions.poles) {}
@@ -177,7 +177,7 @@ InertiaDamping make_inertia_damping(const Model& model, const IntegratorOptions&
   const Index r = model.modes();
   InertiaDamping damping;
   damping.D = damping_rates(model.lambda(), options.alpha, options.beta);
-  damping.present = damping.D.maxCoeff() > 0.0;
+  damping.present = r > 0 && damping.D.maxCoeff() > 0.0;
   damping.z = (0.25 * h * h) * model.lambda();
   if (!model.potential().linear()) damping.strain = 2.0 * options.beta / h;
   for (VectorXd* v : {&damping.theta, &damping.n, &damping.shift, &damping.g, &damping.slope})
@@ -198,23 +198,27 @@ InertiaDamping make_inertia_damping(const Model& model, const IntegratorOptions&
   return damping;
 }
 
+DampedJacobian make_damped_jacobian(const InertiaDamping& damping) {
+  const VectorXd& z = damping.z;
+  const Index r = z.size();
+  DampedJacobian jacobian{false, damping.slope, Eigen::MatrixXd(r, r)};
+  const VectorXd weight = damping.n.cwiseProduct(damping.g.cwiseInverse());
+  for (Index j = 0; j < r; ++j)
+    for (Index i = 0; i < r; ++i)
+      jacobian.factors(i, j) =
+          1.0 + damping.strain + filter_slope(kRobustShape, z[i], z[j]) * (weight[i] + weight[j]);
+  const Eigen::ArrayXd undamped = (damping.n - damping.shift).array().square();
+  const Eigen::ArrayXd change = (jacobian.slope.array() - undamped).abs() / (undamped + z.array());
+  jacobian.strong = change.maxCoeff() > kStrongDamping;
+  jacobian.slope.array() += (1.0 - jacobian.factors.diagonal().array()) * z.array();
+  return jacobian;
+}
+
 DampedMatrixFilter::DampedMatrixFilter(const InertiaDamping& damping)
     : shift_(damping.shift),
       shifted_(shift_),
-      slope_(damping.slope),
-      factors_(shift_.size(), shift_.size()),
+      jacobian_(make_damped_jacobian(damping)),
       filter_(shift_.size(), kRobustShape),
-      factor_(shift_.size()) {
-  const VectorXd& z = damping.z;
-  const VectorXd weight = damping.n.cwiseProduct(damping.g.cwiseInverse());
-  for (Index j = 0; j < shift_.size(); ++j)
-    for (Index i = 0; i < shift_.size(); ++i)
-      factors_(i, j) =
-          1.0 + damping.strain + filter_slope(kRobustShape, z[i], z[j]) * (weight[i] + weight[j]);
-  const Eigen::ArrayXd undamped = (damping.n - damping.shift).array().square();
-  const Eigen::ArrayXd change = (slope_.array() - undamped).abs() / (undamped + z.array());
-  strong_ = change.maxCoeff() > kStrongDamping;
-  slope_.array() += (1.0 - factors_.diagonal().array()) * z.array();
-}
+      factor_(shift_.size()) {}
 
 }  // namespace tremolo

@@ -65,6 +65,8 @@ struct FilterFractions {
   ComplexLanes of_inverse;
 };
 
+FilterFractions filter_fractions(const FilterShape& shape);
+
 class RationalFilter {
  public:
   RationalFilter(Eigen::Index size, const FilterShape& shape);
@@ -123,6 +125,16 @@ struct InertiaDamping {
 InertiaDamping make_inertia_damping(const Model& model, const IntegratorOptions& options,
                                     InertiaWeight at_rest);
 
+// J of ep4 with damping, to first order in Z less its value at rest, diag(z): factors times Z,
+// entry by entry, plus the diagonal `slope`. The factors are derivatives of N S N/2 (filter_slope).
+struct DampedJacobian {
+  bool strong = false;  // damping changes J by more than a correction can leave to the next
+  Eigen::VectorXd slope;
+  Eigen::MatrixXd factors;  // r x r, symmetric
+};
+
+DampedJacobian make_damped_jacobian(const InertiaDamping& damping);
+
 // N diagonal and fixed; J, damping included, by Cholesky. W is the identity.
 class DiagonalFilter {
  public:
@@ -164,8 +176,7 @@ class MatrixFilter : public RationalFilter {
 };
 
 // N = N(Z) plus the shift of each damped coordinate. W is the identity. Where damping changes J
-// little, J is that without damping; else it is of first order in Z less its value at rest,
-// diag(z), where the derivative of N S N/2 is a factor for each entry (filter_slope).
+// little, J is that without damping; else it is a DampedJacobian.
 class DampedMatrixFilter {
  public:
   static constexpr bool kFollowsTheState = true;
@@ -174,9 +185,9 @@ class DampedMatrixFilter {
 
   bool compute(Eigen::MatrixXd& Z) {
     filter_.compute(Z);
-    if (!strong_) return true;
-    Z.array() *= factors_.array();
-    Z.diagonal() += slope_;
+    if (!jacobian_.strong) return true;
+    Z.array() *= jacobian_.factors.array();
+    Z.diagonal() += jacobian_.slope;
     return factor_.compute(Z);
   }
   void to_basis(Eigen::VectorXd&) const {}
@@ -189,7 +200,7 @@ class DampedMatrixFilter {
     x += shifted_;
   }
   void solve(Eigen::VectorXd& x) {
-    if (strong_) return factor_.solve(x);
+    if (jacobian_.strong) return factor_.solve(x);
     filter_.to_basis(x);
     filter_.solve(x);
     filter_.from_basis(x);
@@ -204,9 +215,7 @@ class DampedMatrixFilter {
  private:
   Eigen::VectorXd shift_;
   Eigen::VectorXd shifted_;
-  bool strong_ = false;
-  Eigen::VectorXd slope_;    // J at rest less factors_ Z at rest, its diagonal
-  Eigen::MatrixXd factors_;  // r x r, symmetric
+  DampedJacobian jacobian_;
   RationalFilter filter_;
   SmallCholesky factor_;
 };

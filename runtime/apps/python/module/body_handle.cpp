@@ -1,0 +1,102 @@
+#include "runtime/apps/python/module/body_handle.h"
+
+#include <cstring>
+#include <utility>
+
+namespace tremolo::python {
+
+BodyHandle::BodyHandle(PyModelPointer model, BodyOptions options, ContactBody body)
+    : model_(std::move(model)),
+      own_(std::move(body)),
+      body_(&*own_),
+      used_(&own_used_),
+      options_(std::move(options)),
+      state_({py::ssize_t{2}, static_cast<py::ssize_t>(body_->model().modes())}) {
+  pull_state();
+}
+
+BodyHandle::BodyHandle(PyModelPointer model, std::shared_ptr<void> world, ContactBody& body,
+                       std::atomic<bool>& used)
+    : model_(std::move(model)),
+      world_(std::move(world)),
+      body_(&body),
+      used_(&used),
+      state_({py::ssize_t{2}, static_cast<py::ssize_t>(body.model().modes())}) {
+  pull_state();
+}
+
+void BodyHandle::refuse_in_world(const char* what) const {
+  if (in_world()) raise(usage_error(std::string("the body belongs to a world: ") + what));
+}
+
+void BodyHandle::push_state() {
+  const State& state = body_->state();
+  const Eigen::Index r = state.q.size();
+  const double* q = state_.data();
+  const double* p = q + r;
+  const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(r);
+  if (std::memcmp(q, state.q.data(), bytes) == 0 && std::memcmp(p, state.p.data(), bytes) == 0)
+    return;
+  const Status set = body_->set_state(Eigen::Map<const Eigen::VectorXd>(q, r),
+                                      Eigen::Map<const Eigen::VectorXd>(p, r));
+  if (set) return;
+  pull_state();
+  raise(set.error());
+}
+
+void BodyHandle::pull_state() {
+  const State& state = body_->state();
+  const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(state.q.size());
+  double* q = state_.mutable_data();
+  std::memcpy(q, state.q.data(), bytes);
+  std::memcpy(q + state.q.size(), state.p.data(), bytes);
+}
+
+py::array BodyHandle::view_of(py::ssize_t row) {
+  return py::array_t<double>(state_.shape(1), state_.mutable_data() + row * state_.shape(1),
+                             state_);
+}
+
+void BodyHandle::add_load(const BodyLoad& load) {
+  BodyLoad kept = load;
+  kept.signal.table = kept.table.get();
+  if (const auto* reduced = std::get_if<Eigen::VectorXd>(&kept.force))
+    check(body_->add_load(Load{kept.signal, *reduced}));
+  else if (const auto* forces = std::get_if<DefaultLoad>(&kept.force))
+    check(body_->add_load(kept.signal, *forces));
+  else
+    check(body_->add_default_load(kept.signal, std::get<double>(kept.force)));
+  loads_.push_back(std::move(kept));
+}
+
+void BodyHandle::clear_loads() {
+  body_->clear_loads();
+  loads_.clear();
+}
+
+// A body alone meets no colliders; grabs need its contact all the same.
+void BodyHandle::enable_grabs() {
+  if (grabs_ || in_world()) return;
+  ContactOptions options;
+  options.colliders = false;
+  check(body_->set_contact(options));
+  grabs_ = true;
+}
+
+BodyPointer make_body(const PyModelPointer& model, const BodyOptions& options) {
+  ContactBody body =
+      unwrap(ContactBody::create(model->model, options.integrator, options.method, options.frame));
+  return std::make_shared<BodyHandle>(model, options, std::move(body));
+}
+
+py::dict report_dict(const StepReport& report) {
+  py::dict dict;
+  dict["iterations"] = report.iterations;
+  dict["residual"] = report.residual;
+  dict["converged"] = report.converged;
+  dict["dissipated"] = report.dissipated;
+  dict["parts"] = report.parts;
+  return dict;
+}
+
+}  // namespace tremolo::python

@@ -1,0 +1,191 @@
+// Model.response and Model.backbone: curves of periodic motions as dicts of arrays.
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "common/damping_ratios.h"
+#include "runtime/apps/python/module/model_class.h"
+#include "runtime/load.h"
+#include "runtime/response/backbone.h"
+#include "runtime/response/response.h"
+
+namespace tremolo::python {
+namespace {
+
+using namespace pybind11::literals;
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+
+// The damping of a curve, as in Model.body. Raises.
+VibratingSystem system_of(const Model& model, double alpha, double beta, py::handle ratio) {
+  Eigen::VectorXd more;
+  if (!ratio.is_none()) {
+    if (alpha != 0.0 || beta != 0.0)
+      raise(usage_error("damping_ratio gives the damping: leave alpha and beta out"));
+    const DampingRatios ratios = unwrap(parse_damping(text_of(ratio)));
+    alpha = ratios.rayleigh.alpha;
+    beta = ratios.rayleigh.beta;
+    more = modal_rates(ratios, model.lambda());
+  }
+  for (const double rate : {alpha, beta})
+    if (!(rate >= 0.0) || !std::isfinite(rate))
+      raise(content_error("alpha and beta must be finite and not negative"));
+  return unwrap(vibrating_system(model, alpha, beta, more));
+}
+
+// Of the boundary's vertices, or of those that `at` names, the one that moves most in the mode.
+VertexRows probe_of(py::handle at, const Model& model, Eigen::Index mode) {
+  const std::vector<VertexId> vertices =
+      at.is_none() ? model.surface().vertex_ids : vertices_at(at, model);
+  std::optional<VertexRows> probe;
+  for (const VertexId vertex : vertices) {
+    VertexRows rows = unwrap(model.vertex(vertex));
+    if (!probe || rows.rows.col(mode).norm() > probe->rows.col(mode).norm())
+      probe = std::move(rows);
+  }
+  if (!probe || probe->rows.isZero(0.0))
+    raise(content_error("the probe is fixed: it does not move, so that it has no amplitude"));
+  return std::move(*probe);
+}
+
+double size_of(const Model& model) {
+  Eigen::Vector3d low = model.drawn().rest.front(), high = low;
+  for (const Eigen::Vector3d& rest : model.drawn().rest) {
+    low = low.cwiseMin(rest);
+    high = high.cwiseMax(rest);
+  }
+  return (high - low).maxCoeff();
+}
+
+CurveOptions options_of(int harmonics, bool stability, const VertexRows& probe, double largest) {
+  if (harmonics < 1 || harmonics > 99) raise(content_error("harmonics must be from 1 to 99"));
+  CurveOptions options;
+  options.harmonics = harmonics;
+  options.most_harmonics = std::max<Eigen::Index>(harmonics, options.most_harmonics);
+  options.stability = stability;
+  options.largest_amplitude = largest;
+  options.amplitude = [rows = Eigen::MatrixXd(probe.rows)](const FourierSeries& motion) {
+    return largest_over_period(rows, motion).value;
+  };
+  // Ctrl-C ends the curve, which is then raised.
+  options.stopped = [] {
+    const py::gil_scoped_acquire locked;
+    return PyErr_CheckSignals() != 0;
+  };
+  return options;
+}
+
+const char* name_of_end(CurveEnd end) {
+  constexpr const char* kNames[] = {"done", "unbounded", "returned", "stuck", "long", "stopped"};
+  return kNames[static_cast<int>(end)];
+}
+
+py::dict dict_of(const MotionCurve& curve, const VibratingSystem& system) {
+  if (curve.end == CurveEnd::kStopped && PyErr_Occurred() != nullptr) throw py::error_already_set();
+  const auto count = static_cast<py::ssize_t>(curve.points.size());
+  py::array_t<double> frequencies(count), amplitudes(count), energies(count), shares(count);
+  py::array_t<bool> stable(count);
+  py::array_t<int> harmonics(count);
+  py::list motions, bifurcations;
+  for (py::ssize_t i = 0; i < count; ++i) {
+    const CurvePoint& point = curve.points[static_cast<std::size_t>(i)];
+    frequencies.mutable_at(i) = point.omega / kTurn;
+    amplitudes.mutable_at(i) = point.amplitude;
+    energies.mutable_at(i) = mean_energy(system, point.motion, point.omega);
+    shares.mutable_at(i) = point.share;
+    stable.mutable_at(i) = point.stable;
+    harmonics.mutable_at(i) = static_cast<int>(point.harmonics());
+    motions.append(py::array_t<double>(
+        {point.motion.rows(), point.motion.cols()},
+        {sizeof(double), sizeof(double) * static_cast<std::size_t>(point.motion.rows())},
+        point.motion.data()));
+  }
+  for (const Bifurcation& found : curve.bifurcations)
+    bifurcations.append(py::dict(
+        "kind"_a = tremolo::name_of(found.kind), "frequency_hz"_a = found.point.omega / kTurn,
+        "amplitude"_a = found.point.amplitude, "multiplier"_a = found.multiplier));
+  return py::dict("frequency_hz"_a = frequencies, "amplitude"_a = amplitudes, "energy"_a = energies,
+                  "stable"_a = stable, "harmonics"_a = harmonics, "share"_a = shares,
+                  "motion"_a = motions, "bifurcations"_a = bifurcations,
+                  "end"_a = name_of_end(curve.end));
+}
+
+// A reduced force (r,), or zero for None.
+Eigen::VectorXd force_of(py::handle given, const Model& model, const char* name) {
+  if (given.is_none()) return Eigen::VectorXd::Zero(model.modes());
+  return vector(given, model.modes(), name);
+}
+
+py::dict response(const PyModel& self, const std::pair<double, double>& frequencies,
+                  py::handle load, double load_scale, double alpha, double beta,
+                  py::handle damping_ratio, py::handle constant, py::handle probe, int harmonics,
+                  bool stability) {
+  const Model& model = *self.model;
+  const VibratingSystem system = system_of(model, alpha, beta, damping_ratio);
+  Eigen::VectorXd force = force_of(load, model, "load");
+  if (load.is_none()) {
+    if (model.default_load().vertices.empty())
+      raise(
+          usage_error("the model has no default load: name one with load=model.reduced_force("
+                      "at, force)"));
+    force = unwrap(reduce_load(model, model.default_load()));
+  }
+  if (!std::isfinite(load_scale) || force.isZero(0.0) || load_scale == 0.0)
+    raise(content_error("the load must be finite and other than zero"));
+  ResponseRequest request{FourierSeries::Zero(model.modes(), 3), kTurn * frequencies.first,
+                          kTurn * frequencies.second};
+  request.force.col(0) = force_of(constant, model, "constant");
+  request.force.col(sine_column(1)) = load_scale * force;
+  const CurveOptions options =
+      options_of(harmonics, stability, probe_of(probe, model, 0), size_of(model));
+  Result<MotionCurve> curve = [&] {
+    const py::gil_scoped_release unlocked;
+    return response_curve(system, request, options);
+  }();
+  return dict_of(unwrap(std::move(curve)), system);
+}
+
+py::dict backbone(const PyModel& self, int mode, double to_amplitude, py::handle constant,
+                  py::handle probe, int harmonics, bool stability) {
+  const Model& model = *self.model;
+  if (mode < 1 || mode > model.modes())
+    raise(content_error("mode " + std::to_string(mode) + ": the model has modes 1 to " +
+                        std::to_string(model.modes())));
+  const VibratingSystem system = system_of(model, 0.0, 0.0, py::none());
+  const BackboneRequest request{mode - 1, force_of(constant, model, "constant"), to_amplitude};
+  const CurveOptions options = options_of(harmonics, stability, probe_of(probe, model, mode - 1),
+                                          std::max(2.0 * to_amplitude, size_of(model)));
+  Result<MotionCurve> curve = [&] {
+    const py::gil_scoped_release unlocked;
+    return backbone_curve(system, request, options);
+  }();
+  return dict_of(unwrap(std::move(curve)), system);
+}
+
+}  // namespace
+
+void add_curves(py::class_<PyModel, PyModelPointer>& model) {
+  model.def("response", &response, py::arg("frequencies"), py::kw_only(),
+            py::arg("load") = py::none(), py::arg("load_scale") = 1.0, py::arg("alpha") = 0.0,
+            py::arg("beta") = 0.0, py::arg("damping_ratio") = py::none(),
+            py::arg("constant") = py::none(), py::arg("probe") = py::none(),
+            py::arg("harmonics") = 5, py::arg("stability") = true,
+            "The periodic motions under load_scale * load * sin(2 pi f t), f from the first to the "
+            "second of `frequencies`, Hz, through folds, as `tremolo response` finds them. load: "
+            "reduced, (r,), the default load if None; constant: a reduced force that stays, (r,). "
+            "alpha (1/s), beta (s), or damping_ratio, such as \"2%\" or \"1:2%,30:5%\". probe: a "
+            "vertex or a selector; by default what moves most in mode 1. Returns a dict of n "
+            "points: frequency_hz, amplitude (of the probe, m), energy (J), stable, harmonics and "
+            "share (of the two highest ones), each (n,); motion, a list of n arrays (r, 2 H + 1), "
+            "columns c_0, a_1, b_1, ..., of c_0 + sum a_k cos k w t + b_k sin k w t; bifurcations, "
+            "a list of dicts; end, why the curve ends: done, unbounded, returned, stuck or long. "
+            "Other threads run meanwhile; Ctrl-C ends it.");
+  model.def("backbone", &backbone, py::arg("mode"), py::arg("to_amplitude"), py::kw_only(),
+            py::arg("constant") = py::none(), py::arg("probe") = py::none(),
+            py::arg("harmonics") = 5, py::arg("stability") = true,
+            "The free periodic motions without damping (nonlinear normal modes) of mode 1, 2, ..., "
+            "up to the amplitude of the probe, m, as `tremolo backbone` finds them. The dict is "
+            "that of response.");
+}
+
+}  // namespace tremolo::python

@@ -1,0 +1,64 @@
+"""Worlds of dicts and of scene files."""
+
+import json
+import os
+from typing import Any, Mapping
+
+import numpy as np
+
+from . import errors
+from ._tremolo import World, world_of_text
+
+
+def _value(value: Any, key: str) -> str:
+    """A value as TOML."""
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    if isinstance(value, (int, np.integer)):
+        return str(int(value))
+    if isinstance(value, (float, np.floating)):
+        return repr(float(value))
+    if isinstance(value, (str, os.PathLike)):
+        text = value if isinstance(value, str) else os.fspath(value)
+        return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, np.ndarray):
+        return _value(value.tolist(), key)
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{_key(k)} = {_value(v, k)}" for k, v in value.items()) + "}"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(_value(each, key) for each in value) + "]"
+    raise TypeError(f"{key}: a scene has numbers, texts, lists and dicts, found {type(value).__name__}")
+
+
+def _key(key: Any) -> str:
+    if not isinstance(key, str):
+        raise TypeError(f"the key {key!r} of a scene is no text")
+    return json.dumps(key.replace("_", "-"), ensure_ascii=False)
+
+
+def scene_text(scene: Mapping[str, Any]) -> str:
+    """The text of the scene file that a dict stands for. Keys are those of scene files, with _ or -."""
+    return "".join(f"{_key(key)} = {_value(value, key)}\n" for key, value in scene.items())
+
+
+def world(scene: Any, *, folder: Any = ".") -> World:
+    """A world of a scene: a path of a scene file with [[bodies]], or a dict with the same keys.
+
+    {"step": 0.003, "gravity": [0, 0, -9.81], "bodies": [{"name": "a", "model": "a.tremolo", ...}], "colliders": [...],
+    "hands": [...], "joints": [...]}; docs/reference.md, "Scenes", lists the keys. Units are SI. The `model` of a body
+    is a path, relative to the scene file or, for a dict, to `folder`.
+    """
+    if isinstance(scene, Mapping):
+        place = os.path.join(os.path.abspath(os.fsdecode(folder)), "scene")
+        return world_of_text(scene_text(scene), place)
+    if not isinstance(scene, (str, bytes, os.PathLike)):
+        raise TypeError(f"expected a dict or a path, found {type(scene).__name__}")
+    path = os.path.abspath(os.fsdecode(scene))
+    try:
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+    except OSError as error:
+        raise errors.FileError(f"{path}: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise errors.ContentError(f"{path}: the file is not UTF-8") from error
+    return world_of_text(text, path)

@@ -1,0 +1,53 @@
+// `tremolo response` and `tremolo backbone`.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace tremolo {
+
+// Flags of both commands.
+struct PeriodicOptions {
+  std::string model;          // path of the basis file
+  int modes = 0;              // leading coordinates to keep; 0: all
+  bool linear = false;        // without the cubic and quartic terms
+  std::string rescale;        // another material (run_body.h)
+  std::string at, force;      // of the load, as of `tremolo run`
+  double static_scale = 0.0;  // the load's constant part
+  std::string gravity;        // "X,Y,Z", m/s^2; empty: none
+  int harmonics = 5;
+  int most_harmonics = 0;  // 0: 15, or `harmonics` if that is more
+  double harmonic_share = 1e-3;
+  double longest_step = 0.1;  // along the curve
+  int most_points = 4000;
+  bool no_stability = false;
+  std::string probe;           // vertex or selector; empty: the vertex that moves most in the mode
+  std::string csv, page, out;  // outputs; empty: none
+  bool json = false;
+};
+
+struct ResponseOptions : PeriodicOptions {
+  std::vector<double> load_scales = {1.0};
+  std::vector<std::string> load_harmonics;  // "K:SCALE[:DEGREES]"; empty: 1:1
+  double alpha = 0.0, beta = 0.0;
+  std::string damping_ratio;    // common/damping_ratios.h; empty: alpha and beta
+  double from = 0.0, to = 0.0;  // Hz
+};
+
+struct BackboneOptions : PeriodicOptions {
+  int mode = 1;
+  std::string to_amplitude = "10%";  // of the size, or a length as in 0.02m
+};
+
+void add_response_flags(CLI::App& app, ResponseOptions& options);
+void add_backbone_flags(CLI::App& app, BackboneOptions& options);
+
+// The exit code; errors are printed on stderr.
+int response_command(const ResponseOptions& options);
+int backbone_command(const BackboneOptions& options);
+
+}  // namespace tremolo

@@ -1,0 +1,81 @@
+#include <CLI/CLI.hpp>
+
+#include "runtime/apps/tremolo/response/response_commands.h"
+
+namespace tremolo {
+namespace {
+
+void add_common_flags(CLI::App& app, PeriodicOptions& o) {
+  app.add_option("file", o.model, "basis file")->required();
+  app.add_option("--modes", o.modes, "keep the first R coordinates only (0: all)");
+  app.add_flag("--linear", o.linear, "leave the cubic and quartic terms out");
+  app.add_option("--rescale", o.rescale,
+                 "young=PA,density=KG/M3, one or both: the model as if made of this");
+  app.add_option("--static-scale", o.static_scale,
+                 "the load also acts constantly, times this factor")
+      ->capture_default_str();
+  app.add_option("--gravity", o.gravity, "X,Y,Z: the acceleration of gravity, m/s^2");
+  app.add_option("--harmonics", o.harmonics, "harmonics of the motion at the start")
+      ->capture_default_str();
+  app.add_option("--most-harmonics", o.most_harmonics,
+                 "harmonics are added up to this number (default: 15)");
+  app.add_option("--harmonic-share", o.harmonic_share,
+                 "harmonics are added where the two highest hold more than this share")
+      ->capture_default_str();
+  app.add_option("--longest-step", o.longest_step,
+                 "the largest change of the motion between two points, relative to it")
+      ->capture_default_str();
+  app.add_option("--most-points", o.most_points, "a curve ends after so many points")
+      ->capture_default_str();
+  app.add_flag("--no-stability", o.no_stability, "compute no stability and no bifurcations");
+  app.add_option("--probe", o.probe,
+                 "the vertex whose amplitude is reported; of a selector, the one that moves most "
+                 "(default: the vertex that moves most in the mode)");
+  app.add_option("--csv", o.csv, "write the points as a table, .csv");
+  app.add_option("--page", o.page, "draw the curves on a page, .html; it needs no other file");
+  app.add_option("--out", o.out, "directory for all three: table, page and JSON");
+  app.add_flag("--json", o.json, "print one JSON object on stdout");
+}
+
+void add_load_flags(CLI::App& app, PeriodicOptions& o) {
+  app.add_option("--at", o.at,
+                 "what the load acts on, a vertex's id or a selector (default: the model's)");
+  app.add_option("--force", o.force,
+                 "with --at: X,Y,Z in N, shared by the vertices, on a face by area");
+}
+
+}  // namespace
+
+void add_response_flags(CLI::App& app, ResponseOptions& o) {
+  add_common_flags(app, o);
+  add_load_flags(app, o);
+  app.add_option("--load-scale", o.load_scales,
+                 "multiplies the load; several, as in 1,2,5, give a curve each")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--load-harmonic", o.load_harmonics,
+                 "K:SCALE[:DEGREES]: the load has SCALE sin(2 pi K f t + DEGREES); may be repeated "
+                 "(default: 1:1)");
+  CLI::Option* alpha = app.add_option("--alpha", o.alpha, "Rayleigh damping of the mass, 1/s");
+  CLI::Option* beta = app.add_option("--beta", o.beta, "Rayleigh damping of the stiffness, s");
+  app.add_option("--damping-ratio", o.damping_ratio,
+                 "fraction of critical damping: 2% of every mode, 2%,1%,0.5% of each, "
+                 "F1:Z1,F2:Z2 (Hz), or a table of more such pairs")
+      ->excludes(alpha)
+      ->excludes(beta);
+  app.add_option("--from", o.from, "the first frequency, Hz")->required();
+  app.add_option("--to", o.to, "the last frequency, Hz; may be lower")->required();
+}
+
+void add_backbone_flags(CLI::App& app, BackboneOptions& o) {
+  add_common_flags(app, o);
+  add_load_flags(app, o);
+  app.add_option("--mode", o.mode, "the mode of small vibration that it begins with, from 1")
+      ->capture_default_str();
+  app.add_option("--to-amplitude", o.to_amplitude,
+                 "the largest displacement at the end: a share of the size as in 10% or 0.1, or a "
+                 "length as in 0.02m")
+      ->capture_default_str();
+}
+
+}  // namespace tremolo

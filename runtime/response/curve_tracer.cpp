@@ -1,0 +1,237 @@
+#include "runtime/response/curve_tracer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace tremolo {
+namespace {
+
+constexpr double kFirstStep = 0.01;
+constexpr double kShortestStep = 1e-7;
+constexpr double kLeastCosine = 0.87;  // between the tangents of neighbours: 30 degrees
+constexpr int kFewFactorizations = 2, kManyFactorizations = 3;
+// Distance of a multiplier from the unit circle that counts: above the errors of its computation.
+constexpr double kOutside = 1e-7, kOutsideConservative = 1e-5;
+
+double tangent_cosine(const CurveState& a, const CurveState& b) {
+  return (a.weights.array().square() * a.tangent.array() * b.tangent.array()).sum() /
+         (a.weights.array() * b.tangent.array()).matrix().norm();
+}
+
+class Tracer {
+ public:
+  Tracer(MotionEquations& equations, const VibratingSystem& system, const CurveGoal& goal,
+         bool conservative, const CurveOptions& options)
+      : equations_(equations),
+        system_(system),
+        goal_(goal),
+        conservative_(conservative),
+        options_(options),
+        ds_(std::min(kFirstStep, options.longest_step)) {}
+
+  Result<MotionCurve> trace(Eigen::VectorXd first, const Eigen::VectorXd& direction) {
+    Result<CurveState> state = curve_state(equations_, std::move(first), direction);
+    if (!state) return state.error();
+    state_ = std::move(*state);
+    if (!raise_harmonics()) return Error{ErrorKind::kSolver, "more harmonics give no motion"};
+    add_point(point_of(state_));
+    while (!ended()) {
+      if (!advance_once()) curve_.end = CurveEnd::kStuck, finished_ = true;
+    }
+    return std::move(curve_);
+  }
+
+ private:
+  // The multipliers that decide on stability: without the two at +1 of a free motion.
+  Eigen::VectorXcd deciding(const Eigen::VectorXcd& all) const {
+    if (!conservative_) return all;
+    std::vector<std::complex<double>> kept(all.begin(), all.end());
+    for (int i = 0; i < 2; ++i)
+      kept.erase(std::min_element(kept.begin(), kept.end(), [](const auto& a, const auto& b) {
+        return std::abs(a - 1.0) < std::abs(b - 1.0);
+      }));
+    return Eigen::Map<Eigen::VectorXcd>(kept.data(), static_cast<Eigen::Index>(kept.size()));
+  }
+  double circle() const { return 1.0 + (conservative_ ? kOutsideConservative : kOutside); }
+
+  CurvePoint point_of(const CurveState& state) const {
+    CurvePoint point;
+    point.omega = equations_.omega(state.y);
+    point.motion = equations_.motion(state.y);
+    point.share = last_share(point.motion);
+    point.amplitude = options_.amplitude(point.motion);
+    point.length = length_;
+    if (!options_.stability) return point;
+    point.multipliers =
+        floquet_multipliers(system_, point.motion, point.omega, floquet_steps(point.harmonics()));
+    for (const auto& multiplier : deciding(point.multipliers))
+      if (!(std::abs(multiplier) <= circle())) ++point.unstable;
+    point.stable = point.unstable == 0;
+    return point;
+  }
+
+  void add_point(CurvePoint point) {
+    curve_.largest_share = std::max(curve_.largest_share, point.share);
+    curve_.points.push_back(std::move(point));
+  }
+
+  bool ended() {
+    if (finished_) return true;
+    const CurvePoint& last = curve_.points.back();
+    const auto end = [&](CurveEnd reason) {
+      curve_.end = reason;
+      return true;
+    };
+    if (options_.stopped && options_.stopped()) return end(CurveEnd::kStopped);
+    if (last.amplitude > options_.largest_amplitude) return end(CurveEnd::kUnbounded);
+    if (goal_.returned && goal_.returned(last)) return end(CurveEnd::kReturned);
+    if (curve_.points.size() >= static_cast<std::size_t>(options_.most_points))
+      return end(CurveEnd::kLong);
+    return false;
+  }
+
+  // More harmonics where the highest hold too much. False: the motion with more was not found.
+  bool raise_harmonics() {
+    while (equations_.harmonics() < options_.most_harmonics &&
+           last_share(equations_.motion(state_.y)) > options_.harmonic_share) {
+      const FourierSeries before = equations_.motion(state_.y);
+      const FourierSeries slope = equations_.motion(state_.tangent);
+      const double omega = equations_.omega(state_.y);
+      const double omega_slope = state_.omega_slope();
+      equations_.set_harmonics(std::min(equations_.harmonics() + 2, options_.most_harmonics));
+      Eigen::VectorXd y = equations_.unknowns_of(before, omega);
+      Eigen::VectorXd direction = equations_.unknowns_of(slope, omega_slope);
+      direction.array() *= equations_.weights(y).array().square();
+      equations_.refer_to(y);
+      if (!solve_on_border(equations_, direction, kCurveTolerance, y).converged) return false;
+      Result<CurveState> state = curve_state(equations_, std::move(y), direction);
+      if (!state) return false;
+      state_ = std::move(*state);
+    }
+    return true;
+  }
+
+  // One accepted step; shortens it until it succeeds. False: even the shortest fails.
+  bool advance_once() {
+    while (ds_ > kShortestStep) {
+      Eigen::VectorXd y;
+      const CorrectorReport report = advance(equations_, state_, ds_, false, y);
+      if (report.converged) {
+        const Eigen::VectorXd direction = state_.weights.array().square() * state_.tangent.array();
+        Result<CurveState> next = curve_state(equations_, std::move(y), direction);
+        if (next && tangent_cosine(state_, *next) > kLeastCosine) return accept(*next, report);
+      }
+      ds_ *= 0.5;
+    }
+    return false;
+  }
+
+  bool accept(CurveState& next, const CorrectorReport& report) {
+    length_ += ds_;
+    CurvePoint point = point_of(next);
+    if (goal_.beyond(point) >= 0.0) return arrive(next, point);
+    find_events(next, point);
+    state_ = std::move(next);
+    const Eigen::Index before = equations_.harmonics();
+    if (!raise_harmonics()) return add_point(std::move(point)), false;
+    if (equations_.harmonics() != before) point = point_of(state_);
+    add_point(std::move(point));
+    // The coupling of soft and stiff coordinates makes old factors contract slowly, at steps that
+    // Newton's method itself takes easily: factorizations are what limits a step.
+    if (report.factorizations <= kFewFactorizations)
+      ds_ = std::min(1.5 * ds_, options_.longest_step);
+    else if (report.factorizations > kManyFactorizations)
+      ds_ *= 0.6;
+    return true;
+  }
+
+  // The last point is at the goal itself.
+  bool arrive(const CurveState& next, const CurvePoint& behind) {
+    const auto beyond = [&](const CurveState& state) { return goal_.beyond(bare_point(state)); };
+    const Result<CurveState> last =
+        find_zero(equations_, state_, ds_, beyond(state_), goal_.beyond(behind), beyond);
+    if (!last) return false;
+    CurvePoint point = point_of(*last);
+    find_events(*last, point);
+    add_point(std::move(point));
+    (void)next;
+    return finished_ = true;
+  }
+  CurvePoint bare_point(const CurveState& state) const {
+    CurvePoint point;
+    point.omega = equations_.omega(state.y);
+    point.motion = equations_.motion(state.y);
+    point.amplitude = options_.amplitude(point.motion);
+    return point;
+  }
+
+  // Folds and changes of stability between state_ and `next`, whose point is `point`.
+  void find_events(const CurveState& next, const CurvePoint& point) {
+    const double span = (state_.border.array() * (next.y - state_.y).array()).sum() /
+                        state_.border.dot(state_.tangent);
+    const bool turned = (next.omega_slope() > 0.0) != (state_.omega_slope() > 0.0);
+    const std::size_t known = curve_.bifurcations.size();
+    if (turned) {
+      const auto slope = [](const CurveState& state) { return state.omega_slope(); };
+      const Result<CurveState> fold =
+          find_zero(equations_, state_, span, state_.omega_slope(), next.omega_slope(), slope);
+      if (fold) curve_.bifurcations.push_back({BifurcationKind::kFold, point_of(*fold), 1.0});
+    }
+    if (options_.stability && curve_.points.back().unstable != point.unstable)
+      find_crossing(span, point, turned);
+    else if (!options_.stability && next.sign != state_.sign)
+      curve_.bifurcations.push_back({BifurcationKind::kBranch, point, 1.0});
+    std::stable_sort(curve_.bifurcations.begin() + static_cast<std::ptrdiff_t>(known),
+                     curve_.bifurcations.end(), [&](const auto& a, const auto& b) {
+                       return distance_from_state(a.point) < distance_from_state(b.point);
+                     });
+    equations_.refer_to(next.y);
+  }
+  double distance_from_state(const CurvePoint& point) const {
+    const Eigen::VectorXd y = equations_.unknowns_of(point.motion, point.omega);
+    return state_.border.dot(y - state_.y);
+  }
+
+  // The multiplier that leaves or enters the unit circle, and where.
+  void find_crossing(double span, const CurvePoint& point, bool turned) {
+    const CurvePoint& before = curve_.points.back();
+    const Eigen::Index index = std::min(before.unstable, point.unstable);
+    const auto outside = [&](const CurvePoint& at) {
+      return std::abs(deciding(at.multipliers)[index]) - circle();
+    };
+    const auto measure = [&](const CurveState& state) { return outside(point_of(state)); };
+    const Result<CurveState> found =
+        find_zero(equations_, state_, span, outside(before), outside(point), measure);
+    if (!found) return;
+    CurvePoint at = point_of(*found);
+    const std::complex<double> multiplier = deciding(at.multipliers)[index];
+    const BifurcationKind kind = kind_of_crossing(multiplier);
+    // A fold is where the curve turns.
+    if (kind == BifurcationKind::kBranch && turned) return;
+    curve_.bifurcations.push_back({kind, std::move(at), multiplier});
+  }
+
+  MotionEquations& equations_;
+  const VibratingSystem& system_;
+  const CurveGoal& goal_;
+  bool conservative_;
+  const CurveOptions& options_;
+  double ds_;
+  double length_ = 0.0;
+  CurveState state_;
+  MotionCurve curve_;
+  bool finished_ = false;
+};
+
+}  // namespace
+
+Result<MotionCurve> trace_curve(MotionEquations& equations, const VibratingSystem& system,
+                                Eigen::VectorXd first, const Eigen::VectorXd& direction,
+                                const CurveGoal& goal, bool conservative,
+                                const CurveOptions& options) {
+  Tracer tracer(equations, system, goal, conservative, options);
+  return tracer.trace(std::move(first), direction);
+}
+
+}  // namespace tremolo

@@ -1,0 +1,37 @@
+// Stability of a periodic motion by its Floquet multipliers.
+//
+// A small deviation obeys d'' + (D + beta M(q)) d' + (K(q) + beta d(M q')/dq) d = 0 with the
+// motion's own period. Its monodromy, 2r x 2r, is found with the Gauss method of three stages
+// (order six), which is symplectic without damping and stable for stiff coordinates at any step.
+// The multipliers are its eigenvalues: the motion is stable if all are inside the unit circle.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "runtime/response/fourier_series.h"
+#include "runtime/response/vibrating_system.h"
+
+namespace tremolo {
+
+// The usual number of steps a period for a motion with so many harmonics.
+int floquet_steps(Eigen::Index harmonics);
+
+// Of the deviation (d, d'/omega) over one period from t = 0, 2r x 2r.
+Eigen::MatrixXd monodromy(const VibratingSystem& system, const FourierSeries& motion, double omega,
+                          int steps);
+
+// The multipliers in the order of their size, the largest first, 2r.
+Eigen::VectorXcd floquet_multipliers(const VibratingSystem& system, const FourierSeries& motion,
+                                     double omega, int steps);
+
+// Kinds of loss of stability. kFold: the curve turns back, a multiplier at +1. kBranch: another
+// curve crosses, a multiplier at +1. kPeriodDoubling: at -1. kNeimarkSacker: a pair on the circle.
+enum class BifurcationKind { kFold, kBranch, kPeriodDoubling, kNeimarkSacker };
+const char* name_of(BifurcationKind kind);
+
+// The kind by the multiplier that crosses the unit circle.
+BifurcationKind kind_of_crossing(std::complex<double> multiplier);
+
+}  // namespace tremolo

@@ -1,0 +1,137 @@
+#include "runtime/response/harmonic_balance.h"
+
+#include <numbers>
+
+namespace tremolo {
+
+HarmonicBalance::HarmonicBalance(const VibratingSystem& system, Eigen::Index harmonics)
+    : system_(system),
+      size_(system.size()),
+      harmonics_(harmonics),
+      columns_(2 * harmonics + 1),
+      samples_(4 * harmonics + 2),
+      to_samples_(columns_, samples_),
+      slope_to_samples_(columns_, samples_),
+      to_coefficients_(samples_, columns_),
+      block_weights_(samples_, columns_ * columns_),
+      slope_block_weights_(samples_, columns_ * columns_),
+      q_(size_, samples_),
+      v_(size_, samples_),
+      forces_(size_, samples_),
+      damping_forces_(Eigen::MatrixXd::Zero(size_, samples_)),
+      tangents_(size_ * size_, samples_),
+      workspace_(system.potential.make_workspace(kUseTangent)),
+      evaluation_(system.potential.make_evaluation()),
+      strain_rates_(system) {
+  const auto N = static_cast<double>(samples_);
+  for (Eigen::Index n = 0; n < samples_; ++n) {
+    const double theta = 2.0 * std::numbers::pi * static_cast<double>(n) / N;
+    to_samples_.col(n) = fourier_row(harmonics_, theta);
+    slope_to_samples_.col(n) = fourier_slope_row(harmonics_, theta);
+  }
+  to_coefficients_ = (2.0 / N) * to_samples_.transpose();
+  to_coefficients_.col(0) *= 0.5;
+  for (Eigen::Index l = 0; l < columns_; ++l)
+    for (Eigen::Index k = 0; k < columns_; ++k) {
+      const auto projected = to_coefficients_.col(k).array();
+      block_weights_.col(k + columns_ * l) = projected * to_samples_.row(l).transpose().array();
+      slope_block_weights_.col(k + columns_ * l) =
+          projected * slope_to_samples_.row(l).transpose().array();
+    }
+}
+
+void HarmonicBalance::sample(const FourierSeries& motion, double omega) {
+  q_.noalias() = motion * to_samples_;
+  if (!strain_rates_.none()) v_.noalias() = omega * motion * slope_to_samples_;
+}
+
+void HarmonicBalance::residual(const FourierSeries& motion, double omega, double xi,
+                               const FourierSeries& force, FourierSeries& out) {
+  sample(motion, omega);
+  Eigen::VectorXd q(size_), extra(size_), v(size_);
+  for (Eigen::Index n = 0; n < samples_; ++n) {
+    q = q_.col(n);
+    system_.potential.evaluate(q, kWantForce, workspace_, evaluation_);
+    forces_.col(n) = evaluation_.force;
+    if (strain_rates_.none()) continue;
+    v = v_.col(n);
+    strain_rates_.force(q, v, extra);
+    forces_.col(n) += extra;
+  }
+  out.noalias() = forces_ * to_coefficients_;
+  out -= force;
+  for (Eigen::Index k = 1; k <= harmonics_; ++k) {
+    const double speed = static_cast<double>(k) * omega;
+    const auto a = motion.col(cosine_column(k)), b = motion.col(sine_column(k));
+    const auto rates = (system_.damping.array() + xi) * speed;
+    out.col(cosine_column(k)).array() += rates * b.array() - speed * speed * a.array();
+    out.col(sine_column(k)).array() -= rates * a.array() + speed * speed * b.array();
+  }
+}
+
+void HarmonicBalance::sample_tangents() {
+  const bool rates = !strain_rates_.none();
+  if (rates) by_rate_.resize(size_ * size_, samples_);
+  Eigen::VectorXd q(size_), v(size_), extra(size_);
+  Eigen::MatrixXd by_q(size_, size_), by_v(size_, size_);
+  for (Eigen::Index n = 0; n < samples_; ++n) {
+    q = q_.col(n);
+    system_.potential.evaluate(q, kWantTangent, workspace_, evaluation_);
+    if (rates) {
+      v = v_.col(n);
+      strain_rates_.derivatives(q, v, by_q, by_v);
+      evaluation_.tangent += by_q;
+      by_rate_.col(n) = by_v.reshaped();
+      strain_rates_.force(q, v, extra);
+      damping_forces_.col(n) = extra;
+    }
+    tangents_.col(n) = evaluation_.tangent.reshaped();
+  }
+}
+
+void HarmonicBalance::add_blocks(const Eigen::MatrixXd& weights, const Eigen::MatrixXd& samples,
+                                 Eigen::Ref<Eigen::MatrixXd> out) {
+  blocks_.noalias() = samples * weights;
+  for (Eigen::Index l = 0; l < columns_; ++l)
+    for (Eigen::Index k = 0; k < columns_; ++k)
+      out.block(k * size_, l * size_, size_, size_) +=
+          blocks_.col(k + columns_ * l).reshaped(size_, size_);
+}
+
+void HarmonicBalance::jacobian(const FourierSeries& motion, double omega, double xi,
+                               Eigen::Ref<Eigen::MatrixXd> out,
+                               Eigen::Ref<Eigen::VectorXd> by_omega, Eigen::VectorXd* by_xi) {
+  sample(motion, omega);
+  sample_tangents();
+  const Eigen::Index n = unknowns();
+  auto J = out.topLeftCorner(n, n);
+  J.setZero();
+  add_blocks(block_weights_, tangents_, J);
+  by_omega.head(n).setZero();
+  if (!strain_rates_.none()) {
+    add_blocks(omega * slope_block_weights_, by_rate_, J);
+    // The force is linear in the velocity, which is linear in omega.
+    by_omega.head(n) = (damping_forces_ * to_coefficients_ / omega).reshaped();
+  }
+  if (by_xi != nullptr) by_xi->setZero(n);
+  for (Eigen::Index k = 1; k <= harmonics_; ++k) {
+    const auto order = static_cast<double>(k);
+    const double speed = order * omega;
+    const Eigen::Index a = cosine_column(k) * size_, b = sine_column(k) * size_;
+    for (Eigen::Index i = 0; i < size_; ++i) {
+      const double rate = system_.damping[i] + xi;
+      const double cosine = motion(i, cosine_column(k)), sine = motion(i, sine_column(k));
+      J(a + i, a + i) -= speed * speed;
+      J(b + i, b + i) -= speed * speed;
+      J(a + i, b + i) += speed * rate;
+      J(b + i, a + i) -= speed * rate;
+      by_omega[a + i] += order * rate * sine - 2.0 * order * speed * cosine;
+      by_omega[b + i] -= order * rate * cosine + 2.0 * order * speed * sine;
+      if (by_xi == nullptr) continue;
+      (*by_xi)[a + i] = speed * sine;
+      (*by_xi)[b + i] = -speed * cosine;
+    }
+  }
+}
+
+}  // namespace tremolo

@@ -1,0 +1,86 @@
+// Response curves: the periodic motions under a periodic force, over its frequency.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/result.h"
+#include "runtime/response/floquet.h"
+#include "runtime/response/fourier_series.h"
+#include "runtime/response/vibrating_system.h"
+
+namespace tremolo {
+
+// Options of response curves and backbones.
+struct CurveOptions {
+  Eigen::Index harmonics = 5;        // H at the start
+  Eigen::Index most_harmonics = 15;  // H grows up to this
+  // H grows by two where the two highest harmonics hold more than this share of the motion.
+  double harmonic_share = 1e-3;
+  bool stability = true;      // compute Floquet multipliers and bifurcations
+  int most_points = 4000;     // of a curve
+  double longest_step = 0.1;  // along the curve, relative to the motion's size and the frequency
+  // The size of a motion, in the unit of largest_amplitude: m in the programs.
+  std::function<double(const FourierSeries&)> amplitude;
+  double largest_amplitude = 0.0;  // a curve ends there
+  std::function<bool()> stopped;   // asked at every point; true ends the curve. May be empty
+};
+
+// One periodic motion of a curve.
+struct CurvePoint {
+  double omega = 0.0;  // rad/s
+  FourierSeries motion;
+  double amplitude = 0.0;  // options.amplitude of the motion
+  double share = 0.0;      // of the two highest harmonics
+  bool stable = true;      // without options.stability: not known
+  int unstable = 0;        // multipliers outside the unit circle
+  double length = 0.0;     // along the curve from its first point, relative to the motion's size
+  Eigen::VectorXcd multipliers;  // 2r, the largest first; empty without options.stability
+
+  Eigen::Index harmonics() const { return harmonics_of(motion); }
+};
+
+// A point where the curve turns or its stability changes.
+struct Bifurcation {
+  BifurcationKind kind = BifurcationKind::kFold;
+  CurvePoint point;
+  std::complex<double> multiplier{1.0, 0.0};  // the one that crosses the unit circle
+};
+
+// Reason for the end of a curve. kDone: the requested end. kUnbounded: the largest amplitude.
+// kReturned: it left the range where it had begun. kStuck: no further point was found. kLong: the
+// most points. kStopped: options.stopped.
+enum class CurveEnd { kDone, kUnbounded, kReturned, kStuck, kLong, kStopped };
+
+struct MotionCurve {
+  std::vector<CurvePoint> points;
+  std::vector<Bifurcation> bifurcations;  // folds too, in the order of the curve
+  CurveEnd end = CurveEnd::kDone;
+  double largest_share = 0.0;  // of the two highest harmonics, over all points
+};
+
+// A response curve's force and range.
+struct ResponseRequest {
+  FourierSeries force;  // r x (2K + 1), N kg^-1/2; column 0: the constant part
+  double omega_from = 0.0;
+  double omega_to = 0.0;  // rad/s, positive, above or below omega_from
+};
+
+// Follows the curve from omega_from until omega_to, through folds. Errors: kContent for frequencies
+// that are not positive, more harmonics in the force than most_harmonics, or a constant force
+// beyond a static instability; kSolver if no motion is found at omega_from. A curve that ends early
+// is not an error: MotionCurve::end is its reason.
+Result<MotionCurve> response_curve(const VibratingSystem& system, const ResponseRequest& request,
+                                   const CurveOptions& options);
+
+// The motion of the linearized body about the state q0 (r), r x (2H + 1) with q0 in column 0.
+// Error: kSolver if a harmonic meets an undamped frequency.
+Result<FourierSeries> linear_motion(const VibratingSystem& system, const Eigen::VectorXd& q0,
+                                    const FourierSeries& force, double omega,
+                                    Eigen::Index harmonics);
+
+}  // namespace tremolo

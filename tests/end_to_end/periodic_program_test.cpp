@@ -1,0 +1,204 @@
+// `tremolo response` and `tremolo backbone` as a user starts them, on a small model in closed form.
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/basis/basis_writer.h"
+#include "tests/support/programs.h"
+#include "tests/support/sample_basis.h"
+
+namespace tremolo {
+namespace {
+
+using Json = nlohmann::json;
+
+// Three coordinates from 1 to 5 rad/s, small amplitudes; vertex 0 is fixed, the load is at 3.
+class PeriodicProgram : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fresh_folder();
+    BasisData data = testing::sample_basis(
+        testing::random_strain_model(testing::spread_omega(3, 6.0, 30.0), 0.3, 3));
+    ASSERT_TRUE(write_basis(folder_ + "/small.tremolo", data));
+  }
+  ProgramResult run(const std::string& arguments) {
+    return run_program(folder_, kTremolo + arguments);
+  }
+  Json json_of(const std::string& arguments, int code = 0) {
+    const ProgramResult result = run(arguments + " --json");
+    EXPECT_EQ(result.code, code) << arguments << "\n" << result.err;
+    EXPECT_TRUE(result.out.starts_with("{\n  \"schema\": 1")) << result.out.substr(0, 80);
+    return Json::parse(result.out, nullptr, false);
+  }
+  void refused(const std::string& arguments, int code, const std::string& word) {
+    const ProgramResult result = run(arguments);
+    EXPECT_EQ(result.code, code) << arguments << "\n" << result.err;
+    EXPECT_NE(result.err.find(word), std::string::npos) << arguments << "\n" << result.err;
+  }
+  std::string folder_;
+};
+
+const std::string kResponse =
+    "response small.tremolo --load-scale 0.2 --damping-ratio 2% --from 0.6 --to 1.5";
+
+TEST_F(PeriodicProgram, AResponseHasTheKeysOfTheReference) {
+  const Json json = json_of(kResponse + " --probe 3 --harmonics 4");
+  for (const char* key : {"points", "folds", "bifurcations", "seconds", "peak", "end"})
+    EXPECT_TRUE(json.contains(key)) << key;
+  EXPECT_EQ(json["probe"], 3);
+  EXPECT_EQ(json["end"], "done");
+  ASSERT_GT(json["points"].size(), 20U);
+  double largest = 0.0;
+  for (const Json& point : json["points"]) {
+    EXPECT_TRUE(point["stable"].is_boolean());
+    EXPECT_GE(point["harmonics"].get<int>(), 4);
+    EXPECT_EQ(point["harmonic_amplitudes"].size(), point["harmonics"].get<std::size_t>() + 1);
+    largest = std::max(largest, point["amplitude"].get<double>());
+  }
+  EXPECT_EQ(json["peak"]["amplitude"], largest);
+  EXPECT_NEAR(json["points"].front()["frequency_hz"].get<double>(), 0.6, 1e-12);
+  // The end is sought until it is within 1e-11.
+  EXPECT_NEAR(json["points"].back()["frequency_hz"].get<double>(), 1.5, 3e-11);
+}
+
+TEST_F(PeriodicProgram, OfALinearModelPhaseAndAmplitudeAreThoseOfOneOscillatorNearResonance) {
+  const double omega = 6.0, zeta = 0.02;
+  const Json json = json_of(
+      "response small.tremolo --linear --modes 1 --load-scale 1e-3 --damping-ratio 2% --from 0.5 "
+      "--to 2");
+  const double peak = json["peak"]["amplitude"];
+  const double static_amplitude = peak * 2.0 * zeta * std::sqrt(1.0 - zeta * zeta);
+  for (const Json& point : json["points"]) {
+    const double x = 2.0 * std::acos(-1.0) * point["frequency_hz"].get<double>() / omega;
+    const double lag = std::atan2(2.0 * zeta * x, 1.0 - x * x) * 180.0 / std::acos(-1.0);
+    EXPECT_NEAR(point["phase_deg"].get<double>(), lag, 1e-8);
+    const double gain = 1.0 / std::hypot(1.0 - x * x, 2.0 * zeta * x);
+    // The peak lies between two points.
+    EXPECT_NEAR(point["amplitude"].get<double>(), static_amplitude * gain, 0.01 * peak);
+  }
+}
+
+TEST_F(PeriodicProgram, SeveralLevelsAreACurveEachAndFilesHoldThem) {
+  const Json json = json_of(
+      "response small.tremolo --load-scale 0.05,0.1,0.2 --damping-ratio 3% --from 0.6 --to "
+      "1.5 --out made --csv table.csv");
+  ASSERT_EQ(json["curves"].size(), 3U);
+  double before = 0.0;
+  std::size_t points = 0;
+  for (const Json& curve : json["curves"]) {
+    EXPECT_GT(curve["peak"]["amplitude"].get<double>(), before);
+    before = curve["peak"]["amplitude"];
+    points += curve["points"].size();
+  }
+  const std::string table = slurp(folder_ + "/table.csv");
+  EXPECT_EQ(static_cast<std::size_t>(std::count(table.begin(), table.end(), '\n')), points + 1);
+  EXPECT_EQ(table, slurp(folder_ + "/made/response.csv"));
+  EXPECT_EQ(Json::parse(slurp(folder_ + "/made/response.json"))["curves"].size(), 3U);
+  const std::string page = slurp(folder_ + "/made/response.html");
+  EXPECT_NE(page.find("load x 0.05"), std::string::npos);
+  EXPECT_EQ(page.find("https://"), std::string::npos);
+}
+
+TEST_F(PeriodicProgram, ABackboneBeginsAtTheModesFrequencyAndEndsAtTheAmplitude) {
+  for (const std::string mode : {"1", "2"}) {
+    const Json json =
+        json_of("backbone small.tremolo --mode " + mode + " --to-amplitude 5% --page b.html");
+    EXPECT_EQ(json["end"], "done");
+    const double linear = json["linear_frequency_hz"];
+    EXPECT_NEAR(json["points"].front()["frequency_hz"].get<double>(), linear, 1e-5 * linear);
+    EXPECT_NEAR(json["points"].back()["amplitude"].get<double>(), 0.05 * json["size"].get<double>(),
+                1e-9);
+    for (const Json& point : json["points"]) EXPECT_GT(point["energy"].get<double>(), 0.0);
+  }
+}
+
+// f / f_0 of a clamped beam of rectangular section whose ends cannot approach (Woinowsky-Krieger),
+// vibrating in its first mode, by the amplitude in the middle relative to the height: the elliptic
+// integral for q'' + w^2 q + g q^3 = 0, g = E A / (2 L) (int phi'^2)^2.
+double clamped_beam(double amplitude_to_height) {
+  const double be = 4.730040744862704;
+  const double s = (std::cosh(be) - std::cos(be)) / (std::sinh(be) - std::sin(be));
+  const auto phi = [&](double x) {
+    return std::cosh(be * x) - std::cos(be * x) - s * (std::sinh(be * x) - std::sin(be * x));
+  };
+  const auto slope = [&](double x) {
+    return be * (std::sinh(be * x) + std::sin(be * x) - s * (std::cosh(be * x) - std::cos(be * x)));
+  };
+  constexpr int kParts = 2000;
+  double mass = 0.0, stretch = 0.0;
+  for (int i = 0; i < kParts; ++i) {
+    const double x = (i + 0.5) / kParts;
+    mass += std::pow(phi(x), 2) / kParts;
+    stretch += std::pow(slope(x), 2) / kParts;
+  }
+  // g a^2 / w^2 = (12 / 2) (A / h)^2 (int phi'^2)^2 / (phi(1/2)^2 beta^4 int phi^2).
+  const double ratio =
+      6.0 * std::pow(amplitude_to_height * stretch / (phi(0.5) * be * be), 2) / mass;
+  double a = 1.0, b = std::sqrt(1.0 - 0.5 * ratio / (1.0 + ratio));
+  for (int i = 0; i < 40; ++i) {
+    const double mean = 0.5 * (a + b);
+    b = std::sqrt(a * b);
+    a = mean;
+  }
+  return std::sqrt(1.0 + ratio) * a;
+}
+
+TEST_F(PeriodicProgram, AClampedBeamHardensAsWoinowskyKriegersDoes) {
+  write_veg(folder_ + "/beam.veg", box_mesh({60, 1, 1}, {1.0, 0.02, 0.01}));
+  const ProgramResult made = run_program(
+      folder_, kMayBeRoot + kPrecompute +
+                   "beam.veg --young 1e9 --poisson 0 --density 1000 --fix 'x<0.00001' --fix "
+                   "'x>0.99999' --order 2 --linear-modes 8 --modes 24 --threads 1 -o beam.tremolo");
+  ASSERT_EQ(made.code, 0) << made.err;
+  const Json json =
+      json_of("backbone beam.tremolo --to-amplitude 0.01m --probe near:0.5,0.01,0.005");
+  const double linear = json["linear_frequency_hz"];
+  for (const Json& point : json["points"]) {
+    const double to_height = point["amplitude"].get<double>() / 0.01;
+    // Its own change of shape, which the closed form leaves out, is 0.1 % at an amplitude of h.
+    EXPECT_NEAR(point["frequency_hz"].get<double>() / linear, clamped_beam(to_height), 2e-3);
+  }
+  EXPECT_GT(json["points"].back()["frequency_hz"].get<double>(), 1.2 * linear);
+}
+
+TEST_F(PeriodicProgram, WrongInputIsNamed) {
+  const std::string damped = "response small.tremolo --damping-ratio 2% ";
+  refused(damped + "--from 0 --to 2", 3, "zero frequency");
+  refused(damped + "--from 1 --to -2", 3, "--to -2");
+  refused(damped + "--from 1 --to 1", 3, "same");
+  refused(damped + "--from 1", 2, "--to");
+  refused(damped + "--from 1 --to 2 --probe 0", 3, "fixed");
+  refused(damped + "--from 1 --to 2 --probe 99", 3, "99");
+  refused(damped + "--from 1 --to 2 --harmonics 0", 3, "--harmonics");
+  refused(damped + "--from 1 --to 2 --load-scale 0", 3, "--load-scale");
+  refused(damped + "--from 1 --to 2 --load-harmonic 0:1", 3, "--static-scale");
+  refused(damped + "--from 1 --to 2 --load-harmonic x", 2, "K:SCALE");
+  refused(damped + "--from 1 --to 2 --alpha 1", 2, "--alpha");
+  refused(damped + "--from 1 --to 2 --page page.png", 2, ".html");
+  refused(damped + "--from 1 --to 2 --csv small.tremolo", 2, "small.tremolo");
+  refused("response small.tremolo --damping-ratio 120% --from 1 --to 2", 3, "critical damping");
+  refused("response scene.toml --from 1 --to 2", 2, "basis file");
+  refused("response none.tremolo --from 1 --to 2", 1, "none.tremolo");
+  refused("backbone small.tremolo --mode 4", 3, "modes 1 to 3");
+  refused("backbone small.tremolo --to-amplitude x", 2, "10%");
+  refused("backbone small.tremolo --to-amplitude 0%", 3, "positive");
+}
+
+TEST_F(PeriodicProgram, WithoutDampingTheResponseIsReportedAsUnboundedWithItsPoints) {
+  const Json json =
+      json_of("response small.tremolo --linear --load-scale 0.1 --from 0.6 --to 1.5", 5);
+  EXPECT_EQ(json["end"], "unbounded");
+  EXPECT_GT(json["points"].size(), 10U);
+  EXPECT_NE(json["reason"].get<std::string>().find("unbounded"), std::string::npos);
+}
+
+TEST_F(PeriodicProgram, TooFewHarmonicsAreReported) {
+  const Json json = json_of(kResponse + " --harmonics 1 --most-harmonics 2 --harmonic-share 1e-6");
+  ASSERT_EQ(json["warnings"].size(), 1U);
+  EXPECT_NE(json["warnings"][0].get<std::string>().find("--most-harmonics"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace tremolo

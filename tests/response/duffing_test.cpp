@@ -1,0 +1,150 @@
+// One coordinate: Duffing's oscillator, whose backbone has a closed form.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "runtime/response/backbone.h"
+#include "runtime/response/response.h"
+#include "tests/response/oscillators.h"
+
+namespace tremolo {
+namespace {
+
+// K(m) by the arithmetic-geometric mean.
+double elliptic_integral(double m) {
+  double a = 1.0, b = std::sqrt(1.0 - m);
+  for (int i = 0; i < 40; ++i) {
+    const double mean = 0.5 * (a + b);
+    b = std::sqrt(a * b);
+    a = mean;
+  }
+  return std::numbers::pi / (2.0 * a);
+}
+
+double exact_frequency(const Duffing& d, double amplitude) {
+  const double stiff = d.omega * d.omega + d.gamma * amplitude * amplitude;
+  const double m = d.gamma * amplitude * amplitude / (2.0 * stiff);
+  return 2.0 * std::numbers::pi * std::sqrt(stiff) / (4.0 * elliptic_integral(m));
+}
+
+TEST(Duffing, ItsBackboneIsThatOfTheEllipticIntegral) {
+  for (const double gamma : {1.0, -0.2}) {
+    const Duffing duffing{2.0, gamma, 0.0};
+    const VibratingSystem system = system_of(duffing);
+    CurveOptions options = plain_options(25);
+    const Result<MotionCurve> curve = backbone_curve(system, {0, {}, 3.0}, options);
+    ASSERT_TRUE(curve) << curve.error().message;
+    ASSERT_EQ(curve->end, CurveEnd::kDone);
+    EXPECT_GT(curve->points.size(), 20U);
+    for (const CurvePoint& point : curve->points) {
+      const double exact = exact_frequency(duffing, point.amplitude);
+      EXPECT_NEAR(point.omega, exact, 1e-8 * exact) << point.amplitude;
+      EXPECT_TRUE(point.stable);
+      const double energy =
+          0.5 * 4.0 * std::pow(point.amplitude, 2) + 0.25 * gamma * std::pow(point.amplitude, 4);
+      EXPECT_NEAR(mean_energy(system, point.motion, point.omega), energy, 1e-8 * energy);
+    }
+    EXPECT_NEAR(curve->points.back().amplitude, 3.0, 1e-9);
+  }
+}
+
+// Periodic, and a multiplier at +1: three equations for the start and the frequency.
+Eigen::Vector3d fold_equations(const Duffing& d, double f, const Eigen::Vector3d& at) {
+  const Shot shot = shoot(d, f, at[2], at.head<2>());
+  Eigen::Vector3d out;
+  out.head<2>() = shot.end - at.head<2>();
+  out[2] = (shot.monodromy - Eigen::Matrix2d::Identity()).determinant();
+  return out;
+}
+
+TEST(Duffing, ItsFoldsAreThoseOfShooting) {
+  const Duffing duffing{1.0, 1.0, 0.02};
+  const double f = 0.1;
+  const VibratingSystem system = system_of(duffing);
+  const FourierSeries force = cosine_force(Eigen::VectorXd::Constant(1, f));
+  const Result<MotionCurve> curve = response_curve(system, {force, 0.6, 2.5}, plain_options(21));
+  ASSERT_TRUE(curve) << curve.error().message;
+  ASSERT_EQ(curve->end, CurveEnd::kDone);
+  std::vector<double> folds;
+  for (const Bifurcation& found : curve->bifurcations) {
+    EXPECT_EQ(found.kind, BifurcationKind::kFold);
+    const CurvePoint& point = found.point;
+    Eigen::Vector3d at;
+    at << point.motion * fourier_row(21, 0.0),
+        point.omega * point.motion * fourier_slope_row(21, 0.0), point.omega;
+    for (int i = 0; i < 6; ++i) {
+      const Eigen::Vector3d value = fold_equations(duffing, f, at);
+      Eigen::Matrix3d slope;
+      for (int j = 0; j < 3; ++j) {
+        const Eigen::Vector3d e = 1e-6 * Eigen::Vector3d::Unit(j);
+        slope.col(j) =
+            (fold_equations(duffing, f, at + e) - fold_equations(duffing, f, at - e)) / 2e-6;
+      }
+      at -= slope.partialPivLu().solve(value);
+    }
+    folds.push_back(point.omega);
+    // 4000 Runge-Kutta steps a period err by 1e-11; 21 harmonics by 1e-12.
+    EXPECT_NEAR(point.omega, at[2], 1e-8 * at[2]);
+  }
+  ASSERT_EQ(folds.size(), 2U);
+  EXPECT_GT(folds[0], folds[1]);
+}
+
+TEST(Duffing, IsUnstableBetweenItsFoldsAndStableOutside) {
+  const VibratingSystem system = system_of({1.0, 1.0, 0.02});
+  const FourierSeries force = cosine_force(Eigen::VectorXd::Constant(1, 0.1));
+  const Result<MotionCurve> curve = response_curve(system, {force, 0.6, 2.5}, plain_options(9));
+  ASSERT_TRUE(curve);
+  double before = 0.0;
+  int changes = 0;
+  for (std::size_t i = 1; i < curve->points.size(); ++i) {
+    const CurvePoint &a = curve->points[i - 1], &b = curve->points[i];
+    if (a.stable != b.stable) ++changes;
+    const bool back = b.omega < a.omega && a.omega < before;
+    if (back) {
+      EXPECT_FALSE(a.stable) << a.omega;
+    }
+    before = a.omega;
+  }
+  EXPECT_EQ(changes, 2);
+}
+
+TEST(Duffing, ItsMultipliersAreThoseOfShooting) {
+  const Duffing duffing{1.0, 1.0, 0.02};
+  const VibratingSystem system = system_of(duffing);
+  const FourierSeries force = cosine_force(Eigen::VectorXd::Constant(1, 0.1));
+  const Result<MotionCurve> curve = response_curve(system, {force, 0.6, 2.5}, plain_options(15));
+  ASSERT_TRUE(curve);
+  for (std::size_t i = 0; i < curve->points.size(); i += 10) {
+    const CurvePoint& point = curve->points[i];
+    Eigen::Vector2d start;
+    start << point.motion * fourier_row(15, 0.0),
+        point.omega * point.motion * fourier_slope_row(15, 0.0);
+    const Shot shot = shoot(duffing, 0.1, point.omega, start);
+    EXPECT_LE((shot.end - start).norm(), 1e-8 * start.norm());
+    Eigen::VectorXcd exact = shot.monodromy.eigenvalues();
+    for (const auto& multiplier : point.multipliers)
+      // Order six with a tenth of a radian a step; a double multiplier takes the root of an error.
+      EXPECT_LE(std::min(std::abs(multiplier - exact[0]), std::abs(multiplier - exact[1])), 1e-6)
+          << point.omega;
+  }
+}
+
+TEST(Duffing, HarmonicsGrowWhereTheLastHoldTooMuch) {
+  const VibratingSystem system = system_of({1.0, 1.0, 0.02});
+  const FourierSeries force = cosine_force(Eigen::VectorXd::Constant(1, 2.0));
+  CurveOptions options = plain_options(3);
+  options.most_harmonics = 31;
+  options.harmonic_share = 1e-6;
+  const Result<MotionCurve> curve = response_curve(system, {force, 0.6, 4.0}, options);
+  ASSERT_TRUE(curve);
+  EXPECT_LE(curve->largest_share, 1e-6);
+  EXPECT_GT(curve->points.back().harmonics(), 7);
+  EXPECT_LT(curve->points.back().harmonics(), 31);
+  for (const CurvePoint& point : curve->points) EXPECT_EQ(point.share, last_share(point.motion));
+}
+
+}  // namespace
+}  // namespace tremolo

@@ -1,0 +1,304 @@
+// Rigid bodies in contact: closed forms at the default settings, at h, h/2 and h/4.
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "runtime/contact/solve/contact_step.h"
+#include "tests/rigid/rigid_scene.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+using testing::kG;
+using testing::rigid_body;
+
+constexpr std::array kSteps = {3e-3, 1.5e-3, 0.75e-3};
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+// Turns the axis of a shape, z, into y: it rolls along x.
+Eigen::Quaterniond lying() {
+  return Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vector3d::UnitX()));
+}
+
+// The acceleration of a body that rolls down a slope without slipping.
+double rolling(const Scene& scene, double angle, double radius, double moment) {
+  SceneWorld world = testing::make_world(scene);
+  const double mass = world.body(0).model().inertia()->mass;
+  const double exact = kG * std::sin(angle) / (1.0 + moment / (mass * radius * radius));
+  return testing::acceleration(world, 0.5, 1.5) / exact;
+}
+
+// A round point rolls exactly; what is left is the bounce of the first half second.
+TEST(RigidContact, LetsBallsRollDownASlope) {
+  const double radius = 0.05, angle = 10.0 * kDegree;
+  for (const double step : kSteps) {
+    const SceneBody ball = rigid_body("ball", SphereShape{radius}, {0.0, 0.0, radius});
+    const double mass = 1000.0 * 4.0 / 3.0 * std::numbers::pi * std::pow(radius, 3);
+    const double share = rolling(testing::on_slope(ball, angle, 0.5, step), angle, radius,
+                                 0.4 * mass * radius * radius);
+    EXPECT_NEAR(share, 1.0, 1e-5) << step;
+  }
+}
+
+TEST(RigidContact, LetsCapsulesRollDownASlope) {
+  const double radius = 0.05, angle = 10.0 * kDegree;
+  for (const double step : kSteps) {
+    SceneBody body = rigid_body("capsule", CapsuleShape{radius, 0.1}, {0.0, 0.0, radius});
+    body.pose.rotation = lying();
+    const double ball = 1000.0 * 4.0 / 3.0 * std::numbers::pi * std::pow(radius, 3);
+    const double middle = 1000.0 * 0.2 * std::numbers::pi * radius * radius;
+    const double share = rolling(testing::on_slope(body, angle, 0.5, step), angle, radius,
+                                 (0.4 * ball + 0.5 * middle) * radius * radius);
+    EXPECT_NEAR(share, 1.0, 1e-5) << step;
+  }
+}
+
+// A cylinder's rims are polygons of 66 edges, and each corner that it lands on takes a part of its
+// energy: a fiftieth of restitution is that of the points (docs/theory.md).
+TEST(RigidContact, LetsCylindersRollDownASlope) {
+  const double radius = 0.05, angle = 10.0 * kDegree;
+  for (const double step : kSteps) {
+    SceneBody body = rigid_body("cylinder", CylinderShape{radius, 0.05}, {0.0, 0.0, radius});
+    body.pose.rotation = lying();
+    const double mass = 1000.0 * 0.1 * std::numbers::pi * radius * radius;
+    const double share = rolling(testing::on_slope(body, angle, 0.5, step), angle, radius,
+                                 0.5 * mass * radius * radius);
+    EXPECT_NEAR(share, 1.0, 0.02) << step;
+  }
+}
+
+TEST(RigidContact, HoldsBlocksBelowTheAngleOfFriction) {
+  const double friction = 0.4, angle = std::atan(friction);
+  for (const double step : kSteps) {
+    const SceneBody block = rigid_body("block", BoxShape{{0.1, 0.1, 0.05}}, {0.0, 0.0, 0.05});
+    SceneWorld held =
+        testing::make_world(testing::on_slope(block, std::atan(0.95 * friction), friction, step));
+    testing::run_until(held, 1.0);
+    const double before = testing::centre_of(held, 0).x();
+    testing::run_until(held, 10.0);
+    EXPECT_LT(std::abs(testing::centre_of(held, 0).x() - before), 1e-6) << step;
+    const double above = std::atan(1.05 * friction);
+    SceneWorld sliding = testing::make_world(testing::on_slope(block, above, friction, step));
+    const double exact = kG * (std::sin(above) - friction * std::cos(above));
+    EXPECT_NEAR(testing::acceleration(sliding, 1.0, 3.0), exact, 5e-3 * exact) << step;
+  }
+  EXPECT_GT(angle, 0.0);
+}
+
+TEST(RigidContact, StopsASlidingBlock) {
+  for (const double step : kSteps) {
+    SceneBody block = rigid_body("block", BoxShape{{0.1, 0.1, 0.05}}, {0.0, 0.0, 0.05});
+    block.velocity.x() = 2.0;
+    SceneWorld world = testing::make_world(testing::on_slope(block, 0.0, 0.3, step));
+    testing::run_until(world, 2.0);
+    const double exact = 4.0 / (2.0 * 0.3 * kG);
+    EXPECT_NEAR(testing::centre_of(world, 0).x(), exact, 5e-3 * exact) << step;
+    EXPECT_NEAR(world.account(0).friction, -0.5 * world.body(0).model().inertia()->mass * 4.0,
+                0.02 * 0.5 * world.body(0).model().inertia()->mass * 4.0);
+  }
+}
+
+// Two balls on a line: a blow of the given restitution.
+Scene billiards(double restitution, double step, double offset = 0.0, double friction = 0.0) {
+  Scene scene;
+  scene.step = step;
+  scene.bodies = {rigid_body("a", SphereShape{0.03}, {-0.2, 0.0, 0.0}),
+                  rigid_body("b", SphereShape{0.03}, {0.0, offset, 0.0})};
+  scene.bodies[0].velocity.x() = 2.0;
+  for (SceneBody& body : scene.bodies) {
+    body.contact.restitution = restitution;
+    body.contact.friction = friction;
+  }
+  return scene;
+}
+
+// The speeds after the blow, relative to each other, over those before it.
+double rebound(double restitution, double step) {
+  SceneWorld world = testing::make_world(billiards(restitution, step));
+  const Vector3d before = world.momenta(0).linear;
+  testing::run_until(world, 0.3);
+  const Vector3d after = world.momenta(0).linear + world.momenta(1).linear;
+  EXPECT_LT((after - before).norm(), 1e-10 * before.norm());
+  return (world.body(1).rigid_state().velocity.x() - world.body(0).rigid_state().velocity.x()) /
+         2.0;
+}
+
+// Equal balls exchange their velocities at every step.
+TEST(RigidContact, LetsBilliardBallsExchangeTheirVelocities) {
+  for (const double step : kSteps) EXPECT_NEAR(rebound(1.0, step), 1.0, 1e-9) << step;
+}
+
+// The blow takes 1.4 ms. In steps that are not short against that the rebound is between e and 1:
+// the law takes its part of the energy that is stored at the ends of steps, and the largest is
+// between them. At a fiftieth of the blow the rebound is e; a fiftieth of the factor is that of
+// slow points (docs/theory.md).
+TEST(RigidContact, GivesBilliardBallsTheirRestitution) {
+  for (const double restitution : {0.7, 0.5, 0.2}) {
+    for (const double step : kSteps) {
+      EXPECT_GT(rebound(restitution, step), restitution - 0.01) << step;
+      EXPECT_LT(rebound(restitution, step), 1.0) << step;
+    }
+    EXPECT_NEAR(rebound(restitution, 3e-5), restitution, 0.01);
+    EXPECT_NEAR(rebound(restitution, 1.5e-5), restitution, 0.01);
+  }
+}
+
+// A glancing blow with friction turns both balls; what one gets the other loses.
+TEST(RigidContact, KeepsBothMomentaOfAGlancingBlow) {
+  for (const double step : kSteps) {
+    SceneWorld world = testing::make_world(billiards(0.7, step, 0.03, 0.5));
+    const Vector3d linear = world.momenta(0).linear;
+    const Vector3d angular = world.momenta(0).angular + world.momenta(1).angular;
+    testing::Growth growth;
+    testing::run_until(world, 0.3, [&] { growth.look(world); });
+    EXPECT_GT(world.body(1).rigid_state().spin.norm(), 1.0);
+    EXPECT_LT((world.momenta(0).linear + world.momenta(1).linear - linear).norm(),
+              1e-10 * linear.norm());
+    // About the origin each ball alone has a momentum of 2 m/s times its offset.
+    EXPECT_LT((world.momenta(0).angular + world.momenta(1).angular - angular).norm(),
+              1e-10 * 0.03 * linear.norm());
+    EXPECT_LT(growth.worst, 1e-6 * growth.most);
+  }
+}
+
+// Shapes of each kind against each other, thrown together with spin.
+TEST(RigidContact, KeepsBothMomentaOfAllShapes) {
+  const std::vector<Collider> shapes = {SphereShape{0.04}, CapsuleShape{0.03, 0.05},
+                                        BoxShape{{0.04, 0.05, 0.03}}, CylinderShape{0.04, 0.03}};
+  for (const Collider& one : shapes)
+    for (const Collider& other : shapes) {
+      Scene scene;
+      scene.step = 1e-3;
+      scene.bodies = {rigid_body("a", one, {-0.15, 0.01, 0.02}),
+                      rigid_body("b", other, {0.0, 0.0, 0.0}, 3000.0)};
+      scene.bodies[0].velocity = {3.0, 0.0, 0.0};
+      scene.bodies[0].spin = {1.0, 5.0, -3.0};
+      scene.bodies[1].spin = {2.0, -1.0, 4.0};
+      SceneWorld world = testing::make_world(scene);
+      const Vector3d linear = world.momenta(0).linear + world.momenta(1).linear;
+      const Vector3d angular = world.momenta(0).angular + world.momenta(1).angular;
+      testing::Growth growth;
+      testing::run_until(world, 0.2, [&] { growth.look(world); });
+      const std::string what = std::string(shape_name(one)) + " " + shape_name(other);
+      EXPECT_GT(world.contacts(0), 0) << what;
+      EXPECT_LT((world.momenta(0).linear + world.momenta(1).linear - linear).norm(),
+                1e-10 * linear.norm())
+          << what;
+      EXPECT_LT((world.momenta(0).angular + world.momenta(1).angular - angular).norm(),
+                1e-10 * angular.norm())
+          << what;
+      EXPECT_LT(growth.worst, 1e-6 * growth.most) << what;
+    }
+}
+
+// A platform under a ball rises and falls: the ball follows and the balance closes, with energy
+// given by the platform.
+TEST(RigidContact, SqueezesABallBetweenAMovingColliderAndTheFloor) {
+  for (const double step : kSteps) {
+    Scene scene;
+    scene.step = step;
+    scene.duration = 10.0;
+    scene.gravity.values = {{0.0, 0.0, -kG}};
+    scene.bodies = {rigid_body("ball", SphereShape{0.1}, {0.0, 0.0, 0.1})};
+    scene.colliders = {testing::floor_with(0.4, 0.3)};
+    SceneCollider plate;
+    plate.name = "plate";
+    plate.shape = BoxShape{{0.3, 0.3, 0.05}};
+    plate.pose.position = {0.0, 0.0, 0.2505};
+    plate.friction = 0.4;
+    // It moves sideways and takes the ball along: a ball between two plates rolls at half the
+    // speed.
+    plate.motion.parts.push_back(GlideMotion{{0.2, 0.0, 0.0}, {0.2, 1.2, 0.2}});
+    plate.motion.parts.push_back(ShakeMotion{{0.0, 0.0, 0.0003}, 1.0, {0.0, 5.0, 0.3}});
+    scene.colliders.push_back(plate);
+    SceneWorld world = testing::make_world(scene);
+    testing::Growth growth;
+    testing::run_until(world, 1.0, [&] { growth.look(world); });
+    EXPECT_NEAR(world.body(0).rigid_state().velocity.x(), 0.1, 0.01) << step;
+    EXPECT_NEAR(world.body(0).rigid_state().spin.y(), 1.0, 0.1) << step;
+    EXPECT_LT(growth.worst, 1e-6 * growth.most) << step;
+  }
+}
+
+// Tower of blocks, a cylinder and a capsule on its side.
+TEST(RigidContact, LetsAStackRest) {
+  Scene scene;
+  scene.gravity.values = {{0.0, 0.0, -kG}};
+  scene.colliders = {testing::floor_with(0.5)};
+  double height = 0.0;
+  for (int k = 0; k < 6; ++k) {
+    height += 0.05;
+    scene.bodies.push_back(k % 2 == 0 ? rigid_body("box-" + std::to_string(k),
+                                                   BoxShape{{0.1, 0.1, 0.05}}, {0.0, 0.0, height})
+                                      : rigid_body("drum-" + std::to_string(k),
+                                                   CylinderShape{0.09, 0.05}, {0.0, 0.0, height}));
+    scene.bodies.back().contact.restitution = 0.0;
+    height += 0.05;
+  }
+  SceneWorld world = testing::make_world(scene);
+  testing::Growth growth;
+  testing::run_until(world, 3.0, [&] { growth.look(world); });
+  const double weight = 6 * kG * world.body(0).model().inertia()->mass;
+  const Vector3d top = testing::centre_of(world, 5);
+  EXPECT_LT(std::hypot(top.x(), top.y()), 1e-3);
+  EXPECT_NEAR(top.z(), 0.55, 6 * 0.001);
+  for (std::size_t i = 0; i < world.size(); ++i) EXPECT_TRUE(world.asleep(i)) << i;
+  EXPECT_LT(growth.worst, 1e-6 * weight * 0.6);
+}
+
+TEST(RigidContact, RefusesBodiesInsideEachOtherByDepthAndName) {
+  Scene scene = billiards(0.5, 1e-3);
+  scene.bodies[0].pose.position = {-0.04, 0.0, 0.0};
+  const Result<SceneWorld> world = SceneWorld::create(scene);
+  ASSERT_FALSE(world);
+  EXPECT_EQ(world.error().kind, ErrorKind::kContent);
+  EXPECT_NE(world.error().message.find("body 'a': it begins 0.02"), std::string::npos)
+      << world.error().message;
+  EXPECT_NE(world.error().message.find("inside body 'b'"), std::string::npos);
+}
+
+TEST(RigidContact, ContinuesWithTheSameBitsAfterRestoring) {
+  Scene scene = billiards(0.7, 1e-3, 0.03, 0.5);
+  scene.gravity.values = {{0.0, 0.0, -kG}};
+  scene.bodies.push_back(rigid_body("box", BoxShape{{0.05, 0.05, 0.05}}, {0.1, 0.0, 0.05}));
+  for (SceneBody& body : scene.bodies) body.pose.position.z() += 0.04;
+  scene.colliders = {testing::floor_with(0.3, 0.5)};
+  for (const double when : {0.075, 0.2}) {
+    SceneWorld world = testing::make_world(scene), again = testing::make_world(scene);
+    testing::run_until(world, when);
+    ASSERT_TRUE(again.restore(world.save()));
+    testing::run_until(world, 0.6);
+    testing::run_until(again, 0.6);
+    EXPECT_EQ(world.save(), again.save());
+  }
+  SceneWorld world = testing::make_world(scene);
+  scene.bodies[0].rigid->density = 900.0;
+  SceneWorld other = testing::make_world(scene);
+  const Status refused = other.restore(world.save());
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("body 'a'"), std::string::npos) << refused.error().message;
+}
+
+// A pendulum of a pin and a box: the pin carries its weight.
+TEST(RigidContact, HangsByAPin) {
+  Scene scene;
+  scene.gravity.values = {{0.0, 0.0, -kG}};
+  scene.bodies = {rigid_body("box", BoxShape{{0.05, 0.05, 0.05}}, {0.0, 0.0, 0.0})};
+  SceneHand pin;
+  pin.body = "box";
+  pin.at = "0";
+  pin.pin = true;
+  scene.hands = {pin};
+  SceneWorld world = testing::make_world(scene);
+  testing::Growth growth;
+  testing::run_until(world, 2.0, [&] { growth.look(world); });
+  const double mass = world.body(0).model().inertia()->mass;
+  // It swings about the corner from the height of the centre on.
+  EXPECT_LT(growth.worst, 1e-6 * mass * kG * 0.1);
+  const Vector3d corner = world.body(0).pose() * world.body(0).model().surface().rest[0];
+  EXPECT_LT((corner - world.body(0).model().surface().rest[0]).norm(), 1e-5);
+}
+
+}  // namespace
+}  // namespace tremolo
