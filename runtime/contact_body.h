@@ -21,7 +21,6 @@ namespace tremolo {
 
 class BodyGroup;
 class ContactStep;
-class ReducedStep;
 
 // Sums of contact since the start, J. work: on the body, a part of BodySums::work. lost, rubbed:
 // taken by restitution and friction. given: by moving colliders. error: contact energy found at the
@@ -118,7 +117,6 @@ class ContactBody : public Body {
   // The parts of a step, for groups of bodies that touch each other.
   friend class BodyGroup;
   friend class StepParts;
-  friend class ReducedStep;
   std::optional<StepReport> begin_step() {
     booked_ = false;
     return Body::begin_step();

@@ -10,32 +10,34 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 Vector3d BentContact::place_at_start(std::size_t point) const {
-  const Pose& into = shape_->contact().poses().start;
+  const Pose& into = shape_->poses().start;
   return into.rotation.conjugate() * (points_->start_of(point) - into.position);
 }
 
 void BentContact::add(std::size_t point, const Vector3d& y, double distance) {
   if (count_ == pairs_.size()) pairs_.emplace_back();
   PairPoint& pair = pairs_[count_++];
-  const ContactLaw own = points_->area_law(), theirs = shape_->area_law();
+  const ContactLaw own = points_->area_law(), theirs = shape_->law();
   pair.law = law_in_series(points_->law_of(point, std::sqrt(own.friction * theirs.friction),
                                            std::sqrt(own.restitution * theirs.restitution)),
                            own, theirs, points_->area_of(point));
+  pair.law.rounding = shape_->law_of(0, 0.0, 0.0).rounding;
   place_point(pair, {first, second, obstacle_}, point, points_->memory(obstacle_, point), y,
               distance);
 }
 
-bool BentContact::gather(StepBody& points, ReducedStep& shape, std::size_t obstacle) {
+bool BentContact::gather(StepBody& points, ContactStep& shape, std::size_t obstacle) {
   points_ = &points;
   shape_ = &shape;
   obstacle_ = obstacle;
   count_ = 0;
-  const Collider* solid = shape.contact().shape();
+  const Collider* solid = shape.shape();
   if (solid == nullptr) return false;
-  const StepBall mine = points.ball(), other = shape.ball();
+  const StepBall mine = points.ball();
+  const ContactBall& other = shape.ball();
+  const double bent = other.deformed;
   const double reach = points.area_law().margin + 2.0 * (mine.travel + other.travel);
-  if ((mine.centre - other.centre).norm() > mine.radius + other.radius + reach) return false;
-  const double bent = shape.contact().ball().deformed;
+  if ((mine.centre - other.centre).norm() > mine.radius + other.radius + bent + reach) return false;
   for (std::size_t i = 0; i < points.points(); ++i) {
     const Vector3d y = place_at_start(i);
     if (signed_distance(*solid, y).distance > reach + bent) continue;
@@ -75,7 +77,7 @@ void BentContact::press(const ContactRenewal& renewal) {
 
 void BentContact::make_slopes(bool follows) {
   ContactEquations& eq = shape_->equations();
-  slopes_.resize(count_);
+  if (slopes_.size() < count_) slopes_.resize(count_);
   link_.setZero(eq.unknowns());
   growth_.setZero(eq.unknowns());
   for (std::size_t k = 0; k < count_; ++k) {
@@ -113,8 +115,8 @@ void BentContact::multiply(StepBody::In first_x, StepBody::In second_x, StepBody
 
 bool BentContact::add_missed() {
   const ContactEquations& eq = shape_->equations();
-  const Collider& solid = *shape_->contact().shape();
-  const double margin = points_->area_law().margin, bent = shape_->contact().ball().deformed;
+  const Collider& solid = *shape_->shape();
+  const double margin = points_->area_law().margin, bent = shape_->ball().deformed;
   listed_.assign(points_->points(), 0);
   for (const PairPoint& pair : used()) listed_[pair.point] = 1;
   const std::size_t known = count_;
@@ -131,17 +133,26 @@ bool BentContact::add_missed() {
 }
 
 void BentContact::settle(ContactAccount& first_account, ContactAccount& second_account,
-                         double& start) const {
+                         double& first_start, double& second_start) const {
+  (void)second_start;  // the first body has the memories
   const ContactEquations& eq = shape_->equations();
   for (const PairPoint& pair : used()) {
-    start += pair.energy + 0.5 * pair.law.shear * pair.memory.slip.squaredNorm();
+    first_start += pair.energy + 0.5 * pair.law.shear * pair.memory.slip.squaredNorm();
     settle_pair(pair, eq, eq.motion.h, first_account, second_account);
   }
 }
 
 void BentContact::remember() {
-  for (const PairPoint& pair : used())
+  for (const PairPoint& pair : used()) {
     if (ContactMemory memory; memory_of(pair, memory)) points_->remember(memory);
+    if (pair.now.acts && pair.now.pressure != 0.0)
+      points_->note({.vertex = points_->number_of(pair.point),
+                     .on_body = true,
+                     .obstacle = obstacle_,
+                     .position = pair.touch_a.x1,
+                     .normal = pair.held.normal.normalized(),
+                     .impulse = time().h * pair.now.force});
+  }
 }
 
 std::size_t BentContact::acting() const {

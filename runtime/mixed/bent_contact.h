@@ -6,7 +6,6 @@
 
 #include "runtime/contact/solve/pair_point.h"
 #include "runtime/mixed/pair_forces.h"
-#include "runtime/mixed/reduced_step.h"
 
 namespace tremolo {
 
@@ -15,7 +14,7 @@ class BentContact final : public PairForces {
   // Finds the points of `points` that may be in contact with `shape` in the step. obstacle: the
   // number of the second body, for memories. Both bodies have started their steps. False: there are
   // none.
-  bool gather(StepBody& points, ReducedStep& shape, std::size_t obstacle);
+  bool gather(StepBody& points, ContactStep& shape, std::size_t obstacle);
 
   void begin() override;
   void approach() override;
@@ -25,8 +24,8 @@ class BentContact final : public PairForces {
   void multiply(StepBody::In first_x, StepBody::In second_x, StepBody::Out first_rows,
                 StepBody::Out second_rows) const override;
   bool add_missed() override;
-  void settle(ContactAccount& first_account, ContactAccount& second_account,
-              double& start) const override;
+  void settle(ContactAccount& first_account, ContactAccount& second_account, double& first_start,
+              double& second_start) const override;
   void remember() override;
   std::size_t acting() const override;
 
@@ -38,7 +37,7 @@ class BentContact final : public PairForces {
   Eigen::Vector3d place_at_start(std::size_t point) const;
 
   StepBody* points_ = nullptr;
-  ReducedStep* shape_ = nullptr;
+  ContactStep* shape_ = nullptr;
   std::size_t obstacle_ = 0;
   std::vector<PairPoint> pairs_;  // the first count_ are in use
   std::size_t count_ = 0;

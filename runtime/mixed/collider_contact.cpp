@@ -122,12 +122,13 @@ bool ColliderContact::add_missed() {
 }
 
 void ColliderContact::settle(ContactAccount& first_account, ContactAccount& second_account,
-                             double& start) const {
+                             double& first_start, double& second_start) const {
   (void)second_account;
+  (void)second_start;
   ContactAccount& sum = first_account;
   for (const Touch& touch : touches_) {
     const ContactForce& now = touch.now;
-    start += touch.start.energy + 0.5 * touch.law.shear * touch.memory.slip.squaredNorm();
+    first_start += touch.start.energy + 0.5 * touch.law.shear * touch.memory.slip.squaredNorm();
     sum.energy += now.energy;
     sum.lost += now.lost;
     sum.rubbed += now.rubbed;

@@ -22,8 +22,8 @@ class ColliderContact final : public PairForces {
   void multiply(StepBody::In first_x, StepBody::In second_x, StepBody::Out first_rows,
                 StepBody::Out second_rows) const override;
   bool add_missed() override;
-  void settle(ContactAccount& first_account, ContactAccount& second_account,
-              double& start) const override;
+  void settle(ContactAccount& first_account, ContactAccount& second_account, double& first_start,
+              double& second_start) const override;
   void remember() override;
   std::size_t acting() const override;
 

@@ -51,7 +51,7 @@ double MixedIsland::measure() {
   return std::sqrt(square);
 }
 
-void MixedIsland::multiply(const VectorXd& x, VectorXd& rows) {
+void MixedIsland::multiply(StepBody::In x, StepBody::Out rows) {
   for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i]->multiply(part(x, i), part(rows, i));
   for (PairForces* coupling : couplings_) coupling->shared->growth = 0.0;
   for (PairForces* coupling : couplings_) {
@@ -70,8 +70,8 @@ void MixedIsland::multiply(const VectorXd& x, VectorXd& rows) {
   for (std::size_t i = 0; i < bodies_.size(); ++i) part(rows, i) /= enough_[i];
 }
 
-void MixedIsland::precondition(const VectorXd& rows, VectorXd& x) {
-  scaled_ = rows;
+void MixedIsland::precondition(StepBody::In rows, StepBody::Out x) {
+  scaled_.head(first_.back()) = rows;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     part(scaled_, i) *= enough_[i];
     bodies_[i]->precondition(part(scaled_, i), part(x, i));
@@ -88,12 +88,13 @@ bool MixedIsland::find_move(double heavier, bool follows) {
     bodies_[i]->residual(part(residual_, i));
     part(residual_, i) /= enough_[i];
   }
-  bool solved = gmres_.solve([this](const VectorXd& x, VectorXd& rows) { multiply(x, rows); },
-                             [this](const VectorXd& rows, VectorXd& x) { precondition(rows, x); },
-                             residual_, kLinearTolerance, kMostLinear, move_);
+  const Index n = first_.back();
+  bool solved = gmres_.solve([this](StepBody::In x, StepBody::Out rows) { multiply(x, rows); },
+                             [this](StepBody::In rows, StepBody::Out x) { precondition(rows, x); },
+                             residual_.head(n), kLinearTolerance, kMostLinear, move_.head(n));
   report_.linear += gmres_.iterations();
-  if (!solved && gmres_.residual() <= kUsable * residual_.norm()) solved = true;
-  return solved && move_.allFinite();
+  if (!solved && gmres_.residual() <= kUsable * residual_.head(n).norm()) solved = true;
+  return solved && move_.head(n).allFinite();
 }
 
 // Change of the function that the step minimises, except for rotation, along the move.
@@ -156,11 +157,12 @@ bool MixedIsland::add_missed() {
 
 void MixedIsland::settle() {
   accounts_.assign(bodies_.size() + 1, {});
-  starts_.assign(bodies_.size(), 0.0);
+  starts_.assign(bodies_.size() + 1, 0.0);
   for (const PairForces* coupling : couplings_) {
     const std::size_t b =
         coupling->second == PairForces::kNobody ? bodies_.size() : coupling->second;
-    coupling->settle(accounts_[coupling->first], accounts_[b], starts_[coupling->first]);
+    coupling->settle(accounts_[coupling->first], accounts_[b], starts_[coupling->first],
+                     starts_[b]);
   }
   for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i]->finish(accounts_[i], starts_[i]);
   for (PairForces* coupling : couplings_) coupling->remember();
@@ -182,7 +184,8 @@ MixedReport MixedIsland::step(std::span<StepBody* const> bodies,
     for (PairForces* coupling : couplings_) coupling->begin();
     first_.assign(1, 0);
     for (const StepBody* body : bodies_) first_.push_back(first_.back() + body->unknowns());
-    for (VectorXd* v : {&residual_, &move_, &scaled_}) v->resize(first_.back());
+    for (VectorXd* v : {&residual_, &move_, &scaled_})
+      if (v->size() < first_.back()) v->resize(first_.back());
     sizes_.assign(bodies_.size(), 0.0);
     enough_.assign(bodies_.size(), 1.0);
     do {

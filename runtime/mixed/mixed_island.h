@@ -40,13 +40,14 @@ class MixedIsland {
   double slope() const;
   double go(double length, const ContactRenewal& renewal);
   bool try_following(int iteration, double size);
-  void multiply(const Eigen::VectorXd& x, Eigen::VectorXd& rows);
-  void precondition(const Eigen::VectorXd& rows, Eigen::VectorXd& x);
+  void multiply(StepBody::In x, StepBody::Out rows);
+  void precondition(StepBody::In rows, StepBody::Out x);
   bool add_missed();
   void settle();
 
+  // The part of member i.
   template <class Vector>
-  auto part(Vector& all, std::size_t i) const {
+  auto part(Vector&& all, std::size_t i) const {
     return all.segment(first_[i], first_[i + 1] - first_[i]);
   }
 

@@ -28,7 +28,7 @@ class PairForces {
   // Members of the island: the body of the points, and the obstacle, which is kNobody for a
   // collider.
   std::size_t first = 0, second = kNobody;
-  SharedRate* shared = nullptr;
+  SharedRate* shared = nullptr;  // of the two, which several couplings may have
 
   // Starts an attempt: nothing is kept.
   virtual void begin() = 0;
@@ -48,10 +48,10 @@ class PairForces {
   // Call it where the step is solved. Adds points that came within the margin unnoticed. True if
   // there are any: the step must be solved with them.
   virtual bool add_missed() = 0;
-  // Adds the energies to the accounts, and to `start` those at the start of the step, J.
+  // Adds the energies to the accounts, and those at the start of the step to the starts, J.
   virtual void settle(ContactAccount& first_account, ContactAccount& second_account,
-                      double& start) const = 0;
-  virtual void remember() = 0;             // after finish() of the first body
+                      double& first_start, double& second_start) const = 0;
+  virtual void remember() = 0;             // after finish() of both bodies
   virtual std::size_t acting() const = 0;  // number of points with a force
 };
 

@@ -3,36 +3,32 @@
 #pragma once
 
 #include <cmath>
-#include <span>
 #include <vector>
 
 #include <Eigen/LU>
 
 #include "runtime/contact/solve/contact_equations.h"
+#include "runtime/contact/solve/contact_island.h"
 #include "runtime/contact/solve/contact_step.h"
-#include "runtime/contact_body.h"
 #include "runtime/mixed/step_body.h"
 
 namespace tremolo {
 
 class ReducedStep final : public StepBody {
  public:
-  // body: it has contact (ContactBody::set_contact()), and stays in memory.
-  explicit ReducedStep(ContactBody& body) : body_(&body) {}
-
-  // Starts the body's step among colliders, which stay in memory until it ends. False: its loads
-  // are not valid; report() has the reason, and the step is over.
-  bool start(std::span<const PlacedCollider> colliders);
-  // Takes the step without other bodies, same as ContactBody::step(), with the same bits.
-  void step_alone();
+  // The body of the next step, which has gathered.
+  void set(const IslandMember& member) { member_ = member; }
+  // The report of a step that succeeded.
   const StepReport& report() const { return report_; }
+  // Its number in its group.
+  std::size_t number() const { return member_.number; }
 
-  ContactBody& body() const { return *body_; }
-  ContactEquations& equations() const;
-  const ContactStep& contact() const;
+  ContactEquations& equations() const { return member_.contact->equations(); }
+  ContactStep& contact() const { return *member_.contact; }
 
   StepBall ball() const override;
   std::size_t points() const override { return contact().points().size(); }
+  bool feels(std::size_t point) const override { return contact().points().meets(point, false); }
   Eigen::Vector3d start_of(std::size_t point) const override;
   ContactLaw area_law() const override { return contact().law(); }
   double area_of(std::size_t point) const override { return contact().points().areas[point]; }
@@ -47,10 +43,10 @@ class ReducedStep final : public StepBody {
   void begin() override;
   void keep() override { kept_ = equations().z; }
   void go(double length, In direction) override;
-  void evaluate(const ContactRenewal& renewal) override;
+  void evaluate(const ContactRenewal& renewal) override { contact().evaluate(renewal); }
   SiteMotion motion(std::size_t point) const override;
   void add_force(std::size_t point, const Eigen::Vector3d& force) override;
-  double close() override;
+  double close() override { return contact().close(); }
   double enough() const override { return contact().enough(); }
   double momentum_of_size() const override { return std::sqrt(contact().mass()); }
   void residual(Out rows) const override;
@@ -65,15 +61,16 @@ class ReducedStep final : public StepBody {
   Eigen::Vector3d change_at(std::size_t point, In x) const override;
   void add_image(std::size_t point, const Eigen::Vector3d& fall, Out rows) const override;
 
-  bool add_missed() override;
+  bool add_missed() override { return contact().add_missed(); }
   void finish(const ContactAccount& account, double start) override;
-  void remember(const ContactMemory& memory) override;
-  void end() override;
-  void give_up() override;
+  void remember(const ContactMemory& memory) override { contact().remember_pair(memory); }
+  void note(const ContactedPoint& point) override { contact().note_contact(point); }
+  int number_of(std::size_t point) const override { return contact().points().ids[point]; }
+  void end() override { contact().sort_pair_memories(); }
+  void give_up() override {}
 
  private:
-  ContactStep& step() const;
-  Eigen::VectorXd scale() const { return equations().row_scale.head(unknowns()); }
+  auto scale() const { return equations().row_scale.head(unknowns()); }
 
   // Derivatives of a point's motion and of the effect of its force.
   struct PointLever {
@@ -81,10 +78,9 @@ class ReducedStep final : public StepBody {
     Eigen::Matrix3Xd way;  // 3 x n
   };
 
-  ContactBody* body_;
-  bool near_ = false;  // a collider or a grab acts
+  IslandMember member_;
   StepReport report_;
-  Eigen::VectorXd kept_;
+  Eigen::VectorXd kept_, rows_;
   std::vector<PointLever> levers_;  // one a point, once it has a slope
   Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
 };

@@ -38,6 +38,8 @@ class StepBody {
   // The body at the start of the step.
   virtual StepBall ball() const = 0;
   virtual std::size_t points() const = 0;  // number of contact points
+  // False: the point is not for obstacles that deform.
+  virtual bool feels(std::size_t point) const = 0;
   virtual Eigen::Vector3d start_of(std::size_t point) const = 0;
   virtual ContactLaw area_law() const = 0;  // for a unit of area: the stiffness is kappa, N/m^4
   virtual double area_of(std::size_t point) const = 0;  // m^2
@@ -87,6 +89,8 @@ class StepBody {
   // in any order, and call end().
   virtual void finish(const ContactAccount& account, double start) = 0;
   virtual void remember(const ContactMemory& memory) = 0;
+  virtual void note(const ContactedPoint& point) = 0;  // a point of the body that had a force
+  virtual int number_of(std::size_t point) const = 0;  // of its vertex, for note()
   virtual void end() = 0;
   // Called instead if the step has failed: the state is as before the step.
   virtual void give_up() = 0;

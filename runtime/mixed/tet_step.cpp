@@ -67,6 +67,12 @@ void TetStep::step_alone() {
   report_ = body_->step();
   account_ = {};
   memories_.clear();
+  contacted_.clear();
+}
+
+// A point between vertices has the first of them.
+int TetStep::number_of(std::size_t point) const {
+  return static_cast<int>(points_->points[point].nodes[0]);
 }
 
 Vector3d TetStep::start_of(std::size_t point) const {
@@ -257,6 +263,7 @@ void TetStep::finish(const ContactAccount& account, double start) {
   account_.surplus = start - before;
   account_.given = account.work + account.energy - start + account.lost + account.rubbed;
   memories_.clear();
+  contacted_.clear();
   body_->end();
   // A step of midpoint in place of newmark's has no acceleration at its end.
   body_->has_acceleration_ = false;

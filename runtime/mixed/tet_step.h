@@ -10,6 +10,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "runtime/bodies/tets/motion/tet_body.h"
@@ -32,9 +33,11 @@ class TetStep final : public StepBody {
   TetBody& body() const { return *body_; }
   // Of contact in the last step.
   const ContactAccount& account() const { return account_; }
+  std::span<const ContactedPoint> contacted() const { return contacted_; }
 
   StepBall ball() const override { return ball_; }
   std::size_t points() const override { return points_->points.size(); }
+  bool feels(std::size_t point) const override { return point < points(); }
   Eigen::Vector3d start_of(std::size_t point) const override;
   ContactLaw area_law() const override { return law_; }
   double area_of(std::size_t point) const override { return points_->areas[point]; }
@@ -68,6 +71,8 @@ class TetStep final : public StepBody {
   bool add_missed() override { return false; }
   void finish(const ContactAccount& account, double start) override;
   void remember(const ContactMemory& memory) override;
+  void note(const ContactedPoint& point) override { contacted_.push_back(point); }
+  int number_of(std::size_t point) const override;
   void end() override;
   void give_up() override;
 
@@ -100,6 +105,7 @@ class TetStep final : public StepBody {
   std::optional<BlockCholesky> factor_;
   std::vector<Eigen::Matrix3d> inverse_;  // of the diagonal's blocks, without a factor
   std::vector<ContactMemory> memories_;   // by obstacle and point
+  std::vector<ContactedPoint> contacted_;
   ContactAccount account_;
 };
 

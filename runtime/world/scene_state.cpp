@@ -33,10 +33,12 @@ std::vector<std::byte> SceneWorld::save() const {
 }
 
 Status SceneWorld::save(const std::string& path) const {
+  if (guests_) return usage_error("a world with bodies of other kinds cannot be saved");
   return write_saved(path, saved_state());
 }
 
 Status SceneWorld::restore_from(const Result<SavedState>& saved, const std::string& name) {
+  if (guests_) return usage_error("a world with bodies of other kinds cannot be restored");
   if (!saved) return saved.error();
   if (Status s = check_belongs(*saved, saved_parts()); !s) return error_of_file(name, s.error());
   if (!restore_state(*this, saved->state))

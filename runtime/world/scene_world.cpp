@@ -92,7 +92,7 @@ Result<Model::Pointer> load_scene_model(const SceneBody& body) {
   return Model::load(body.model, body.model_options);
 }
 
-Result<SceneWorld> SceneWorld::create(const Scene& scene, const ModelSource& source) {
+Result<SceneWorld> SceneWorld::create(const Scene& scene, const ModelSource& source, bool guests) {
   if (Status s = check_scene(scene); !s) return s.error();
   SceneWorld world(scene);
   const std::vector<Vector3d>& values = world.scene_.gravity.values;
@@ -118,9 +118,11 @@ Result<SceneWorld> SceneWorld::create(const Scene& scene, const ModelSource& sou
   for (std::size_t i = 0; i < world.size(); ++i) world.numbers_[world.name(i)] = i;
   world.list_passing();
   const ContactNeeds needs(world.scene_);
-  for (std::size_t i = 0; i < world.size(); ++i)
-    if (Status s = world.begin_contact(i, needs); !s)
-      return error_of_body(world.scene_.bodies[i], s.error());
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    const SceneBody& wanted = world.scene_.bodies[i];
+    if (Status s = world.begin_contact(i, needs.of(wanted) || (guests && wanted.feels_contact)); !s)
+      return error_of_body(wanted, s.error());
+  }
   if (Status s = world.check_apart(); !s) return s.error();
   if (Status s = world.add_hands(); !s) return s.error();
   world.shapes_.clear();
@@ -240,10 +242,10 @@ Status SceneWorld::check_apart() const {
 }
 
 // Makes the body feel colliders and hands. It must not begin inside a collider.
-Status SceneWorld::begin_contact(std::size_t i, const ContactNeeds& needs) {
+Status SceneWorld::begin_contact(std::size_t i, bool needed) {
   const SceneBody& wanted = scene_.bodies[i];
   Actor& actor = actors_[i];
-  if (!needs.of(wanted)) return Success{};
+  if (!needed) return Success{};
   const Result<ContactOptions> contact = contact_of(wanted);
   if (!contact) return contact.error();
   if (Status s = actor.body.set_contact(*contact); !s)
@@ -488,6 +490,7 @@ Status SceneWorld::set_method(std::size_t i, std::string_view integrator) {
 Status SceneWorld::set_step(double step) {
   if (!(step > 0.0) || !std::isfinite(step))
     return usage_error("a step must be positive and finite, got " + number_text(step) + " s");
+  if (guests_) return usage_error("the step of a world with bodies of other kinds is fixed");
   for (std::size_t i = 0; i < size(); ++i) {
     ContactBody& body = actors_[i].body;
     if (const Status s = body.set_method(body.integrator().name(), step); !s) {

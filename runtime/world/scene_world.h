@@ -123,9 +123,16 @@ class SceneWorld {
   // accelerates a point of the body beyond its limit (checked for the first 1e6 steps), for a
   // collider's motion that jumps, for a body that begins inside a collider by more than its margin,
   // for a hand or a joint whose selector is not one vertex that moves; kSolver for a `settled` body
-  // without an equilibrium.
-  static Result<SceneWorld> create(const Scene& scene,
-                                   const ModelSource& source = load_scene_model);
+  // without an equilibrium. guests: bodies of other kinds will follow (set_guests()).
+  static Result<SceneWorld> create(const Scene& scene, const ModelSource& source = load_scene_model,
+                                   bool guests = false);
+
+  // Adds bodies of other kinds to the world, which steps them with its bodies
+  // (runtime/world/world_tets.h). Call it before the first step.
+  void set_guests(std::unique_ptr<IslandGuests> guests) {
+    guests_ = std::move(guests);
+    group_->set_guests(guests_.get());
+  }
 
   double step_size() const { return scene_.step; }                           // s
   std::int64_t steps() const { return steps_; }                              // done so far
@@ -143,7 +150,7 @@ class SceneWorld {
   bool passes_through(std::size_t a, std::size_t b) const;
 
   // As Body::set_method: sets another method of one body, or another step, s, of all. The world's
-  // time is rounded to the nearest multiple of the step.
+  // time is rounded to the nearest multiple of the step. Error kUsage: another step with guests.
   Status set_method(std::size_t i, std::string_view integrator);
   Status set_step(double step);
 
@@ -201,7 +208,8 @@ class SceneWorld {
   // Saves the state between steps, as the bytes of a file (formats/saved/saved_file.h) or as a
   // file, which is written whole or not at all (kSystem). A world of the same scene that is
   // restored from it continues with the same bits as the saved one. Changes outside the scene are
-  // not saved, except forces of Body::apply_force() and loads added to a body.
+  // not saved, except forces of Body::apply_force() and loads added to a body. Worlds with guests
+  // are neither saved to files nor restored: error kUsage.
   std::vector<std::byte> save() const;
   Status save(const std::string& path) const;
   // Errors, which leave the world unchanged: kContent with the reason for data that are damaged,
@@ -270,7 +278,7 @@ class SceneWorld {
   explicit SceneWorld(const Scene& scene) : scene_(scene) {}
   Status add(const SceneBody& wanted, Model::Pointer model);
   Status begin(const SceneBody& wanted, Actor& actor) const;
-  Status begin_contact(std::size_t i, const ContactNeeds& needs);
+  Status begin_contact(std::size_t i, bool needed);
   Status add_hands();
   Status add_joints();
   Status damp(std::size_t i);
@@ -298,7 +306,8 @@ class SceneWorld {
   std::vector<Touching> touching_;  // bodies x colliders
   std::vector<Failure> failures_;
   std::vector<ContactEvent> events_;
-  std::vector<Pair> pairs_;  // those that touch
+  std::vector<Pair> pairs_;               // those that touch
+  std::unique_ptr<IslandGuests> guests_;  // null: none
   std::unique_ptr<BodyGroup> group_;
   std::vector<std::size_t> order_, place_;  // bodies by their names, and where each is there
   std::vector<ContactBody*> stepped_;       // by their names; null: it has failed

@@ -10,6 +10,7 @@ namespace {
 
 using Eigen::Vector3d;
 using testing::MixedKind;
+using testing::MixedWorld;
 
 constexpr double kGravity = 9.81;
 

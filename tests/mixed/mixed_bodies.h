@@ -1,9 +1,15 @@
 // Bodies of both kinds for tests of their contact.
 #pragma once
 
+#include <deque>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include <gtest/gtest.h>
 
-#include "runtime/mixed/mixed_world.h"
+#include "runtime/contact/solve/body_group.h"
+#include "runtime/mixed/tet_guests.h"
 #include "tests/support/meshes/made_cube.h"
 #include "tests/support/tet_bodies.h"
 
@@ -76,6 +82,70 @@ inline TetBody tets_body(const TetModelPointer& model, const MixedKind& kind,
   EXPECT_TRUE(body->set_state(x, v));
   return std::move(*body);
 }
+
+// Bodies of both kinds in one group; numbers are of both kinds together.
+class MixedWorld {
+ public:
+  explicit MixedWorld(double step) : step_(step), tets_(step) {}
+  MixedWorld(const MixedWorld&) = delete;
+
+  Result<std::size_t> add(std::string name, ContactBody body) {
+    (void)name;
+    if (body.contact() == nullptr) return usage_error("no contact");
+    members_.push_back({true, bodies_.size()});
+    bodies_.push_back(std::move(body));
+    return members_.size() - 1;
+  }
+  Result<std::size_t> add(std::string name, TetBody body, const ContactOptions& contact = {}) {
+    const Result<std::size_t> added = tets_.add(std::move(name), std::move(body), contact);
+    if (!added) return added.error();
+    members_.push_back({false, *added});
+    return members_.size() - 1;
+  }
+  void set_colliders(std::span<const PlacedCollider> colliders) { colliders_ = colliders; }
+
+  // Error: the names of bodies that failed are not known here.
+  Status step() {
+    group_.set_guests(&tets_);
+    pointers_.clear();
+    for (ContactBody& body : bodies_) pointers_.push_back(&body);
+    reports_.resize(bodies_.size());
+    group_.step(pointers_, colliders_, reports_);
+    ++steps_;
+    bool made = true;
+    for (const StepReport& report : reports_) made = made && report.converged;
+    for (std::size_t i = 0; i < tets_.size(); ++i) made = made && !tets_.failed(i);
+    return made ? Status(Success{}) : Status(Error{ErrorKind::kSolver, "not solved"});
+  }
+
+  std::size_t size() const { return members_.size(); }
+  // Null: the body is of the other kind.
+  ContactBody* reduced(std::size_t i) {
+    return members_[i].first ? &bodies_[members_[i].second] : nullptr;
+  }
+  TetBody* tets(std::size_t i) {
+    return members_[i].first ? nullptr : &tets_.body(members_[i].second);
+  }
+  ContactAccount account(std::size_t i) const {
+    return members_[i].first ? bodies_[members_[i].second].contact_account()
+                             : tets_.account(members_[i].second);
+  }
+  double time() const { return steps_ * step_; }
+  std::size_t in_islands() const { return tets_.in_islands(); }
+  BodyGroup& group() { return group_; }
+  const MixedReport& report() const { return tets_.mixed_report(); }
+
+ private:
+  double step_;
+  int steps_ = 0;
+  TetGuests tets_;
+  std::deque<ContactBody> bodies_;
+  std::vector<std::pair<bool, std::size_t>> members_;
+  std::span<const PlacedCollider> colliders_;
+  BodyGroup group_;
+  std::vector<ContactBody*> pointers_;
+  std::vector<StepReport> reports_;
+};
 
 // Sums over all bodies of a world.
 struct MixedSum {

@@ -12,6 +12,7 @@ namespace {
 using Eigen::Vector3d;
 using testing::MixedKind;
 using testing::MixedSum;
+using testing::MixedWorld;
 
 TEST(MixedBodies, KeepBothMomentaAndTheEnergyOfThePair) {
   for (const double friction : {0.0, 0.5}) {
@@ -108,46 +109,6 @@ TEST(MixedBodies, ThatTouchNothingStepToTheSameBits) {
   EXPECT_EQ(world.reduced(0)->rigid_state().centre, reduced_alone.rigid_state().centre);
   EXPECT_EQ(world.tets(1)->positions(), tets_alone.positions());
   EXPECT_EQ(world.tets(1)->velocities(), tets_alone.velocities());
-}
-
-// Distance between the results of this world and of BodyGroup for two reduced bodies, m.
-double apart_from_group(double step) {
-  const MixedKind kind{.step = step, .restitution = 0.5, .friction = 0.5};
-  const auto make = [&](const Vector3d& place, const Vector3d& velocity, const Vector3d& spin) {
-    ContactBody body = testing::reduced_body(testing::reduced_cube("1e5"), kind, place);
-    EXPECT_TRUE(body.set_motion(velocity, spin));
-    return body;
-  };
-  const auto left = [&] { return make({-0.09, 0.01, -0.02}, {1.0, 0.2, 0}, {2, 5, -1}); };
-  const auto right = [&] { return make({0.09, -0.01, 0.03}, {-0.8, 0, 0.1}, {-3, 1, 4}); };
-  MixedWorld world(step);
-  EXPECT_TRUE(world.add("left", left()));
-  EXPECT_TRUE(world.add("right", right()));
-  ContactBody first = left(), second = right();
-  const std::array<ContactBody*, 2> bodies = {&first, &second};
-  std::array<StepReport, 2> reports;
-  BodyGroup group;
-  std::size_t touched = 0;
-  const int steps = static_cast<int>(std::lround(0.12 / step));
-  for (int i = 0; i < steps; ++i) {
-    EXPECT_TRUE(world.step());
-    group.step(bodies, {}, reports);
-    EXPECT_TRUE(reports[0].converged && reports[1].converged);
-    touched += group.touches().size();
-  }
-  EXPECT_GT(touched, 5U);
-  return (world.reduced(0)->rigid_state().centre - first.rigid_state().centre).norm();
-}
-
-// Two reduced bodies are also an island of this world. Its equations are those of BodyGroup, but
-// the normals may be those of another iterate (contact_step.h, renewal()), so that the results
-// agree in the limit of short steps. Measured: 2e-4, 1.7e-7 and 0.8e-7 m.
-TEST(MixedBodies, OfWhichAllAreReducedMoveAsInAGroup) {
-  const double whole = apart_from_group(1e-3), half = apart_from_group(5e-4),
-               quarter = apart_from_group(2.5e-4);
-  EXPECT_LT(half, 1e-6);  // of a path of 0.1 m
-  EXPECT_LT(half, 0.1 * whole);
-  EXPECT_LT(quarter, half);
 }
 
 // A cube of tetrahedra and a reduced one of the same material hit like two reduced ones.

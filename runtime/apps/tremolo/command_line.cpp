@@ -252,11 +252,16 @@ Result<SceneFile> world_of(const std::string& text, const SceneCommand& command)
 int run_world_scene(const std::string& text, const Request& request, const SceneCommand& command) {
   if (!request.degree.empty())
     return report_error(usage_error("--degree applies only to bodies of kind \"tets\""));
-  Result<SceneFile> file = world_of(text, command);
-  if (!file) return report_error(file.error());
-  file->outputs.save = request.save;
-  file->outputs.restore = request.restore;
-  return run_world_command(*file, request.threads.value_or(1), request.json);
+  Result<MixedFile> mixed = parse_mixed(text, command.file);
+  if (!mixed) return report_error(mixed.error());
+  if (Status s = apply_flags(command.flags, command.given, *mixed); !s)
+    return report_error(s.error());
+  if (!mixed->tets.empty() && !(request.save.empty() && request.restore.empty()))
+    return report_error(
+        usage_error("--save and --restore do not apply to a scene with bodies of kind \"tets\""));
+  mixed->file.outputs.save = request.save;
+  mixed->file.outputs.restore = request.restore;
+  return run_world_command(*mixed, request.threads.value_or(1), request.json);
 }
 
 bool is_scene(const std::string& path) {
@@ -382,7 +387,7 @@ int inspect_scene(const Request& request) {
   if (*kind == SceneKind::kCloth) return inspect_cloth_scene(*text, command);
   if (*kind == SceneKind::kTets) return inspect_tets_scene(*text, command);
   if (*kind == SceneKind::kWorld) {
-    const Result<SceneFile> file = parse_world(*text, request.file);
+    const Result<MixedFile> file = parse_mixed(*text, request.file);
     return file ? inspect_world_command(*file, request.json) : report_error(file.error());
   }
   const Result<std::vector<BodyScene>> bodies = tables_of(*text, command);

@@ -159,9 +159,25 @@ void BodyGroup::find_pairs() {
     }
     for (const Pair& pair : pairs_) again = wake_pair(pair.a, pair.b) || again;
     for (const Link& link : links_) again = wake_pair(link.a, link.b) || again;
+    if (guests_ != nullptr) again = meet_guests() || again;
   }
   std::sort(pairs_.begin(), pairs_.end(),
             [](const Pair& x, const Pair& y) { return x.a < y.a || (x.a == y.a && x.b < y.b); });
+}
+
+// Finds the contacts of guests. True if a body that slept is in contact with one and woke.
+bool BodyGroup::meet_guests() {
+  met_.assign(bodies_.size(), nullptr);
+  for (const std::size_t i : by_place_) met_[i] = bodies_[i]->contact_.get();
+  guests_->find_contacts(met_);
+  bool woke = false;
+  for (const auto& [guest, i] : guests_->links()) {
+    if (i >= bodies_.size() || begun_[i] != 0) continue;
+    rest_[i] = {};
+    begin(i);
+    woke = true;
+  }
+  return woke;
 }
 
 // Bodies that have been quiet long enough fall asleep with their whole island. A grabbed or loaded
@@ -182,7 +198,7 @@ void BodyGroup::put_to_sleep() {
     rest.gravity = body.gravity();
     rest.alpha = body.options().alpha;
     rest.beta = body.options().beta;
-    if (!(rest.quiet >= kQuiet)) restless_[parent_[i]] = 1;
+    if (!(rest.quiet >= kQuiet) || hosts(parent_[i])) restless_[parent_[i]] = 1;
   }
   for (const std::size_t i : islands_) {
     if (restless_[parent_[i]] != 0) continue;

@@ -23,6 +23,7 @@
 #include "common/result.h"
 #include "runtime/contact/joint.h"
 #include "runtime/contact/solve/contact_island.h"
+#include "runtime/contact/solve/island_guests.h"
 #include "runtime/contact/solve/step_parts.h"
 #include "runtime/contact_body.h"
 #include "runtime/math/thread_pool.h"
@@ -44,6 +45,9 @@ class BodyGroup {
   // Error kSystem, with nothing changed: the threads cannot be started.
   Status set_threads(unsigned threads);
   unsigned threads() const { return pool_ ? pool_->threads() : 1; }
+  // Sets the bodies of other kinds that are stepped with the group's; null: none. They must outlive
+  // the group. Bodies in contact with them do not fall asleep.
+  void set_guests(IslandGuests* guests) { guests_ = guests; }
 
   // One step of all bodies, which have one step size; null entries are skipped. Body i must be the
   // same in each call. The order of the bodies decides the order of sums: choose an order that does
@@ -135,6 +139,8 @@ class BodyGroup {
   void begin(std::size_t i);
   void begin_or_sleep(std::size_t i);
   void find_pairs();
+  bool meet_guests();
+  bool hosts(std::size_t root_here) const { return guests_ != nullptr && hosts_[root_here] != 0; }
   void look_at(std::size_t a, std::size_t b);
   void make_islands();
   void list_islands();
@@ -164,6 +170,9 @@ class BodyGroup {
   std::vector<Pair> pairs_;
   std::vector<Link> links_;  // by a, b and number
   std::size_t next_joint_ = 0;
+  IslandGuests* guests_ = nullptr;
+  std::vector<ContactStep*> met_;  // bodies that guests can be in contact with
+  std::vector<char> hosts_;        // of an island with guests, by its root
   std::vector<PairPoint> points_;
   std::size_t used_ = 0;
   std::vector<Touch> touches_;

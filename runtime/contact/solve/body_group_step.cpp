@@ -33,8 +33,9 @@ void BodyGroup::share(std::size_t count, Work&& work) {
 }
 
 // Fills islands_ with the bodies of this step, sorted by island and number.
+// Roots of guests are in parent_ after those of bodies.
 void BodyGroup::make_islands() {
-  parent_.resize(bodies_.size());
+  parent_.resize(bodies_.size() + (guests_ != nullptr ? guests_->size() : 0));
   std::iota(parent_.begin(), parent_.end(), std::size_t{0});
   const auto unite = [this](std::size_t a, std::size_t b) {
     if (begun_[a] == 0 || begun_[b] == 0) return;
@@ -42,8 +43,12 @@ void BodyGroup::make_islands() {
   };
   for (const Pair& pair : pairs_) unite(pair.a, pair.b);
   for (const Link& link : links_) unite(link.a, link.b);
+  if (guests_ != nullptr)
+    for (const auto& [guest, other] : guests_->links()) join_sets(parent_, guest, other);
   // Parents are lower, so theirs are roots already.
   for (std::size_t i = 0; i < parent_.size(); ++i) parent_[i] = parent_[parent_[i]];
+  hosts_.assign(parent_.size(), 0);
+  for (std::size_t i = bodies_.size(); i < parent_.size(); ++i) hosts_[parent_[i]] = 1;
   islands_.clear();
   for (std::size_t i = 0; i < bodies_.size(); ++i)
     if (begun_[i] != 0) islands_.push_back(i);
@@ -87,7 +92,8 @@ void BodyGroup::step_alone(std::size_t i) {
 
 void BodyGroup::step_island(const Island& island, Worker& worker) {
   const std::span<const std::size_t> who(islands_.data() + island.first, island.count);
-  if (island.count == 1) return step_alone(who[0]);
+  const bool hosting = hosts(who[0]);
+  if (island.count == 1 && !hosting) return step_alone(who[0]);
   worker.members.clear();
   for (std::size_t m = 0; m < island.count; ++m) {
     ContactBody& body = *bodies_[who[m]];
@@ -109,14 +115,19 @@ void BodyGroup::step_island(const Island& island, Worker& worker) {
   gather_joints(parent_[who[0]], worker.joints);
   std::vector<StepReport>& reports = worker.reports;
   reports.resize(island.count);
-  const bool cuts = std::all_of(who.begin(), who.end(),
-                                [this](std::size_t i) { return bodies_[i]->can_be_cut(); });
-  worker.island.step(worker.members, worker.points, used, worker.joints,
-                     bodies_[who[0]]->options_.step, !cuts, reports);
+  const bool cuts = !hosting && std::all_of(who.begin(), who.end(), [this](std::size_t i) {
+    return bodies_[i]->can_be_cut();
+  });
+  if (hosting)
+    guests_->step_island(std::span(parent_).subspan(bodies_.size()), worker.members, worker.points,
+                         used, worker.joints, reports);
+  else
+    worker.island.step(worker.members, worker.points, used, worker.joints,
+                       bodies_[who[0]]->options_.step, !cuts, reports);
   const bool whole = reports[0].converged;
   if (whole)
     note_touches(std::span(worker.points).first(used), who, worker.touches);
-  else if (step_in_parts(island, worker))
+  else if (!hosting && step_in_parts(island, worker))
     note_touches(worker.parts.points(), who, worker.touches);
   for (std::size_t m = 0; m < island.count; ++m) {
     ContactBody& body = *bodies_[who[m]];
@@ -174,8 +185,13 @@ void BodyGroup::note_touches(std::span<const PairPoint> points, std::span<const 
 void BodyGroup::step_islands() {
   workers_.resize(threads());
   for (Worker& worker : workers_) worker.touches.clear();
-  share(listed_.size(),
-        [this](std::size_t k, unsigned thread) { step_island(listed_[k], workers_[thread]); });
+  share(listed_.size(), [this](std::size_t k, unsigned thread) {
+    if (!hosts(islands_[listed_[k].first])) step_island(listed_[k], workers_[thread]);
+  });
+  // Guests have the memory of one island.
+  for (const Island& island : listed_)
+    if (hosts(islands_[island.first])) step_island(island, workers_[0]);
+  if (guests_ != nullptr) guests_->step_others(std::span(parent_).subspan(bodies_.size()));
   touches_.clear();
   for (const Worker& worker : workers_)
     touches_.insert(touches_.end(), worker.touches.begin(), worker.touches.end());
@@ -193,6 +209,7 @@ void BodyGroup::step(std::span<ContactBody* const> bodies,
   near_.assign(bodies.size(), 0);
   member_of_.resize(bodies.size());
   share(bodies.size(), [this](std::size_t i, unsigned) { begin_or_sleep(i); });
+  if (guests_ != nullptr) guests_->start(colliders);
   find_pairs();
   make_islands();
   step_islands();

@@ -498,20 +498,8 @@ bool ContactIsland::add_missed(std::vector<PairPoint>& points, std::size_t& coun
 }
 
 void ContactIsland::remember() {
-  for (const PairPoint& pair : points_) {
-    ContactStep& first = body(pair.a);
-    if (ContactMemory memory; memory_of(pair, memory)) first.remember_pair(memory);
-    if (pair.now.acts && pair.now.pressure != 0.0)
-      first.note_contact(
-          {.vertex = first.points().ids[pair.point],
-           .on_body = true,
-           .obstacle = members_[pair.b].number,
-           .position = pair.law.radius > 0.0
-                           ? Eigen::Vector3d(pair.touch_a.x1 + surface_arm(pair.law, pair.held))
-                           : pair.touch_a.x1,
-           .normal = pair.held.normal.normalized(),
-           .impulse = h_ * pair.now.force});
-  }
+  for (const PairPoint& pair : points_)
+    remember_pair(pair, body(pair.a), members_[pair.b].number, h_);
   for (const IslandMember& member : members_) member.contact->sort_pair_memories();
 }
 

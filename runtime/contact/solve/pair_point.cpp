@@ -205,7 +205,9 @@ void press_pair(PairPoint& pair, const PairBodies& bodies, const ContactTime& ti
   const Vector3d x1 = pair.touch_a.x1;
   pair.touch_a = bodies.first.touch_at_point(pair.point);
   const Vector3d middle = bodies.first.motion.middle_of(pair.touch_a);
-  press_shape(pair, bodies.second, {x1, middle}, time, renewal, scratch);
+  const Vector3d turn =
+      pair.law.radius > 0.0 ? bodies.first.motion.turn_in_step() : Vector3d(Vector3d::Zero());
+  press_shape(pair, bodies.second, {x1, middle, turn}, time, renewal, scratch);
 }
 
 void press_shape(PairPoint& pair, const ContactEquations& second, const PairSite& site,
@@ -225,8 +227,7 @@ void press_shape(PairPoint& pair, const ContactEquations& second, const PairSite
     const Vector3d end = bent_gradient(second.shape_at_end(), pair.place);
     hold_normal(second.motion.turn_out(0.5 * (pair.gradient + end)), memory, pair.held);
   }
-  if (pair.law.radius > 0.0)
-    pair.way.turn = first.motion.turn_in_step() - second.motion.turn_in_step();
+  if (pair.law.radius > 0.0) pair.way.turn = site.turn - second.motion.turn_in_step();
   pair.now = contact_force(pair.law, pair.gap, pair.way, time, renewal.limits, pair.held);
 }
 
@@ -287,6 +288,19 @@ void PairBlocks::clear(Index first, Index second) {
   growth.setZero(first);
   other_push.setZero(second);
   other_growth.setZero(second);
+}
+
+void remember_pair(const PairPoint& pair, ContactStep& first, std::size_t obstacle, double h) {
+  if (ContactMemory memory; memory_of(pair, memory)) first.remember_pair(memory);
+  if (!pair.now.acts || pair.now.pressure == 0.0) return;
+  first.note_contact({.vertex = first.points().ids[pair.point],
+                      .on_body = true,
+                      .obstacle = obstacle,
+                      .position = pair.law.radius > 0.0
+                                      ? Vector3d(pair.touch_a.x1 + surface_arm(pair.law, pair.held))
+                                      : pair.touch_a.x1,
+                      .normal = pair.held.normal.normalized(),
+                      .impulse = h * pair.now.force});
 }
 
 void add_pair_slopes(PairPoint& pair, const PairBodies& bodies, const ContactTime& time,

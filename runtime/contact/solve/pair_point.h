@@ -90,9 +90,10 @@ void press_pair(PairPoint& pair, const PairBodies& bodies, const ContactTime& ti
                 const ContactRenewal& renewal, PairScratch& scratch);
 
 // A point of a body of any kind: its end in the step, and the position about which the torque of a
-// force is taken, m, world.
+// force is taken, m, world. turn: of a round point, the rotation of its body in the step, rad.
 struct PairSite {
   Eigen::Vector3d end, middle;
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();
 };
 
 // The same two functions for a point of a body of any kind. The caller sets pair.touch_a: x1 before
@@ -146,6 +147,10 @@ std::size_t add_missed_points(const ContactStep& first, const ContactStep& secon
 
 // Makes the pair's memory after its step. False: it ended beyond the margin.
 bool memory_of(const PairPoint& pair, ContactMemory& memory);
+
+// Stores that memory and the contact of the point in its body, after a step of h, s. obstacle: the
+// number of the second body in the group.
+void remember_pair(const PairPoint& pair, ContactStep& first, std::size_t obstacle, double h);
 
 // Adds the derivatives of the forces of an acting pair to the Jacobians of both bodies and to
 // `sides`. Call it after press_pair() with the same time. follows: same as for contact_slopes().

@@ -72,18 +72,22 @@ void read_rubbing(TomlKeys& keys, double& friction, double& restitution) {
 
 }  // namespace
 
-void read_body_contact(TomlKeys& keys, SceneBody& body) {
-  keys.read("contact", body.feels_contact);
-  keys.read("contact-points", body.contact.points);
-  keys.read("contact-margin", body.contact.margin);
-  keys.read("contact-stiffness", body.contact.stiffness);
+void read_contact_law(TomlKeys& keys, ContactOptions& contact) {
+  keys.read("contact-margin", contact.margin);
+  keys.read("contact-stiffness", contact.stiffness);
   if (keys.has("contact-modulus")) {
-    keys.read("contact-modulus", body.contact.modulus.emplace());
+    keys.read("contact-modulus", contact.modulus.emplace());
     if (keys.has("contact-stiffness"))
       keys.fail("contact-modulus", "takes the place of `contact-stiffness`: leave one of them out");
   }
+  read_rubbing(keys, contact.friction, contact.restitution);
+}
+
+void read_body_contact(TomlKeys& keys, SceneBody& body) {
+  keys.read("contact", body.feels_contact);
+  keys.read("contact-points", body.contact.points);
   body.contact.shape = read_shape(keys, body.shape_file, body.shape_made_by, "shape-made-by");
-  read_rubbing(keys, body.contact.friction, body.contact.restitution);
+  read_contact_law(keys, body.contact);
 }
 
 Result<SceneCollider> read_collider(const toml::table& table, std::size_t number,

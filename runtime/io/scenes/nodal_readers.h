@@ -52,4 +52,15 @@ struct TetScene : TetBodiesScene {
 // Errors (kContent) with file, line and key; for a collider that moves or comes from a file.
 Result<TetScene> parse_tets_scene(std::string_view text, const std::string& path);
 
+// A scene of [[bodies]] of which some are of kind "tets": the others, and those, with the step and
+// gravity of the scene.
+struct MixedFile {
+  SceneFile file;
+  std::vector<TetSceneBody> tets;
+};
+
+// Errors: those of parse_world(); kContent with file, line and key for a body of tetrahedra, and
+// for gravity that changes next to one.
+Result<MixedFile> parse_mixed(std::string_view text, const std::string& path);
+
 }  // namespace tremolo

@@ -77,14 +77,10 @@ void read_outputs(TomlKeys& keys, SceneOutputs& outputs) {
   keys.read("plot", outputs.plot);
 }
 
-namespace {
-
 bool is_of_tets(const toml::node& body) {
   const toml::table* table = body.as_table();
   return table != nullptr && (*table)["kind"].value_or(std::string_view()) == "tets";
 }
-
-}  // namespace
 
 Result<SceneKind> scene_kind(std::string_view text, const std::string& path) {
   const Result<toml::table> table = parse_toml(text, path);
@@ -99,9 +95,7 @@ Result<SceneKind> scene_kind(std::string_view text, const std::string& path) {
   if (bodies == nullptr) return SceneKind::kBodies;
   const std::ptrdiff_t tets = std::count_if(bodies->begin(), bodies->end(), is_of_tets);
   if (tets == 0) return SceneKind::kWorld;
-  if (static_cast<std::size_t>(tets) == bodies->size()) return SceneKind::kTets;
-  return error_at(path, bodies->source(),
-                  "bodies of kind \"tets\" and others do not meet in one scene: take two scenes");
+  return static_cast<std::size_t>(tets) == bodies->size() ? SceneKind::kTets : SceneKind::kWorld;
 }
 
 }  // namespace tremolo

@@ -1,17 +1,17 @@
 #include "runtime/io/scenes/scene_reader.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
 #include <memory>
-#include <random>
+#include <set>
 #include <string>
 #include <utility>
 
 #include "formats/file/input_file.h"
 #include "runtime/integrator.h"
+#include "runtime/io/scenes/copies.h"
 #include "runtime/io/scenes/csv_rows.h"
 #include "runtime/io/scenes/part_readers.h"
 #include "runtime/io/scenes/scene_keys.h"
@@ -171,69 +171,6 @@ void read_what(TomlKeys& keys, SceneBody& body) {
   keys.read("velocities", body.columns.velocities);
 }
 
-// Copies of a body in the scene, in rows along the world's axes from its own position.
-// random_turns: each has its own rotation, the same in each run.
-struct Copies {
-  std::array<int, 3> count = {1, 1, 1};
-  Eigen::Vector3d spacing = Eigen::Vector3d::Zero();  // m
-  bool random_turns = false;
-
-  int all() const { return count[0] * count[1] * count[2]; }
-};
-
-Copies read_copies(TomlKeys& keys) {
-  Copies copies;
-  Eigen::Vector3d count = Eigen::Vector3d::Ones();
-  keys.read("copies", count);
-  for (int k = 0; k < 3; ++k) {
-    const double n = count[k];
-    if (!(n >= 1.0 && n <= 1e4) || n != std::floor(n)) {
-      keys.fail("copies", "copies are three whole numbers from 1 to 10000");
-      return copies;
-    }
-    copies.count[k] = static_cast<int>(n);
-  }
-  if (count.prod() > 1e5) {
-    keys.fail("copies", "more than 100000 copies");
-    copies.count = {1, 1, 1};
-  }
-  keys.read("spacing", copies.spacing);
-  keys.read("random-turns", copies.random_turns);
-  if (copies.all() > 1 && !keys.has("spacing"))
-    keys.fail("copies", "copies need their `spacing`, [dx, dy, dz] in m");
-  return copies;
-}
-
-// A rotation that depends on k alone, uniform over all rotations: a point of the sphere of
-// quaternions.
-Eigen::Quaterniond random_turn(int k) {
-  std::minstd_rand numbers(static_cast<unsigned>(k) + 1U);
-  numbers.discard(10);
-  Eigen::Vector4d q;
-  do {
-    for (int i = 0; i < 4; ++i)
-      q[i] = 2.0 * static_cast<double>(numbers()) / static_cast<double>(numbers.max()) - 1.0;
-  } while (q.squaredNorm() > 1.0 || q.squaredNorm() < 0.01);
-  return Eigen::Quaterniond(q).normalized();
-}
-
-// The copies are named with a number each: name-001 ...
-void add_copies(const SceneBody& body, const Copies& copies, std::vector<SceneBody>& bodies) {
-  if (copies.all() == 1) return bodies.push_back(body);
-  const std::size_t digits = std::to_string(copies.all()).size();
-  int number = 0;
-  for (int z = 0; z < copies.count[2]; ++z)
-    for (int y = 0; y < copies.count[1]; ++y)
-      for (int x = 0; x < copies.count[0]; ++x) {
-        SceneBody copy = body;
-        const std::string text = std::to_string(++number);
-        copy.name += "-" + std::string(digits - text.size(), '0') + text;
-        copy.pose.position += copies.spacing.cwiseProduct(Eigen::Vector3d(x, y, z));
-        if (copies.random_turns) copy.pose.rotation = random_turn(number) * copy.pose.rotation;
-        bodies.push_back(std::move(copy));
-      }
-}
-
 Result<SceneBody> read_body(const toml::table& table, std::size_t number, SceneFile& file,
                             Copies& copies) {
   SceneBody body;
@@ -272,6 +209,23 @@ Status refuse_cloths(const toml::table& table, const std::string& path) {
   return error_at(path, where, std::string("a scene with [[cloths]]: ") + kClothCommands);
 }
 
+// Hands and joints hold vertices of other bodies than those of tetrahedra.
+Status check_not_held(const Scene& scene, const std::set<std::string>& tets) {
+  const auto refuse = [&tets](const std::string& what, std::size_t number,
+                              const std::string& body) {
+    if (!tets.contains(body)) return Status(Success{});
+    return Status(content_error(what + " " + std::to_string(number + 1) + ": body '" + body +
+                                "' is of kind \"tets\": hands and joints hold the other kinds; "
+                                "fix its vertices in its file (--fix)"));
+  };
+  for (std::size_t i = 0; i < scene.hands.size(); ++i)
+    if (Status s = refuse("hand", i, scene.hands[i].body); !s) return s;
+  for (std::size_t i = 0; i < scene.joints.size(); ++i)
+    for (const std::string& body : {scene.joints[i].body, scene.joints[i].to})
+      if (Status s = refuse("joint", i, body); !s) return s;
+  return Success{};
+}
+
 }  // namespace
 
 Result<bool> is_world(std::string_view text, const std::string& path) {
@@ -287,7 +241,7 @@ Result<SceneFile> read_world(const std::string& path) {
   return parse_world(*text, path);
 }
 
-Result<SceneFile> parse_world(std::string_view text, const std::string& path) {
+Result<SceneFile> parse_world(std::string_view text, const std::string& path, OtherKinds others) {
   const Result<toml::table> table = parse_toml(text, path);
   if (!table) return table.error();
   if (Status s = refuse_cloths(*table, path); !s) return s.error();
@@ -299,9 +253,18 @@ Result<SceneFile> parse_world(std::string_view text, const std::string& path) {
   read_outputs(keys, file.outputs);
   if (Status s = read_gravity(keys, path, file.scene.gravity, file.files); !s) return s.error();
   std::size_t number = 0;
+  std::set<std::string> skipped;
   for (const toml::table* entry : keys.read_tables(kBodies)) {
+    ++number;
+    if (is_of_tets(*entry)) {
+      if (others == OtherKinds::kRefused)
+        return error_at(path, entry->source(),
+                        std::string("a body of kind \"tets\" next to others: ") + kMixedCommands);
+      skipped.insert((*entry)["name"].value_or(std::string()));
+      continue;
+    }
     Copies copies;
-    Result<SceneBody> body = read_body(*entry, ++number, file, copies);
+    Result<SceneBody> body = read_body(*entry, number, file, copies);
     if (!body) return body.error();
     add_copies(*body, copies, file.scene.bodies);
   }
@@ -324,6 +287,7 @@ Result<SceneFile> parse_world(std::string_view text, const std::string& path) {
     file.scene.joints.push_back(std::move(*joint));
   }
   if (Status s = keys.finish(); !s) return s.error();
+  if (Status s = check_not_held(file.scene, skipped); !s) return error_of_file(path, s.error());
   if (Status s = check_scene(file.scene); !s) return error_of_file(path, s.error());
   return file;
 }

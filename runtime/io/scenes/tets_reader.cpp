@@ -3,6 +3,7 @@
 #include <set>
 #include <utility>
 
+#include "runtime/io/scenes/copies.h"
 #include "runtime/io/scenes/nodal_readers.h"
 #include "runtime/io/scenes/part_readers.h"
 #include "runtime/io/scenes/scene_keys.h"
@@ -44,8 +45,35 @@ void read_tets_method(TomlKeys& keys, TetBodyOptions& options) {
                                                                            : TangentKind::kExact;
 }
 
+// The scene of a body. copies: null: there are none; otherwise the body is next to bodies of other
+// kinds, under their law of contact.
+struct TetsPlace {
+  const std::string& path;
+  double step;
+  Eigen::Vector3d gravity;
+  Copies* copies;
+};
+
+void read_tets_contact(TomlKeys& keys, const TetsPlace& scene, TetSceneBody& body) {
+  if (scene.copies != nullptr) {
+    *scene.copies = read_copies(keys);
+    read_contact_law(keys, body.contact);
+    body.friction = body.contact.friction;
+    if (keys.has("creep"))
+      keys.fail("creep",
+                "next to bodies of other kinds friction holds without creep: leave `creep` out");
+    return;
+  }
+  keys.read("friction", body.friction);
+  if (!(body.friction >= 0.0 && std::isfinite(body.friction)))
+    keys.fail("friction", "friction must be at least 0");
+  keys.read("creep", body.creep);
+  if (!(body.creep > 0.0 && std::isfinite(body.creep)))
+    keys.fail("creep", "creep must be above 0 m/s");
+}
+
 Result<TetSceneBody> read_tets_body(const toml::table& table, std::size_t number,
-                                    const TetScene& scene) {
+                                    const TetsPlace& scene) {
   TetSceneBody body;
   std::string what = "body " + std::to_string(number);
   if (const auto name = table["name"].value_exact<std::string>()) what = "body '" + *name + "'";
@@ -61,12 +89,7 @@ Result<TetSceneBody> read_tets_body(const toml::table& table, std::size_t number
   body.pose = read_pose(keys);
   keys.read("velocity", body.velocity);
   keys.read("spin", body.spin);
-  keys.read("friction", body.friction);
-  if (!(body.friction >= 0.0 && std::isfinite(body.friction)))
-    keys.fail("friction", "friction must be at least 0");
-  keys.read("creep", body.creep);
-  if (!(body.creep > 0.0 && std::isfinite(body.creep)))
-    keys.fail("creep", "creep must be above 0 m/s");
+  read_tets_contact(keys, scene, body);
   read_tets_method(keys, body.options);
   if (Status s = keys.finish(); !s) return s.error();
   body.options.step = scene.step;
@@ -135,7 +158,8 @@ Result<TetScene> parse_tets_scene(std::string_view text, const std::string& path
   read_tets_outputs(keys, scene.outputs);
   std::size_t number = 0;
   for (const toml::table* entry : keys.read_tables("bodies")) {
-    Result<TetSceneBody> body = read_tets_body(*entry, ++number, scene);
+    Result<TetSceneBody> body =
+        read_tets_body(*entry, ++number, {path, scene.step, scene.gravity, nullptr});
     if (!body) return body.error();
     scene.bodies.push_back(std::move(*body));
   }
@@ -143,6 +167,34 @@ Result<TetScene> parse_tets_scene(std::string_view text, const std::string& path
   if (Status s = keys.finish(); !s) return s.error();
   if (Status s = check_tets_scene(scene); !s) return s.error();
   return scene;
+}
+
+Result<MixedFile> parse_mixed(std::string_view text, const std::string& path) {
+  Result<SceneFile> read = parse_world(text, path, OtherKinds::kSkipped);
+  if (!read) return read.error();
+  MixedFile mixed{std::move(*read), {}};
+  const Result<toml::table> table = parse_toml(text, path);
+  if (!table) return table.error();
+  const SceneGravity& gravity = mixed.file.scene.gravity;
+  std::set<std::string> names;
+  for (const SceneBody& body : mixed.file.scene.bodies) names.insert(body.name);
+  std::size_t number = 0;
+  for (const toml::node& node : *(*table)["bodies"].as_array()) {
+    ++number;
+    if (!is_of_tets(node)) continue;
+    if (gravity.values.size() > 1)
+      return error_at(path, node.source(),
+                      "gravity that changes in time does not act on bodies of tetrahedra");
+    Copies copies;
+    Result<TetSceneBody> body = read_tets_body(
+        *node.as_table(), number, {path, mixed.file.scene.step, gravity.at(0.0), &copies});
+    if (!body) return body.error();
+    add_copies(*body, copies, mixed.tets);
+  }
+  for (const TetSceneBody& body : mixed.tets)
+    if (!names.insert(body.name).second)
+      return content_error(path + ": two bodies are called '" + body.name + "'");
+  return mixed;
 }
 
 }  // namespace tremolo

@@ -47,62 +47,18 @@ void take_time(double& busy, double& wall, const Task& task) {
   wall += clock_seconds(CLOCK_MONOTONIC) - begin;
 }
 
-TetsJson energies_json(const TetsEnergies& e) {
-  return {{"kinetic", number_or_null(e.kinetic)},
-          {"elastic", number_or_null(e.elastic)},
-          {"gravity", number_or_null(e.gravity)},
-          {"total", number_or_null(e.total())}};
-}
-
-const char* degree_name(DegreeKind kind) {
-  if (kind == DegreeKind::kLinear) return "linear";
-  return kind == DegreeKind::kQuadratic ? "quadratic" : "adaptive";
-}
-
 // first, contact: the contacts at the start and at the end.
 TetsJson tets_body_json(const TetSceneBody& wanted, const TetBody& body, const TetsReport& report,
                         const TetContact::Look& first, const TetContact::Look& contact,
                         bool asleep) {
-  return {{"body", wanted.name},
-          {"model", wanted.model},
-          {"integrator", tet_method_name(wanted.options.method)},
-          {"degree", degree_name(wanted.options.degree.kind)},
-          {"elements", body.model().elements().size()},
-          {"edges", body.model().edges()},
-          {"mass", body.model().mass()},
-          {"steps", body.steps()},
-          {"reached", body.time()},
-          {"quadratic_edges_share", number_or_null(report.share)},
-          {"edges_switched", report.switched},
-          {"energy_of_switches", number_or_null(report.end.switches)},
-          {"largest_jump_of_switches", number_or_null(report.jump)},
-          {"iterations_per_step", number_or_null(static_cast<double>(report.iterations) /
-                                                 static_cast<double>(body.steps()))},
-          {"steps_in_parts", report.in_parts},
-          {"steps_linearised", report.linearised},
-          {"steps_unsolved", report.unsolved},
-          {"steps_guarded", report.guarded},
-          {"elements_inverted_most", report.inverted_most},
-          {"elements_inverted_final", report.inverted},
-          {"momentum_error", number_or_null(report.momentum_error())},
-          {"elastic_momentum_error", number_or_null(report.elastic_error)},
-          {"linear_momentum_lost", number_or_null(report.linear_lost)},
-          {"angular_momentum_lost", number_or_null(report.angular_lost)},
-          {"linear_momentum_initial", vector_json(report.momenta_start.linear)},
-          {"linear_momentum_final", vector_json(report.momenta_end.linear)},
-          {"angular_momentum_initial", vector_json(report.momenta_start.angular)},
-          {"angular_momentum_final", vector_json(report.momenta_end.angular)},
-          {"speed_final", number_or_null(body.momentum().norm() / body.model().mass())},
-          {"asleep", asleep},
-          {"contact_points_initial", first.touching},
-          {"penetration_initial", number_or_null(first.depth)},
-          {"contact_points_final", contact.touching},
-          {"contact_energy_final", number_or_null(contact.energy)},
-          {"penetration_final", number_or_null(contact.depth)},
-          {"largest_displacement", number_or_null(report.displacement)},
-          {"energies_initial", energies_json(report.start)},
-          {"energies_final", energies_json(report.end)},
-          {"files", report.files}};
+  TetsJson json = tets_report_json(wanted, body, report);
+  json["asleep"] = asleep;
+  json["contact_points_initial"] = first.touching;
+  json["penetration_initial"] = number_or_null(first.depth);
+  json["contact_points_final"] = contact.touching;
+  json["contact_energy_final"] = number_or_null(contact.energy);
+  json["penetration_final"] = number_or_null(contact.depth);
+  return json;
 }
 
 // One run: bodies, logs, and room for the surfaces.

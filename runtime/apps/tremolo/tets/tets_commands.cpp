@@ -16,22 +16,23 @@ Result<ScenePlaces> places_of(const TetScene& scene) {
   ScenePlaces places{scene.path, "a world of tetrahedra", scene.step, scene.duration, true, {}, {},
                      {}};
   places.warnings = keyframe_warnings({}, scene.colliders);
-  std::vector<Eigen::Vector3f> normals;
-  for (std::size_t i = 0; i < bodies->group->size(); ++i) {
-    const TetSceneBody& wanted = scene.bodies[i];
-    PlacedBody body{wanted.name, "tets", wanted.model, wanted.pose, {}, {}};
-    const std::size_t vertices = bodies->kind(i).surface->rest().vertices.size();
-    body.surface.resize(vertices);
-    normals.resize(vertices);
-    bodies->kind(i).surface->place(bodies->group->body(i).positions(), body.surface, normals);
-    places.bodies.push_back(std::move(body));
-  }
+  for (std::size_t i = 0; i < bodies->group->size(); ++i)
+    places.bodies.push_back(
+        placed_tets(scene.bodies[i], *bodies->kind(i).surface, bodies->group->body(i)));
   for (const SceneCollider& collider : scene.colliders)
     places.colliders.push_back({collider.name, collider.shape, collider.pose});
   return places;
 }
 
 }  // namespace
+
+PlacedBody placed_tets(const TetSceneBody& wanted, const TetSurface& surface, const TetBody& body) {
+  PlacedBody place{wanted.name, "tets", wanted.model, wanted.pose, {}, {}};
+  place.surface.resize(surface.rest().vertices.size());
+  std::vector<Eigen::Vector3f> normals(place.surface.size());
+  surface.place(body.positions(), place.surface, normals);
+  return place;
+}
 
 int inspect_tets_command(const TetScene& scene, bool json) {
   const Result<ScenePlaces> places = places_of(scene);

@@ -9,6 +9,8 @@
 
 #include "formats/file/atomic_file.h"
 #include "formats/surface/surface_writer.h"
+#include "runtime/apps/tremolo/output/tell.h"
+#include "runtime/apps/tremolo/output/text_values.h"
 #include "runtime/apps/tremolo/run/run_files.h"
 
 namespace tremolo {
@@ -197,6 +199,56 @@ Status TetsLog::finish() {
   if (Status s = table_.finish(); !s) return s;
   report_.files.push_back((std::filesystem::path(outputs_.out) / kTableName).string());
   return Success{};
+}
+
+nlohmann::ordered_json energies_json(const TetsEnergies& e) {
+  return {{"kinetic", number_or_null(e.kinetic)},
+          {"elastic", number_or_null(e.elastic)},
+          {"gravity", number_or_null(e.gravity)},
+          {"total", number_or_null(e.total())}};
+}
+
+const char* degree_name(DegreeKind kind) {
+  if (kind == DegreeKind::kLinear) return "linear";
+  return kind == DegreeKind::kQuadratic ? "quadratic" : "adaptive";
+}
+
+nlohmann::ordered_json tets_report_json(const TetSceneBody& wanted, const TetBody& body,
+                                        const TetsReport& report) {
+  return {{"body", wanted.name},
+          {"model", wanted.model},
+          {"integrator", tet_method_name(wanted.options.method)},
+          {"degree", degree_name(wanted.options.degree.kind)},
+          {"elements", body.model().elements().size()},
+          {"edges", body.model().edges()},
+          {"mass", body.model().mass()},
+          {"steps", body.steps()},
+          {"reached", body.time()},
+          {"quadratic_edges_share", number_or_null(report.share)},
+          {"edges_switched", report.switched},
+          {"energy_of_switches", number_or_null(report.end.switches)},
+          {"largest_jump_of_switches", number_or_null(report.jump)},
+          {"iterations_per_step", number_or_null(static_cast<double>(report.iterations) /
+                                                 static_cast<double>(body.steps()))},
+          {"steps_in_parts", report.in_parts},
+          {"steps_linearised", report.linearised},
+          {"steps_unsolved", report.unsolved},
+          {"steps_guarded", report.guarded},
+          {"elements_inverted_most", report.inverted_most},
+          {"elements_inverted_final", report.inverted},
+          {"momentum_error", number_or_null(report.momentum_error())},
+          {"elastic_momentum_error", number_or_null(report.elastic_error)},
+          {"linear_momentum_lost", number_or_null(report.linear_lost)},
+          {"angular_momentum_lost", number_or_null(report.angular_lost)},
+          {"linear_momentum_initial", vector_json(report.momenta_start.linear)},
+          {"linear_momentum_final", vector_json(report.momenta_end.linear)},
+          {"angular_momentum_initial", vector_json(report.momenta_start.angular)},
+          {"angular_momentum_final", vector_json(report.momenta_end.angular)},
+          {"speed_final", number_or_null(body.momentum().norm() / body.model().mass())},
+          {"largest_displacement", number_or_null(report.displacement)},
+          {"energies_initial", energies_json(report.start)},
+          {"energies_final", energies_json(report.end)},
+          {"files", report.files}};
 }
 
 }  // namespace tremolo

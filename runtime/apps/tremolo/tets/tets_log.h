@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "common/result.h"
 #include "runtime/apps/tremolo/run/log_files.h"
 #include "runtime/bodies/tets/scene/tet_scene.h"
@@ -95,5 +97,12 @@ class TetsLog {
   Frames frames_;
   TetsReport report_;
 };
+
+// The name of a kind in scene files.
+const char* degree_name(DegreeKind kind);
+nlohmann::ordered_json energies_json(const TetsEnergies& e);
+// The parts of a body's report that do not depend on what it meets.
+nlohmann::ordered_json tets_report_json(const TetSceneBody& wanted, const TetBody& body,
+                                        const TetsReport& report);
 
 }  // namespace tremolo

@@ -2,8 +2,10 @@
 #include "runtime/apps/tremolo/output/scene_places.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/run/run_body.h"
+#include "runtime/apps/tremolo/tets/tets_commands.h"
 #include "runtime/apps/tremolo/world/world_commands.h"
 #include "runtime/world/scene_world.h"
+#include "runtime/world/world_tets.h"
 
 namespace tremolo {
 namespace {
@@ -34,8 +36,20 @@ void warn_of_step(const PlacedBody& body, double step, ScenePlaces& places) {
   if (!warning.empty()) places.warnings.push_back(warning);
 }
 
-Result<ScenePlaces> places_of(const SceneFile& file) {
-  const Result<SceneWorld> world = SceneWorld::create(file.scene);
+// Bodies of tetrahedra follow the others.
+Status add_tets_places(const MixedFile& mixed, SceneWorld& world, ScenePlaces& places) {
+  if (mixed.tets.empty()) return Success{};
+  const Result<WorldTets> tets = add_tets(mixed.tets, mixed.file.path, world);
+  if (!tets) return tets.error();
+  for (std::size_t i = 0; i < mixed.tets.size(); ++i)
+    places.bodies.push_back(
+        placed_tets(mixed.tets[i], *tets->kind(i).surface, tets->guests->body(i)));
+  return Success{};
+}
+
+Result<ScenePlaces> places_of(const MixedFile& mixed) {
+  const SceneFile& file = mixed.file;
+  Result<SceneWorld> world = SceneWorld::create(file.scene, load_scene_model, !mixed.tets.empty());
   if (!world) return error_of_file(file.path, value_error(world.error()));
   ScenePlaces places{
       file.path, "a world of bodies", world->step_size(), file.scene.duration, true, {}, {}, {}};
@@ -48,6 +62,7 @@ Result<ScenePlaces> places_of(const SceneFile& file) {
     warn_of_step(*body, places.step, places);
     places.bodies.push_back(std::move(*body));
   }
+  if (Status s = add_tets_places(mixed, *world, places); !s) return s.error();
   for (std::size_t c = 0; c < world->colliders().size(); ++c) {
     const PlacedCollider& collider = world->colliders()[c];
     places.colliders.push_back({file.scene.colliders[c].name, collider.shape, collider.start});
@@ -82,8 +97,8 @@ int print_or_fail(const Result<ScenePlaces>& places, bool json) {
 
 }  // namespace
 
-int inspect_world_command(const SceneFile& file, bool json) {
-  return print_or_fail(places_of(file), json);
+int inspect_world_command(const MixedFile& mixed, bool json) {
+  return print_or_fail(places_of(mixed), json);
 }
 
 int inspect_bodies_command(const std::vector<BodyScene>& bodies, bool json) {

@@ -27,6 +27,7 @@
 #include "runtime/apps/tremolo/world/scene_ending.h"
 #include "runtime/apps/tremolo/world/world_commands.h"
 #include "runtime/apps/tremolo/world/world_sound.h"
+#include "runtime/apps/tremolo/world/world_tets_run.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/contact/solve/shape_reach.h"
 
@@ -200,7 +201,7 @@ void add_shape_warnings(const Scene& scene, const SceneWorld& world, Warnings& w
 }
 
 Json world_json(const SceneFile& file, const SceneWorld& world, const std::vector<BodyLog>& logs,
-                const WorldEnding& ending, const Warnings& warnings) {
+                const WorldTetsRun& tets, const WorldEnding& ending, const Warnings& warnings) {
   Json json;
   json["schema"] = kReportSchema;
   json["scene"] = file.path;
@@ -220,6 +221,7 @@ Json world_json(const SceneFile& file, const SceneWorld& world, const std::vecto
   json["bodies"] = Json::array();
   for (std::size_t i = 0; i < logs.size(); ++i)
     json["bodies"].push_back(body_json(file.scene.bodies[i], logs[i].report(), world.step_size()));
+  for (std::size_t i = 0; i < tets.size(); ++i) json["bodies"].push_back(tets.body_json(i));
   json["joints"] = Json::array();
   for (std::size_t i = 0; i < file.scene.joints.size(); ++i)
     json["joints"].push_back(joint_json(file.scene.joints[i], world.joint(i)));
@@ -231,17 +233,20 @@ Json world_json(const SceneFile& file, const SceneWorld& world, const std::vecto
 }
 
 // Lists the files that a run of the scene writes.
-RunOutputs outputs_of(const SceneFile& file) {
+RunOutputs outputs_of(const MixedFile& mixed) {
+  const SceneFile& file = mixed.file;
   const std::string& out = file.outputs.out;
   RunOutputs outputs;
   outputs.add(file.outputs.save);
   outputs.add(file.outputs.wav);
   std::vector<std::string> names;
   for (const SceneBody& body : file.scene.bodies) names.push_back(body.name);
+  for (const TetSceneBody& body : mixed.tets) names.push_back(body.name);
   outputs.add_folder(out, names);
   outputs.add_files(out, {kReportName});
-  for (const std::string& name : names)
-    if (!out.empty()) outputs.add_files((fs::path(out) / name).string(), body_files());
+  for (const SceneBody& body : file.scene.bodies)
+    if (!out.empty()) outputs.add_files((fs::path(out) / body.name).string(), body_files());
+  add_tets_outputs(mixed, outputs);
   return outputs;
 }
 
@@ -267,13 +272,15 @@ void tell_end(const std::vector<BodyLog>& logs, WorldEnding& ending) {
 // Steps the world to the end of its time. clock: s, of the steps. sound: null without --wav. An
 // orbit or a step that fails ends the run.
 Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
-                                 std::vector<BodyLog>& logs, WorldSound* sound, double (*clock)()) {
+                                 std::vector<BodyLog>& logs, WorldTetsRun& tets, WorldSound* sound,
+                                 double (*clock)()) {
   const Interruption interruption;
   ToldProgress progress(fs::path(file.path).stem().string(), file.scene.duration);
   const std::int64_t steps = std::llround(file.scene.duration / file.scene.step);
   const std::int64_t before_it = world.steps();
   WorldEnding ending;
   Result<bool> inside = observe_all(world, logs);
+  if (Status s = tets.observe(); !s) return s.error();
   if (sound != nullptr) sound->add(world);
   while (inside && *inside && world.steps() < steps && ending.exit_code == 0) {
     const double before = clock();
@@ -281,8 +288,10 @@ Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
     ending.seconds += clock() - before;
     for (const auto& [body, report] : failures) logs[body].give_up(report, world.body(body).time());
     inside = observe_all(world, logs);
+    if (Status s = tets.observe(); !s) return s.error();
     if (sound != nullptr) sound->add(world);
     tell_end(logs, ending);
+    tets.ended(ending);
     progress.reached(world.time());
     ending.interrupted(interruption.signal(), world.time());
   }
@@ -376,19 +385,21 @@ struct WorldRun {
 
 // Creates the world. If --wav is given without a step, the step of `file` is divided so that its
 // modes are accurate.
-Result<SceneWorld> make_world(SceneFile& file) {
-  Result<SceneWorld> world = SceneWorld::create(file.scene);
+Result<SceneWorld> make_world(SceneFile& file, bool guests) {
+  Result<SceneWorld> world = SceneWorld::create(file.scene, load_scene_model, guests);
   if (!world || file.outputs.wav.empty() || file.outputs.sound_steps > 0) return world;
   file.outputs.sound_steps = steps_a_sample(*world);
   if (file.outputs.sound_steps == 1) return world;
   file.scene.step /= file.outputs.sound_steps;
-  return SceneWorld::create(file.scene, [&world](const SceneBody& body) {
+  const auto known = [&world](const SceneBody& body) {
     return Result<Model::Pointer>(world->body(*world->find(body.name)).model().shared_from_this());
-  });
+  };
+  return SceneWorld::create(file.scene, known, guests);
 }
 
-Result<WorldRun> run_world(SceneFile file, unsigned threads) {
-  Result<SceneWorld> world = make_world(file);
+Result<WorldRun> run_world(MixedFile mixed, unsigned threads) {
+  SceneFile& file = mixed.file;
+  Result<SceneWorld> world = make_world(file, !mixed.tets.empty());
   if (!world) return error_of_file(file.path, value_error(world.error()));
   if (Status s = world->set_threads(threads); !s) return s.error();
   if (Status s = begin_where_saved(file, *world); !s) return s.error();
@@ -397,6 +408,9 @@ Result<WorldRun> run_world(SceneFile file, unsigned threads) {
   };
   for (std::size_t i = 0; i < world->size(); ++i)
     if (Status s = check_columns(*world, i); !s) return of_body(i, s.error());
+  for (TetSceneBody& body : mixed.tets) body.options.step = file.scene.step;
+  Result<WorldTetsRun> tets = WorldTetsRun::create(mixed, *world);
+  if (!tets) return tets.error();
   std::vector<BodyLog> logs;
   SharedLooks shared;
   for (std::size_t i = 0; i < world->size(); ++i) {
@@ -412,18 +426,22 @@ Result<WorldRun> run_world(SceneFile file, unsigned threads) {
         !s)
       return error_of_file(file.path, s.error());
   const auto clock = threads == 1 ? processor_time : wall_time;
-  Result<WorldEnding> ending = follow_world(file, *world, logs, sound ? &*sound : nullptr, clock);
+  Result<WorldEnding> ending =
+      follow_world(file, *world, logs, *tets, sound ? &*sound : nullptr, clock);
   if (!ending) return ending.error();
   for (BodyLog& log : logs)
     if (Status s = log.finish(*world); !s) return s.error();
+  if (Status s = tets->finish(); !s) return s.error();
   tell_end(logs, *ending);
   if (Status s = save_end(file, *world, *ending); !s) return s.error();
   if (sound && (ending->exit_code == 0 || ending->signal != 0))
     if (Status s = sound->write(file.outputs.wav); !s) return s.error();
   tell("{}: {} bodies reached {:.6g} of {:.6g} s in steps of {:.4g} s, {:.2f} us each\n",
-       fs::path(file.path).stem().string(), world->size(), world->time(), file.scene.duration,
-       world->step_size(), 1e6 * ending->seconds / static_cast<double>(ending->steps));
+       fs::path(file.path).stem().string(), world->size() + tets->size(), world->time(),
+       file.scene.duration, world->step_size(),
+       1e6 * ending->seconds / static_cast<double>(ending->steps));
   print_bodies(file, *world, logs);
+  tets->print();
   Warnings warnings = keyframe_warnings(file.scene.bodies, file.scene.colliders);
   add_step_warnings(file.scene, *world, warnings);
   add_shape_warnings(file.scene, *world, warnings);
@@ -433,10 +451,11 @@ Result<WorldRun> run_world(SceneFile file, unsigned threads) {
          sound_warnings(*world, 1.0 / (world->step_size() * file.outputs.sound_steps)))
       warnings.push_back(std::move(warning));
   print_warnings(warnings);
-  std::vector<std::string> written;
+  std::vector<std::string> written = tets->files();
   for (const BodyLog& log : logs)
     written.insert(written.end(), log.report().files.begin(), log.report().files.end());
-  return WorldRun{world_json(file, *world, logs, *ending, warnings), *ending, std::move(written)};
+  return WorldRun{world_json(file, *world, logs, *tets, *ending, warnings), *ending,
+                  std::move(written)};
 }
 
 }  // namespace
@@ -477,6 +496,13 @@ std::vector<NamedFile> inputs_of(const Scene& scene) {
   return inputs;
 }
 
+std::vector<NamedFile> inputs_of(const MixedFile& mixed) {
+  std::vector<NamedFile> inputs = inputs_of(mixed.file);
+  for (const TetSceneBody& body : mixed.tets)
+    inputs.push_back({body.model, "a file of tetrahedra"});
+  return inputs;
+}
+
 std::vector<NamedFile> inputs_of(const SceneFile& file) {
   std::vector<NamedFile> inputs = inputs_of(file.scene);
   inputs.push_back({file.path, "the scene"});
@@ -489,12 +515,13 @@ std::vector<NamedFile> inputs_of(const SceneFile& file) {
   return inputs;
 }
 
-int run_world_command(const SceneFile& file, unsigned threads, bool json) {
-  const std::vector<NamedFile> inputs = inputs_of(file);
-  const RunOutputs outputs = outputs_of(file);
+int run_world_command(const MixedFile& mixed, unsigned threads, bool json) {
+  const SceneFile& file = mixed.file;
+  const std::vector<NamedFile> inputs = inputs_of(mixed);
+  const RunOutputs outputs = outputs_of(mixed);
   if (Status s = outputs.check(inputs); !s) return report_error(s.error());
   const GuardedInputs guard(inputs);
-  const Result<WorldRun> run = run_world(file, threads);
+  const Result<WorldRun> run = run_world(mixed, threads);
   if (!run) return report_error(run.error());
   return end_scene_run(file.outputs, outputs, run->written, run->json, run->ending, json);
 }

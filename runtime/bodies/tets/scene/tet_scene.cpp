@@ -83,14 +83,11 @@ std::vector<TetObstacle> tets_obstacles(const TetBodiesScene& scene, const TetSc
 
 }  // namespace
 
-Result<TetsBodies> make_tets_bodies(const TetBodiesScene& scene) {
-  TetsBodies made;
-  std::vector<TetBody> bodies;
-  std::vector<TetContact> contacts;
-  std::vector<double> frictions;
-  for (const TetSceneBody& wanted : scene.bodies) {
+Result<PlacedTets> place_tets(std::span<const TetSceneBody> bodies, const std::string& path) {
+  PlacedTets made;
+  for (const TetSceneBody& wanted : bodies) {
     const auto with_name = [&](const Error& error) {
-      const std::string file = scene.path.empty() ? "" : scene.path + ": ";
+      const std::string file = path.empty() ? "" : path + ": ";
       return Error{error.kind, file + "body '" + wanted.name + "': " + error.message};
     };
     auto found = std::find_if(made.kinds.begin(), made.kinds.end(),
@@ -104,13 +101,25 @@ Result<TetsBodies> make_tets_bodies(const TetBodiesScene& scene) {
     if (!body) return with_name(body.error());
     if (Status s = place_tets_body(wanted, *body); !s) return with_name(s.error());
     made.kind_of.push_back(static_cast<std::size_t>(found - made.kinds.begin()));
-    bodies.push_back(std::move(*body));
-    contacts.emplace_back(found->hull, tets_obstacles(scene, wanted), wanted.creep);
+    made.bodies.push_back(std::move(*body));
+  }
+  return made;
+}
+
+Result<TetsBodies> make_tets_bodies(const TetBodiesScene& scene) {
+  Result<PlacedTets> placed = place_tets(scene.bodies, scene.path);
+  if (!placed) return placed.error();
+  std::vector<TetContact> contacts;
+  std::vector<double> frictions;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const TetSceneBody& wanted = scene.bodies[i];
+    contacts.emplace_back(placed->kinds[placed->kind_of[i]].hull, tets_obstacles(scene, wanted),
+                          wanted.creep);
     frictions.push_back(wanted.friction);
   }
-  made.group = std::make_unique<TetGroup>(std::move(bodies), std::move(contacts),
-                                          std::move(frictions), scene.group);
-  return made;
+  return TetsBodies{std::move(placed->kinds), std::move(placed->kind_of),
+                    std::make_unique<TetGroup>(std::move(placed->bodies), std::move(contacts),
+                                               std::move(frictions), scene.group)};
 }
 
 }  // namespace tremolo

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "common/result.h"
 #include "runtime/bodies/tets/contact/tet_surface.h"
 #include "runtime/bodies/tets/motion/tet_group.h"
+#include "runtime/contact/contact_values.h"
 #include "runtime/math/pose.h"
 #include "runtime/scene/scene.h"
 
@@ -26,6 +28,7 @@ struct TetSceneBody {
   double friction = 0.3;     // with its obstacles
   double creep = kTetCreep;  // speed below which friction permits creep, m/s (tet_contact.h)
   TetBodyOptions options;
+  ContactOptions contact = {};  // in a world with bodies of other kinds; without points and shape
 };
 
 // A scene. All bodies have the same step. Colliders are at rest.
@@ -56,9 +59,19 @@ struct TetsBodies {
   std::size_t bytes() const;
 };
 
-// Reads the files and moves the bodies to their positions in the scene. Errors, with the body's
-// name first: those of read_tets, TetModel::create and TetBody::create; kSystem for a missing file,
-// with the command that makes it.
+// Bodies at their positions.
+struct PlacedTets {
+  std::vector<TetsKind> kinds;
+  std::vector<std::size_t> kind_of;  // one per body
+  std::vector<TetBody> bodies;
+};
+
+// Reads the files and moves the bodies to their positions in the scene. path: of the scene, for
+// errors. Errors, with the body's name first: those of read_tets, TetModel::create and
+// TetBody::create; kSystem for a missing file, with the command that makes it.
+Result<PlacedTets> place_tets(std::span<const TetSceneBody> bodies, const std::string& path);
+
+// The same as a group. Errors: those of place_tets().
 Result<TetsBodies> make_tets_bodies(const TetBodiesScene& scene);
 
 }  // namespace tremolo

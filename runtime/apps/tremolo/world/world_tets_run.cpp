@@ -1,0 +1,165 @@
+#include "runtime/apps/tremolo/world/world_tets_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "runtime/apps/tremolo/output/tell.h"
+#include "runtime/apps/tremolo/output/text_values.h"
+#include "runtime/apps/tremolo/run/run_files.h"
+
+namespace tremolo {
+
+Result<WorldTetsRun> WorldTetsRun::create(const MixedFile& mixed, SceneWorld& world) {
+  WorldTetsRun run;
+  run.mixed_ = &mixed;
+  if (mixed.tets.empty()) return run;
+  if (Status s = take(run.tets_, add_tets(mixed.tets, mixed.file.path, world)); !s)
+    return s.error();
+  TetScene scene;
+  scene.bodies = mixed.tets;
+  scene.outputs = mixed.file.outputs;
+  scene.step = mixed.file.scene.step;
+  scene.duration = mixed.file.scene.duration;
+  for (std::size_t i = 0; i < mixed.tets.size(); ++i) {
+    Result<TetsLog> log = TetsLog::create(scene, run.tets_.kind(i), i);
+    if (!log) return log.error();
+    run.logs_.push_back(std::move(*log));
+  }
+  run.watched_.resize(run.logs_.size());
+  return run;
+}
+
+// The energy put in is the work of gravity and of contact.
+void WorldTetsRun::watch(std::size_t i, bool first) {
+  Watched& watched = watched_[i];
+  TetBody& body = tets_.guests->body(i);
+  watched.now = {body.kinetic_energy(), body.elastic_energy(), body.gravity_energy(),
+                 tets_.guests->account(i).energy};
+  watched.momenta_now = {body.momentum(), body.angular_momentum()};
+  const double own = watched.now.kinetic + watched.now.elastic;
+  const double work = tets_.guests->sums(i).work;
+  if (first) {
+    watched.start = watched.now;
+    watched.momenta_start = watched.momenta_now;
+    watched.bound.start(own);
+  } else {
+    watched.bound.put_in(work - watched.work_before + watched.gravity_before - watched.now.gravity,
+                         0.0);
+  }
+  watched.work_before = work;
+  watched.gravity_before = watched.now.gravity;
+  watched.energy_max = std::max(watched.energy_max, watched.now.total());
+  if (watched.exit_code != 0) return;
+  if (tets_.guests->failed(i)) {
+    watched.exit_code = exit_code(ErrorKind::kSolver);
+    watched.reason = fmt::format(
+        "the step from t = {:.6g} s could not be solved: take a shorter step", body.time());
+  } else if (watched.bound.look(own, 0.0) != EnergyFound::kSound) {
+    watched.exit_code = exit_code(ErrorKind::kBound);
+    watched.reason = fmt::format(
+        "at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that was put in",
+        body.time(), own, kEnergyBound);
+  }
+}
+
+Status WorldTetsRun::observe() {
+  for (std::size_t i = 0; i < logs_.size(); ++i) {
+    if (watched_[i].exit_code != 0) continue;
+    TetBody& body = tets_.guests->body(i);
+    const TetSurface& surface = *tets_.kind(i).surface;
+    vertices_.resize(surface.vertices());
+    normals_.resize(surface.vertices());
+    surface.place(body.positions(), vertices_, normals_);
+    watch(i, !started_);
+    if (Status s = logs_[i].observe(body, tets_.guests->report(i), vertices_, normals_,
+                                    tets_.guests->account(i).active > 0);
+        !s)
+      return s;
+  }
+  started_ = true;
+  return Success{};
+}
+
+bool WorldTetsRun::ended(SceneEnding& ending) const {
+  for (std::size_t i = 0; i < watched_.size(); ++i) {
+    if (watched_[i].exit_code == 0 || ending.exit_code != 0) continue;
+    ending.exit_code = watched_[i].exit_code;
+    ending.reason = "body '" + mixed_->tets[i].name + "': " + watched_[i].reason;
+  }
+  return ending.exit_code != 0;
+}
+
+Status WorldTetsRun::finish() {
+  for (TetsLog& log : logs_)
+    if (Status s = log.finish(); !s) return s;
+  return Success{};
+}
+
+nlohmann::ordered_json WorldTetsRun::body_json(std::size_t i) const {
+  const Watched& watched = watched_[i];
+  const ContactSums& sums = tets_.guests->sums(i);
+  const TetBody& body = tets_.guests->body(i);
+  nlohmann::ordered_json json = tets_report_json(mixed_->tets[i], body, logs_[i].report());
+  json["kind"] = "tets";
+  json["linear_momentum_initial"] = vector_json(watched.momenta_start.linear);
+  json["linear_momentum_final"] = vector_json(watched.momenta_now.linear);
+  json["angular_momentum_initial"] = vector_json(watched.momenta_start.angular);
+  json["angular_momentum_final"] = vector_json(watched.momenta_now.angular);
+  json["energy_initial"] = number_or_null(watched.start.total());
+  json["energy_final"] = number_or_null(watched.now.total());
+  json["energy_max"] = number_or_null(watched.energy_max);
+  const double gravity = watched.start.gravity - watched.now.gravity;
+  const double method =
+      watched.now.total() - watched.start.total() - gravity - sums.given + sums.lost + sums.rubbed;
+  json["energy_by_cause"] = {{"gravity", number_or_null(gravity)},
+                             {"contact", number_or_null(sums.given)},
+                             {"friction", number_or_null(0.0 - sums.rubbed)},
+                             {"restitution", number_or_null(0.0 - sums.lost)},
+                             {"method", number_or_null(method)}};
+  json["contacts"] = tets_.guests->contacts(i);
+  json["contact_points_final"] = tets_.guests->account(i).active;
+  json["contact_force_final"] =
+      vector_json(tets_.guests->account(i).impulse_vector / body.options().step);
+  json["contact_energy"] = number_or_null(watched.now.contact);
+  json["contact_error"] = number_or_null(sums.error);
+  json["penetration_max"] = number_or_null(tets_.guests->penetration_max(i));
+  json["asleep"] = false;
+  json["exit_code"] = watched.exit_code;
+  json["reason"] = watched.reason.empty() ? nlohmann::ordered_json(nullptr)
+                                          : nlohmann::ordered_json(watched.reason);
+  return json;
+}
+
+void WorldTetsRun::print() const {
+  for (std::size_t i = 0; i < logs_.size(); ++i) {
+    const TetsReport& report = logs_[i].report();
+    const ContactSums& sums = tets_.guests->sums(i);
+    tell(
+        "  {} (tets, {}): energy {:.6g} -> {:.6g} J; contact {:.4g}, restitution {:.4g}, friction "
+        "{:.4g} J; {} contacts, its points {:.3g} m deep at most\n",
+        mixed_->tets[i].name, tet_method_name(mixed_->tets[i].options.method),
+        watched_[i].start.total(), watched_[i].now.total(), sums.given, 0.0 - sums.lost,
+        0.0 - sums.rubbed, tets_.guests->contacts(i), tets_.guests->penetration_max(i));
+    if (!report.files.empty()) tell("    wrote {}\n", list_files(report.files));
+  }
+}
+
+std::vector<std::string> WorldTetsRun::files() const {
+  std::vector<std::string> files;
+  for (const TetsLog& log : logs_)
+    files.insert(files.end(), log.report().files.begin(), log.report().files.end());
+  return files;
+}
+
+void add_tets_outputs(const MixedFile& mixed, RunOutputs& outputs) {
+  const std::string& out = mixed.file.outputs.out;
+  if (out.empty()) return;
+  for (const TetSceneBody& body : mixed.tets)
+    outputs.add_files((std::filesystem::path(out) / body.name).string(), {kTableName, kFramesName});
+}
+
+}  // namespace tremolo

@@ -1,0 +1,67 @@
+// Bodies of tetrahedra in a run of a world: measurements, output files, report.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "common/result.h"
+#include "runtime/apps/tremolo/run/run_files.h"
+#include "runtime/apps/tremolo/tets/tets_log.h"
+#include "runtime/apps/tremolo/world/scene_ending.h"
+#include "runtime/energy_bound.h"
+#include "runtime/world/world_tets.h"
+
+namespace tremolo {
+
+class WorldTetsRun {
+ public:
+  // Adds the bodies to the world and makes their folders. mixed: may have no bodies of tetrahedra;
+  // it must outlive this object. Errors: those of add_tets() and TetsLog::create().
+  static Result<WorldTetsRun> create(const MixedFile& mixed, SceneWorld& world);
+
+  // Takes the start and then every step.
+  Status observe();
+  // Sets the ending of the first body whose step failed or whose energy left its bound. False: all
+  // bodies are within it.
+  bool ended(SceneEnding& ending) const;
+  // Renames the files from their temporary names.
+  Status finish();
+
+  nlohmann::ordered_json body_json(std::size_t i) const;
+  std::size_t size() const { return logs_.size(); }
+  void print() const;
+  std::vector<std::string> files() const;  // paths of all that was written
+
+ private:
+  // Energies of a body, J. method: given by damping and by the method itself.
+  struct Account {
+    double kinetic = 0.0, elastic = 0.0, gravity = 0.0, contact = 0.0;
+    double total() const { return kinetic + elastic + contact; }
+  };
+  struct Watched {
+    Account start, now;
+    double energy_max = 0.0;
+    EnergyBound bound;
+    double work_before = 0.0, gravity_before = 0.0;
+    Momenta momenta_start, momenta_now;
+    int exit_code = 0;
+    std::string reason;
+  };
+
+  void watch(std::size_t i, bool first);
+
+  const MixedFile* mixed_ = nullptr;
+  WorldTets tets_;
+  std::vector<TetsLog> logs_;
+  std::vector<Watched> watched_;
+  bool started_ = false;
+  std::vector<Eigen::Vector3d> vertices_;
+  std::vector<Eigen::Vector3f> normals_;
+};
+
+// Adds the files that a run writes for the bodies of tetrahedra.
+void add_tets_outputs(const MixedFile& mixed, RunOutputs& outputs);
+
+}  // namespace tremolo

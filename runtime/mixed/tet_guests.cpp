@@ -1,0 +1,237 @@
+#include "runtime/mixed/tet_guests.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/text.h"
+
+namespace tremolo {
+namespace {
+
+// Memories know obstacles by one number: bodies by theirs, colliders from here on.
+constexpr std::size_t kFirstCollider = std::size_t{1} << 40;
+
+Status check(const ContactOptions& options) {
+  if (!(options.margin > 0.0) || !(options.stiffness > 0.0) || !std::isfinite(options.margin) ||
+      !std::isfinite(options.stiffness))
+    return usage_error("contact needs a margin and a stiffness above zero");
+  if (options.modulus && !(*options.modulus > 0.0 && std::isfinite(*options.modulus)))
+    return usage_error("contact needs a modulus above zero, in Pa");
+  if (!(options.friction >= 0.0) || !std::isfinite(options.friction))
+    return usage_error("the friction is " + number_text(options.friction) +
+                       ", must be finite and not negative");
+  if (!(options.restitution >= 0.0 && options.restitution <= 1.0))
+    return usage_error("the restitution is " + number_text(options.restitution) +
+                       ", must be from 0 to 1");
+  return Success{};
+}
+
+Error named(const std::string& name, const std::string& what) {
+  return usage_error("body '" + name + "': " + what);
+}
+
+}  // namespace
+
+Result<std::size_t> TetGuests::add(std::string name, TetBody body, const ContactOptions& contact) {
+  if (body.options().step != step_)
+    return named(name, "its step is " + number_text(body.options().step) +
+                           " s, but that of the world is " + number_text(step_) + " s");
+  if (Status good = check(contact); !good) return named(name, good.error().message);
+  if (body.hand()) return named(name, "a body of tetrahedra with a grab cannot meet other bodies");
+  const TetModel* model = &body.model();
+  auto known = std::find_if(points_.begin(), points_.end(),
+                            [model](const auto& entry) { return entry.first == model; });
+  if (known == points_.end()) known = points_.insert(known, {model, make_tet_points(*model)});
+  tets_.push_back(std::make_unique<Tets>(std::move(name), std::move(body), known->second, contact));
+  return tets_.size() - 1;
+}
+
+double TetGuests::deepest_in(std::size_t i, std::span<const PlacedCollider> colliders) const {
+  double deepest = 0.0;
+  const TetStep& step = tets_[i]->step;
+  for (const PlacedCollider& collider : colliders)
+    for (std::size_t k = 0; k < step.points(); ++k) {
+      const Eigen::Vector3d local =
+          collider.start.rotation.conjugate() * (step.start_of(k) - collider.start.position);
+      deepest = std::max(deepest, -signed_distance(collider.shape, local).distance);
+    }
+  return deepest;
+}
+
+void TetGuests::start(std::span<const PlacedCollider> colliders) {
+  colliders_ = colliders;
+  report_ = {};
+  in_islands_ = 0;
+  for (const auto& tets : tets_)
+    if (!tets->failed) tets->step.start();
+}
+
+SharedRate* TetGuests::next_rate() {
+  if (rate_count_ == rates_.size()) rates_.emplace_back();
+  return &rates_[rate_count_++];
+}
+
+void TetGuests::meet_colliders(std::size_t guest) {
+  for (std::size_t c = 0; c < colliders_.size(); ++c) {
+    if (collider_count_ == on_colliders_.size()) on_colliders_.emplace_back();
+    ColliderContact& contact = on_colliders_[collider_count_];
+    if (!contact.gather(tets_[guest]->step, colliders_[c], kFirstCollider + c, step_)) continue;
+    ++collider_count_;
+    contact.shared = next_rate();
+    met_.push_back({guest, PairForces::kNobody, &contact});
+  }
+}
+
+void TetGuests::meet_bodies(std::size_t guest, std::span<ContactStep* const> contacts) {
+  for (std::size_t b = 0; b < contacts.size(); ++b) {
+    if (contacts[b] == nullptr) continue;
+    if (bent_count_ == bent_.size()) bent_.emplace_back();
+    BentContact& contact = bent_[bent_count_];
+    if (!contact.gather(tets_[guest]->step, *contacts[b], b)) continue;
+    ++bent_count_;
+    contact.shared = next_rate();
+    met_.push_back({guest, b, &contact});
+    links_.emplace_back(bodies_ + guest, b);
+  }
+}
+
+void TetGuests::find_contacts(std::span<ContactStep* const> contacts) {
+  bodies_ = contacts.size();
+  bent_count_ = collider_count_ = rate_count_ = 0;
+  met_.clear();
+  links_.clear();
+  for (std::size_t guest = 0; guest < tets_.size(); ++guest) {
+    if (tets_[guest]->failed) continue;
+    meet_colliders(guest);
+    meet_bodies(guest, contacts);
+  }
+}
+
+void TetGuests::begin_island() {
+  who_.clear();
+  island_.clear();
+  couplings_.clear();
+  pair_count_ = 0;
+  member_.resize(tets_.size());
+}
+
+// The guests of that root follow the members so far.
+void TetGuests::add_guests(std::span<const std::size_t> roots, std::size_t root) {
+  for (std::size_t guest = 0; guest < tets_.size(); ++guest) {
+    if (roots[guest] != root || tets_[guest]->failed) continue;
+    member_[guest] = island_.size();
+    who_.push_back(guest);
+    island_.push_back(&tets_[guest]->step);
+  }
+}
+
+// Couples the reduced bodies of an island with each other.
+void TetGuests::pair_bodies(std::span<const IslandMember> members, std::span<PairPoint> points,
+                            std::span<IslandJoint> joints) {
+  const std::size_t before = couplings_.size();
+  const auto pair_of = [&](std::size_t i, std::size_t k) -> ReducedPair& {
+    const auto [low, high] = std::minmax(i, k);
+    for (std::size_t c = before; c < couplings_.size(); ++c)
+      if (couplings_[c]->first == low && couplings_[c]->second == high) return pairs_[c - before];
+    if (pair_count_ == pairs_.size()) pairs_.emplace_back();
+    ReducedPair& pair = pairs_[pair_count_++];
+    pair.set(members[low], members[high], step_);
+    pair.first = low;
+    pair.second = high;
+    pair.shared = next_rate();
+    couplings_.push_back(&pair);
+    return pair;
+  };
+  for (PairPoint& point : points) {
+    const bool on_first = point.a < point.b;
+    pair_of(point.a, point.b).take(point, on_first);
+  }
+  for (const IslandJoint& joint : joints) pair_of(joint.a, joint.b).take(joint, joint.a < joint.b);
+}
+
+void TetGuests::step_island(std::span<const std::size_t> roots,
+                            std::span<const IslandMember> members, std::vector<PairPoint>& points,
+                            std::size_t& count, std::span<IslandJoint> joints,
+                            std::span<StepReport> reports) {
+  begin_island();
+  while (reduced_.size() < members.size()) reduced_.emplace_back();
+  for (std::size_t m = 0; m < members.size(); ++m) {
+    reduced_[m].set(members[m]);
+    island_.push_back(&reduced_[m]);
+  }
+  pair_bodies(members, std::span(points).first(count), joints);
+  add_guests(roots, members[0].number);
+  for (const Met& met : met_) {
+    if (tets_[met.guest]->failed || roots[met.guest] != members[0].number) continue;
+    met.forces->first = member_[met.guest];
+    met.forces->second = PairForces::kNobody;
+    if (met.other < bodies_)
+      met.forces->second = static_cast<std::size_t>(
+          std::find_if(members.begin(), members.end(),
+                       [&met](const IslandMember& m) { return m.number == met.other; }) -
+          members.begin());
+    couplings_.push_back(met.forces);
+  }
+  const MixedReport report = solve_island();
+  count = 0;
+  for (std::size_t c = 0; c < pair_count_; ++c)
+    pairs_[c].give_back(pairs_[c].first, pairs_[c].second, points, count);
+  for (std::size_t m = 0; m < members.size(); ++m) {
+    reports[m] = report.converged ? reduced_[m].report() : StepReport{};
+    reports[m].converged = report.converged;
+    reports[m].iterations = report.iterations;
+  }
+}
+
+MixedReport TetGuests::solve_island() {
+  const MixedReport report = solver_.step(island_, couplings_);
+  report_.iterations += report.iterations;
+  report_.linear += report.linear;
+  report_.residual = std::max(report_.residual, report.residual);
+  report_.converged = report_.converged && report.converged;
+  in_islands_ += island_.size();
+  for (const std::size_t guest : who_) {
+    tets_[guest]->failed = !report.converged;
+    if (report.converged) book(guest);
+  }
+  return report;
+}
+
+void TetGuests::step_others(std::span<const std::size_t> roots) {
+  for (std::size_t root = 0; root < tets_.size(); ++root) {
+    if (roots[root] != bodies_ + root || tets_[root]->failed) continue;
+    begin_island();
+    add_guests(roots, bodies_ + root);
+    for (const Met& met : met_) {
+      if (roots[met.guest] != bodies_ + root) continue;
+      met.forces->first = member_[met.guest];
+      met.forces->second =
+          met.other == PairForces::kNobody ? met.other : member_[met.other - bodies_];
+      couplings_.push_back(met.forces);
+    }
+    if (!couplings_.empty()) {
+      solve_island();
+      continue;
+    }
+    tets_[root]->step.step_alone();
+    tets_[root]->failed = !tets_[root]->step.report().converged;
+    if (!tets_[root]->failed) book(root);
+  }
+}
+
+// Adds the contact of the step to the body's sums.
+void TetGuests::book(std::size_t guest) {
+  Tets& tets = *tets_[guest];
+  const ContactAccount& account = tets.step.account();
+  tets.sums.work += account.work;
+  tets.sums.lost += account.lost;
+  tets.sums.rubbed += account.rubbed;
+  tets.sums.given += account.given;
+  tets.sums.error += account.surplus;
+  tets.deepest = std::max(tets.deepest, account.penetration);
+  const bool touches = account.active > 0;
+  if (touches && !tets.touched) ++tets.contacts;
+  tets.touched = touches;
+}
+
+}  // namespace tremolo

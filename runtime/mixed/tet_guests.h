@@ -1,0 +1,121 @@
+// Bodies of tetrahedra in the islands of a BodyGroup, under one contact law with its bodies and
+// colliders (docs/theory.md, section "Contact").
+//
+// Bodies that may be in contact in a step form an island. An island with bodies of tetrahedra is
+// solved by MixedIsland. A body of tetrahedra that nothing is near takes its own step, with the
+// same bits as without a group.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/result.h"
+#include "runtime/contact/solve/island_guests.h"
+#include "runtime/mixed/bent_contact.h"
+#include "runtime/mixed/collider_contact.h"
+#include "runtime/mixed/mixed_island.h"
+#include "runtime/mixed/reduced_pair.h"
+#include "runtime/mixed/reduced_step.h"
+#include "runtime/mixed/tet_step.h"
+
+namespace tremolo {
+
+class TetGuests final : public IslandGuests {
+ public:
+  // step: s, that of all bodies.
+  explicit TetGuests(double step) : step_(step) {}
+
+  // Adds a body and returns its number. Errors (kUsage), with the name: another step; a grab;
+  // contact options out of range.
+  Result<std::size_t> add(std::string name, TetBody body, const ContactOptions& contact = {});
+
+  const std::string& name(std::size_t i) const { return tets_[i]->name; }
+  TetBody& body(std::size_t i) { return tets_[i]->body; }
+  const TetBody& body(std::size_t i) const { return tets_[i]->body; }
+  // Of the last step.
+  const TetStepReport& report(std::size_t i) const { return tets_[i]->step.report(); }
+  const ContactAccount& account(std::size_t i) const { return tets_[i]->step.account(); }
+  // Sums since the start.
+  const ContactSums& sums(std::size_t i) const { return tets_[i]->sums; }
+  std::int64_t contacts(std::size_t i) const { return tets_[i]->contacts; }  // that began
+  double penetration_max(std::size_t i) const { return tets_[i]->deepest; }  // m
+  // A body whose step failed is as before it and is not stepped again.
+  bool failed(std::size_t i) const { return tets_[i]->failed; }
+  // The largest distance of a contact point within the margin of something now, and the deepest
+  // point inside a collider, m.
+  double deepest_in(std::size_t i, std::span<const PlacedCollider> colliders) const;
+  double margin(std::size_t i) const { return tets_[i]->step.area_law().margin; }
+  // Of the last step: iterations of all islands together, and the number of bodies in them.
+  const MixedReport& mixed_report() const { return report_; }
+  std::size_t in_islands() const { return in_islands_; }
+
+  std::size_t size() const override { return tets_.size(); }
+  void start(std::span<const PlacedCollider> colliders) override;
+  void find_contacts(std::span<ContactStep* const> contacts) override;
+  std::span<const std::pair<std::size_t, std::size_t>> links() const override { return links_; }
+  void step_island(std::span<const std::size_t> roots, std::span<const IslandMember> members,
+                   std::vector<PairPoint>& points, std::size_t& count,
+                   std::span<IslandJoint> joints, std::span<StepReport> reports) override;
+  void step_others(std::span<const std::size_t> roots) override;
+
+ private:
+  struct Tets {
+    std::string name;
+    TetBody body;
+    TetStep step;
+    ContactSums sums;
+    std::int64_t contacts = 0;
+    double deepest = 0.0;
+    bool failed = false, touched = false;
+
+    Tets(std::string of, TetBody made, std::shared_ptr<const TetPoints> points,
+         const ContactOptions& contact)
+        : name(std::move(of)), body(std::move(made)), step(body, std::move(points), contact) {}
+  };
+  // Contact of a guest's points with another member, by their numbers in links(), or with a
+  // collider (kNobody).
+  struct Met {
+    std::size_t guest = 0, other = 0;
+    PairForces* forces = nullptr;
+  };
+
+  void meet_colliders(std::size_t guest);
+  void meet_bodies(std::size_t guest, std::span<ContactStep* const> contacts);
+  SharedRate* next_rate();
+  void begin_island();
+  void add_guests(std::span<const std::size_t> roots, std::size_t root);
+  void pair_bodies(std::span<const IslandMember> members, std::span<PairPoint> points,
+                   std::span<IslandJoint> joints);
+  MixedReport solve_island();
+  void book(std::size_t guest);
+
+  double step_;
+  std::vector<std::unique_ptr<Tets>> tets_;
+  std::vector<std::pair<const TetModel*, std::shared_ptr<const TetPoints>>> points_;
+  std::span<const PlacedCollider> colliders_;
+  std::size_t bodies_ = 0;  // of the group
+  // Contacts of a step; the first ones are in use.
+  std::deque<BentContact> bent_;
+  std::deque<ColliderContact> on_colliders_;
+  std::deque<ReducedPair> pairs_;
+  std::deque<SharedRate> rates_;
+  std::size_t bent_count_ = 0, collider_count_ = 0, pair_count_ = 0, rate_count_ = 0;
+  std::vector<Met> met_;
+  std::vector<std::pair<std::size_t, std::size_t>> links_;
+  // Of the present island.
+  std::deque<ReducedStep> reduced_;
+  std::vector<std::size_t> who_, member_;  // its guests; the member's index of each guest
+  std::vector<StepBody*> island_;
+  std::vector<PairForces*> couplings_;
+  MixedIsland solver_;
+  MixedReport report_;
+  std::size_t in_islands_ = 0;
+};
+
+}  // namespace tremolo
