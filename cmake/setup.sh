@@ -97,7 +97,7 @@ build() {
 models="beam basket bridge horse tower heart"
 scene_models="horse-free horse-rig heart-free basket-free ball-free bell"  # which scenes need
 scene_colliders="bell basket"
-scene_tets="bar bar-free duck"
+scene_tets="bar bar-free duck mat"
 
 # precompute MODEL: its basis file, unless it is newer than everything it is made of. The mesh is that of
 # the name up to a hyphen: horse-free is another model of the horse.

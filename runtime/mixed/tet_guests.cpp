@@ -32,7 +32,8 @@ Error named(const std::string& name, const std::string& what) {
 
 }  // namespace
 
-Result<std::size_t> TetGuests::add(std::string name, TetBody body, const ContactOptions& contact) {
+Result<std::size_t> TetGuests::add(std::string name, TetBody body, const ContactOptions& contact,
+                                   TetHullPointer hull) {
   if (body.options().step != step_)
     return named(name, "its step is " + number_text(body.options().step) +
                            " s, but that of the world is " + number_text(step_) + " s");
@@ -42,7 +43,8 @@ Result<std::size_t> TetGuests::add(std::string name, TetBody body, const Contact
   auto known = std::find_if(points_.begin(), points_.end(),
                             [model](const auto& entry) { return entry.first == model; });
   if (known == points_.end()) known = points_.insert(known, {model, make_tet_points(*model)});
-  tets_.push_back(std::make_unique<Tets>(std::move(name), std::move(body), known->second, contact));
+  tets_.push_back(std::make_unique<Tets>(std::move(name), std::move(body), known->second, contact,
+                                         std::move(hull)));
   return tets_.size() - 1;
 }
 
@@ -78,32 +80,62 @@ void TetGuests::meet_colliders(std::size_t guest) {
     if (!contact.gather(tets_[guest]->step, colliders_[c], kFirstCollider + c, step_)) continue;
     ++collider_count_;
     contact.shared = next_rate();
-    met_.push_back({guest, PairForces::kNobody, &contact});
+    met_.push_back({bodies_ + guest, PairForces::kNobody, &contact});
   }
 }
 
+// Points of a member, by its number in links(), on a guest. False: none is near.
+bool TetGuests::meet_hull(StepBody& points, std::size_t number, std::size_t guest,
+                          SharedRate* shared) {
+  if (hull_count_ == hulls_.size()) hulls_.emplace_back();
+  HullContact& contact = hulls_[hull_count_];
+  if (!contact.gather(points, tets_[guest]->step, bodies_ + guest, step_)) return false;
+  ++hull_count_;
+  contact.shared = shared;
+  met_.push_back({number, bodies_ + guest, &contact});
+  return true;
+}
+
+// Points of each of two bodies on the other have one rate.
 void TetGuests::meet_bodies(std::size_t guest, std::span<ContactStep* const> contacts) {
   for (std::size_t b = 0; b < contacts.size(); ++b) {
     if (contacts[b] == nullptr) continue;
     if (bent_count_ == bent_.size()) bent_.emplace_back();
     BentContact& contact = bent_[bent_count_];
-    if (!contact.gather(tets_[guest]->step, *contacts[b], b)) continue;
-    ++bent_count_;
-    contact.shared = next_rate();
-    met_.push_back({guest, b, &contact});
-    links_.emplace_back(bodies_ + guest, b);
+    SharedRate* shared = next_rate();
+    const bool on_body = contact.gather(tets_[guest]->step, *contacts[b], b);
+    if (on_body) {
+      ++bent_count_;
+      contact.shared = shared;
+      met_.push_back({bodies_ + guest, b, &contact});
+    }
+    reduced_[b].set({.contact = contacts[b]});
+    const bool on_guest = meet_hull(reduced_[b], b, guest, shared);
+    if (on_body || on_guest) links_.emplace_back(bodies_ + guest, b);
+  }
+}
+
+void TetGuests::meet_guests(std::size_t guest) {
+  for (std::size_t other = guest + 1; other < tets_.size(); ++other) {
+    if (tets_[other]->failed) continue;
+    SharedRate* shared = next_rate();
+    const bool here = meet_hull(tets_[other]->step, bodies_ + other, guest, shared);
+    const bool there = meet_hull(tets_[guest]->step, bodies_ + guest, other, shared);
+    if (here || there) links_.emplace_back(bodies_ + guest, bodies_ + other);
   }
 }
 
 void TetGuests::find_contacts(std::span<ContactStep* const> contacts) {
   bodies_ = contacts.size();
-  bent_count_ = collider_count_ = rate_count_ = 0;
+  while (reduced_.size() < bodies_) reduced_.emplace_back();
+  bent_count_ = hull_count_ = collider_count_ = rate_count_ = 0;
   met_.clear();
   links_.clear();
   for (std::size_t guest = 0; guest < tets_.size(); ++guest) {
     if (tets_[guest]->failed) continue;
     meet_colliders(guest);
     meet_bodies(guest, contacts);
+    meet_guests(guest);
   }
 }
 
@@ -149,35 +181,48 @@ void TetGuests::pair_bodies(std::span<const IslandMember> members, std::span<Pai
   for (const IslandJoint& joint : joints) pair_of(joint.a, joint.b).take(joint, joint.a < joint.b);
 }
 
+// Adds the contacts of the guests of that root, once all members are in the island.
+void TetGuests::couple(std::span<const std::size_t> roots, std::size_t root,
+                       std::span<const IslandMember> members) {
+  const auto place = [&](std::size_t number) {
+    if (number == PairForces::kNobody) return number;
+    if (number >= bodies_) return member_[number - bodies_];
+    const auto found =
+        std::find_if(members.begin(), members.end(),
+                     [number](const IslandMember& member) { return member.number == number; });
+    return found != members.end() ? static_cast<std::size_t>(found - members.begin())
+                                  : island_.size();
+  };
+  for (const Met& met : met_) {
+    const std::size_t guest = (met.first >= bodies_ ? met.first : met.second) - bodies_;
+    if (roots[guest] != root) continue;
+    met.forces->first = place(met.first);
+    met.forces->second = place(met.second);
+    // A body whose step could not begin is not a member.
+    if (met.forces->first < island_.size() &&
+        (met.forces->second < island_.size() || met.second == PairForces::kNobody))
+      couplings_.push_back(met.forces);
+  }
+}
+
 void TetGuests::step_island(std::span<const std::size_t> roots,
                             std::span<const IslandMember> members, std::vector<PairPoint>& points,
                             std::size_t& count, std::span<IslandJoint> joints,
                             std::span<StepReport> reports) {
   begin_island();
-  while (reduced_.size() < members.size()) reduced_.emplace_back();
-  for (std::size_t m = 0; m < members.size(); ++m) {
-    reduced_[m].set(members[m]);
-    island_.push_back(&reduced_[m]);
+  for (const IslandMember& member : members) {
+    reduced_[member.number].set(member);
+    island_.push_back(&reduced_[member.number]);
   }
   pair_bodies(members, std::span(points).first(count), joints);
   add_guests(roots, members[0].number);
-  for (const Met& met : met_) {
-    if (tets_[met.guest]->failed || roots[met.guest] != members[0].number) continue;
-    met.forces->first = member_[met.guest];
-    met.forces->second = PairForces::kNobody;
-    if (met.other < bodies_)
-      met.forces->second = static_cast<std::size_t>(
-          std::find_if(members.begin(), members.end(),
-                       [&met](const IslandMember& m) { return m.number == met.other; }) -
-          members.begin());
-    couplings_.push_back(met.forces);
-  }
+  couple(roots, members[0].number, members);
   const MixedReport report = solve_island();
   count = 0;
   for (std::size_t c = 0; c < pair_count_; ++c)
     pairs_[c].give_back(pairs_[c].first, pairs_[c].second, points, count);
   for (std::size_t m = 0; m < members.size(); ++m) {
-    reports[m] = report.converged ? reduced_[m].report() : StepReport{};
+    reports[m] = report.converged ? reduced_[members[m].number].report() : StepReport{};
     reports[m].converged = report.converged;
     reports[m].iterations = report.iterations;
   }
@@ -202,13 +247,7 @@ void TetGuests::step_others(std::span<const std::size_t> roots) {
     if (roots[root] != bodies_ + root || tets_[root]->failed) continue;
     begin_island();
     add_guests(roots, bodies_ + root);
-    for (const Met& met : met_) {
-      if (roots[met.guest] != bodies_ + root) continue;
-      met.forces->first = member_[met.guest];
-      met.forces->second =
-          met.other == PairForces::kNobody ? met.other : member_[met.other - bodies_];
-      couplings_.push_back(met.forces);
-    }
+    couple(roots, bodies_ + root, {});
     if (!couplings_.empty()) {
       solve_island();
       continue;

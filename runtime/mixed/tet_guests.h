@@ -17,8 +17,10 @@
 
 #include "common/result.h"
 #include "runtime/contact/solve/island_guests.h"
+#include "runtime/contact_body.h"
 #include "runtime/mixed/bent_contact.h"
 #include "runtime/mixed/collider_contact.h"
+#include "runtime/mixed/hull_contact.h"
 #include "runtime/mixed/mixed_island.h"
 #include "runtime/mixed/reduced_pair.h"
 #include "runtime/mixed/reduced_step.h"
@@ -33,7 +35,9 @@ class TetGuests final : public IslandGuests {
 
   // Adds a body and returns its number. Errors (kUsage), with the name: another step; a grab;
   // contact options out of range.
-  Result<std::size_t> add(std::string name, TetBody body, const ContactOptions& contact = {});
+  // hull: with which points of other bodies collide; null, or without distances: they pass through.
+  Result<std::size_t> add(std::string name, TetBody body, const ContactOptions& contact = {},
+                          TetHullPointer hull = nullptr);
 
   const std::string& name(std::size_t i) const { return tets_[i]->name; }
   TetBody& body(std::size_t i) { return tets_[i]->body; }
@@ -75,18 +79,24 @@ class TetGuests final : public IslandGuests {
     bool failed = false, touched = false;
 
     Tets(std::string of, TetBody made, std::shared_ptr<const TetPoints> points,
-         const ContactOptions& contact)
-        : name(std::move(of)), body(std::move(made)), step(body, std::move(points), contact) {}
+         const ContactOptions& contact, TetHullPointer hull)
+        : name(std::move(of)),
+          body(std::move(made)),
+          step(body, std::move(points), contact, std::move(hull)) {}
   };
-  // Contact of a guest's points with another member, by their numbers in links(), or with a
-  // collider (kNobody).
+  // Contact of the points of `first` with `second`: members by their numbers in links(), of which
+  // one is that of a guest; kNobody: a collider.
   struct Met {
-    std::size_t guest = 0, other = 0;
+    std::size_t first = 0, second = 0;
     PairForces* forces = nullptr;
   };
 
   void meet_colliders(std::size_t guest);
   void meet_bodies(std::size_t guest, std::span<ContactStep* const> contacts);
+  void meet_guests(std::size_t guest);
+  bool meet_hull(StepBody& points, std::size_t number, std::size_t guest, SharedRate* shared);
+  void couple(std::span<const std::size_t> roots, std::size_t root,
+              std::span<const IslandMember> members);
   SharedRate* next_rate();
   void begin_island();
   void add_guests(std::span<const std::size_t> roots, std::size_t root);
@@ -102,14 +112,16 @@ class TetGuests final : public IslandGuests {
   std::size_t bodies_ = 0;  // of the group
   // Contacts of a step; the first ones are in use.
   std::deque<BentContact> bent_;
+  std::deque<HullContact> hulls_;
   std::deque<ColliderContact> on_colliders_;
   std::deque<ReducedPair> pairs_;
   std::deque<SharedRate> rates_;
-  std::size_t bent_count_ = 0, collider_count_ = 0, pair_count_ = 0, rate_count_ = 0;
+  std::size_t bent_count_ = 0, hull_count_ = 0, collider_count_ = 0, pair_count_ = 0,
+              rate_count_ = 0;
   std::vector<Met> met_;
   std::vector<std::pair<std::size_t, std::size_t>> links_;
   // Of the present island.
-  std::deque<ReducedStep> reduced_;
+  std::deque<ReducedStep> reduced_;        // of the group's bodies, by their numbers
   std::vector<std::size_t> who_, member_;  // its guests; the member's index of each guest
   std::vector<StepBody*> island_;
   std::vector<PairForces*> couplings_;

@@ -24,6 +24,19 @@ bool is_before(const ContactMemory& x, const ContactMemory& y) {
   return x.obstacle < y.obstacle || (x.obstacle == y.obstacle && x.point < y.point);
 }
 
+Vector3d sum_of(std::span<const std::uint32_t> nodes, const std::array<double, kMostNodes>& shares,
+                StepBody::In x) {
+  Vector3d sum = Vector3d::Zero();
+  for (std::size_t i = 0; i < nodes.size(); ++i) sum += shares[i] * x.segment<3>(row_of(nodes[i]));
+  return sum;
+}
+
+void add_shares(std::span<const std::uint32_t> nodes, const std::array<double, kMostNodes>& shares,
+                const Vector3d& value, StepBody::Out rows) {
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    rows.segment<3>(row_of(nodes[i])) += shares[i] * value;
+}
+
 std::optional<BlockCholesky> make_factor(const BlockPatternPointer& pattern) {
   Result<BlockCholesky> made = BlockCholesky::create(pattern, kMostFactorBytes);
   if (!made) return std::nullopt;
@@ -33,15 +46,21 @@ std::optional<BlockCholesky> make_factor(const BlockPatternPointer& pattern) {
 }  // namespace
 
 TetStep::TetStep(TetBody& body, std::shared_ptr<const TetPoints> points,
-                 const ContactOptions& options)
+                 const ContactOptions& options, TetHullPointer hull)
     : body_(&body),
       points_(std::move(points)),
       law_(tremolo::area_law(*points_, body.model().mass(), options)),
+      hull_(std::move(hull)),
       factor_(make_factor(body.model().pattern())) {
   const Index n = body.model().rest().size();
-  for (VectorXd* v : {&known_way_, &own_, &pushed_, &kept_, &in_, &out_}) v->setZero(n);
+  for (VectorXd* v : {&known_way_, &own_, &pushed_, &kept_, &in_, &out_, &end_, &middle_})
+    v->setZero(n);
   still_.resize(body.model().nodes());
   slopes_.reserve(points_->points.size());
+  shares_.resize(points_->points.size());
+  if (has_hull())
+    for (std::vector<TetTree::Box>* boxes : {&boxes_at_start_, &boxes_at_end_})
+      boxes->resize(hull_->tree.size());
   if (!factor_) inverse_.resize(body.model().nodes());
 }
 
@@ -58,6 +77,8 @@ void TetStep::start() {
     high = high.cwiseMax(x.segment<3>(row_of(i)));
     speed2 = std::max(speed2, v.segment<3>(row_of(i)).squaredNorm());
   }
+  follows_hull_ = false;
+  if (has_hull()) hull_->tree.fit(x, boxes_at_start_);
   const double h = body_->options_.step;
   ball_ = {0.5 * (low + high), 0.5 * (high - low).norm(),
            h * std::sqrt(speed2) + 0.5 * h * h * body_->options_.gravity.norm()};
@@ -111,6 +132,11 @@ void TetStep::evaluate(const ContactRenewal& renewal) {
     own_ = body_->force_;
     known_way_ = body_->way_;
     known_ = true;
+    if (follows_hull_) {
+      end_ = body_->stage_.from + ends_ * body_->way_;
+      middle_ = 0.5 * (body_->now_.x + end_);
+      hull_->tree.fit(end_, boxes_at_end_);
+    }
   }
   pushed_.setZero();
 }
@@ -145,14 +171,11 @@ double TetStep::work_along(In direction) const {
   return ends_ * body_->residual_.dot(direction);
 }
 
-std::array<double, kMostNodes> TetStep::condensed(std::size_t point) const {
-  const TetPoint& at = points_->points[point];
-  std::array<double, kMostNodes> shares = at.shares;
-  body_->system_.fold_point(std::span(at.nodes.data(), at.count),
-                            std::span(shares.data(), at.count));
-  for (std::uint32_t i = 0; i < at.count; ++i)
-    if (body_->system_.active()[at.nodes[i]] == 0) shares[i] = 0.0;
-  return shares;
+void TetStep::condense(std::span<const std::uint32_t> nodes,
+                       std::array<double, kMostNodes>& shares) const {
+  body_->system_.fold_point(nodes, std::span(shares.data(), nodes.size()));
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (body_->system_.active()[nodes[i]] == 0) shares[i] = 0.0;
 }
 
 // The matrix of the body itself.
@@ -172,13 +195,13 @@ void TetStep::assemble(double heavier, TangentKind tangent, bool with_contact) {
 // The symmetric part of a contact. All pairs of its control points are of one element, so that the
 // pattern has their blocks.
 void TetStep::add_contact(const Slope& slope) {
-  const TetPoint& at = points_->points[slope.point];
   const Matrix3d block = (0.5 * ends_) * (slope.by_end + slope.by_end.transpose());
   const BlockPattern& pattern = body_->matrix_.pattern();
-  for (std::uint32_t i = 0; i < at.count; ++i)
-    for (std::uint32_t j = 0; j <= i; ++j) {
+  for (std::size_t i = 0; i < slope.nodes.size(); ++i)
+    for (std::size_t j = 0; j < slope.nodes.size(); ++j) {
       const double both = slope.shares[i] * slope.shares[j];
-      if (both != 0.0) body_->matrix_.block(pattern.find(at.nodes[i], at.nodes[j])) += both * block;
+      if (both != 0.0 && slope.nodes[i] >= slope.nodes[j])
+        body_->matrix_.block(pattern.find(slope.nodes[i], slope.nodes[j])) += both * block;
     }
 }
 
@@ -190,7 +213,70 @@ void TetStep::make_tangent(double heavier, bool follows) {
 
 void TetStep::add_slope(std::size_t point, const Matrix3d& by_end, const Vector3d& force) {
   (void)force;  // its weights do not depend on the unknowns
-  slopes_.push_back({point, condensed(point), by_end});
+  shares_[point] = points_->points[point].shares;
+  condense(nodes_of(point), shares_[point]);
+  slopes_.push_back({nodes_of(point), shares_[point], by_end});
+}
+
+std::optional<TetDepth> TetStep::depth_at(const VectorXd& x, const std::vector<TetTree::Box>& boxes,
+                                          const Vector3d& place) const {
+  const std::optional<TetPlace> found = hull_->tree.find(x, boxes, place);
+  if (!found) return std::nullopt;
+  const DistanceGrid::Sample sample = hull_->grid->at(hull_->tree.rest_place(*found));
+  const Vector3d gradient = found->gradient.transpose().inverse() * sample.gradient;
+  if (!(gradient.squaredNorm() > 1e-12) || !gradient.allFinite()) return std::nullopt;
+  return TetDepth{sample.distance, gradient, found->element};
+}
+
+std::optional<TetDepth> TetStep::depth_at_start(const Vector3d& place) const {
+  return depth_at(body_->now_.x, boxes_at_start_, place);
+}
+
+std::optional<TetDepth> TetStep::depth_at_end(const Vector3d& place) const {
+  return depth_at(end_, boxes_at_end_, place);
+}
+
+bool TetStep::find_site(const Vector3d& place, std::uint32_t element, TetSite& site) const {
+  constexpr double kFarOutside = -4.0;  // in barycentric coordinates
+  const std::optional<TetPlace> found = hull_->tree.solve(element, middle_, place, kFarOutside);
+  if (!found) return false;
+  site.element = element;
+  site.values = found->values;
+  site.gradient = found->gradient;
+  return true;
+}
+
+Vector3d TetStep::way_of(const TetSite& site) const {
+  const std::span<const std::uint32_t> nodes = nodes_of(site);
+  Vector3d way = Vector3d::Zero();
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const Index row = row_of(nodes[i]);
+    way += site.values[i] * (end_.segment<3>(row) - body_->now_.x.segment<3>(row));
+  }
+  return way;
+}
+
+void TetStep::push_site(const TetSite& site, const Vector3d& force) {
+  const std::span<const std::uint32_t> nodes = nodes_of(site);
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    pushed_.segment<3>(row_of(nodes[i])) += site.values[i] * force;
+}
+
+void TetStep::condense(TetSite& site) const {
+  site.shares = site.values;
+  condense(nodes_of(site), site.shares);
+}
+
+void TetStep::add_site_slope(const TetSite& site, const Matrix3d& by_end) {
+  slopes_.push_back({nodes_of(site), site.shares, by_end});
+}
+
+Vector3d TetStep::change_of(const TetSite& site, In x) const {
+  return ends_ * sum_of(nodes_of(site), site.shares, x);
+}
+
+void TetStep::add_site_image(const TetSite& site, const Vector3d& fall, Out rows) const {
+  add_shares(nodes_of(site), site.shares, fall, rows);
 }
 
 // The exact derivative with contact is tried first; where it is not positive, R K R^T.
@@ -215,16 +301,11 @@ void TetStep::multiply(In x, Out rows) const {
   body_->matrix_.multiply(in_, out_);
   rows = out_;
   for (const Slope& slope : slopes_) {
-    const TetPoint& at = points_->points[slope.point];
-    Vector3d part = Vector3d::Zero();
-    for (std::uint32_t i = 0; i < at.count; ++i)
-      part += slope.shares[i] * x.segment<3>(row_of(at.nodes[i]));
     const Matrix3d rest = contact_in_matrix_
                               ? Matrix3d(0.5 * (slope.by_end - slope.by_end.transpose()))
                               : slope.by_end;
-    const Vector3d image = ends_ * (rest * part);
-    for (std::uint32_t i = 0; i < at.count; ++i)
-      rows.segment<3>(row_of(at.nodes[i])) += slope.shares[i] * image;
+    const Vector3d image = ends_ * (rest * sum_of(slope.nodes, slope.shares, x));
+    add_shares(slope.nodes, slope.shares, image, rows);
   }
 }
 
@@ -242,19 +323,11 @@ void TetStep::precondition(In rows, Out x) {
 }
 
 Vector3d TetStep::change_at(std::size_t point, In x) const {
-  const TetPoint& at = points_->points[point];
-  const std::array<double, kMostNodes> shares = condensed(point);
-  Vector3d change = Vector3d::Zero();
-  for (std::uint32_t i = 0; i < at.count; ++i)
-    change += shares[i] * x.segment<3>(row_of(at.nodes[i]));
-  return ends_ * change;
+  return ends_ * sum_of(nodes_of(point), shares_[point], x);
 }
 
 void TetStep::add_image(std::size_t point, const Vector3d& fall, Out rows) const {
-  const TetPoint& at = points_->points[point];
-  const std::array<double, kMostNodes> shares = condensed(point);
-  for (std::uint32_t i = 0; i < at.count; ++i)
-    rows.segment<3>(row_of(at.nodes[i])) += shares[i] * fall;
+  add_shares(nodes_of(point), shares_[point], fall, rows);
 }
 
 void TetStep::finish(const ContactAccount& account, double start) {

@@ -20,10 +20,28 @@
 
 namespace tremolo {
 
+// A position inside the body: its distance from the surface at rest, below 0, m, and the gradient
+// of that with the position.
+struct TetDepth {
+  double distance = 0.0;
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  std::uint32_t element = 0;
+};
+
+// A point of an element on which the forces of others act.
+struct TetSite {
+  std::uint32_t element = 0;
+  std::array<double, kMostNodes> values{};                 // B_I there
+  std::array<double, kMostNodes> shares{};                 // the same, condensed
+  Eigen::Matrix3d gradient = Eigen::Matrix3d::Identity();  // F there
+};
+
 class TetStep final : public StepBody {
  public:
-  // body: stays in memory. points: of its model.
-  TetStep(TetBody& body, std::shared_ptr<const TetPoints> points, const ContactOptions& options);
+  // body: stays in memory. points: of its model. hull: null, or without distances: points of other
+  // bodies pass through.
+  TetStep(TetBody& body, std::shared_ptr<const TetPoints> points, const ContactOptions& options,
+          TetHullPointer hull);
 
   // Finds the body's ball at the start of the step.
   void start();
@@ -34,6 +52,24 @@ class TetStep final : public StepBody {
   // Of contact in the last step.
   const ContactAccount& account() const { return account_; }
   std::span<const ContactedPoint> contacted() const { return contacted_; }
+
+  // The body as an obstacle (hull_contact.h). follow_hull(): positions are needed in this step.
+  bool has_hull() const { return hull_ && hull_->grid; }
+  void follow_hull() { follows_hull_ = true; }
+  const TetTree::Box& box_at_start() const { return boxes_at_start_.front(); }
+  // Empty: outside.
+  std::optional<TetDepth> depth_at_start(const Eigen::Vector3d& place) const;
+  std::optional<TetDepth> depth_at_end(const Eigen::Vector3d& place) const;
+  // Finds the point of the element, or of its continuation, that the means of the ends of the step
+  // map to `place`. False: there is none.
+  bool find_site(const Eigen::Vector3d& place, std::uint32_t element, TetSite& site) const;
+  Eigen::Vector3d way_of(const TetSite& site) const;  // its path in the step, m
+  void push_site(const TetSite& site, const Eigen::Vector3d& force);
+  // Same as add_slope(), change_at() and add_image() for a site, once it is condensed.
+  void condense(TetSite& site) const;
+  void add_site_slope(const TetSite& site, const Eigen::Matrix3d& by_end);
+  Eigen::Vector3d change_of(const TetSite& site, In x) const;
+  void add_site_image(const TetSite& site, const Eigen::Vector3d& fall, Out rows) const;
 
   StepBall ball() const override { return ball_; }
   std::size_t points() const override { return points_->points.size(); }
@@ -77,14 +113,22 @@ class TetStep final : public StepBody {
   void give_up() override;
 
  private:
-  // The slope of a point's force, with its condensed weights. Fixed control points have none.
+  // The slope of a force on a point, with its condensed weights. Fixed control points have none.
   struct Slope {
-    std::size_t point = 0;
+    std::span<const std::uint32_t> nodes;
     std::array<double, kMostNodes> shares{};
     Eigen::Matrix3d by_end;
   };
 
-  std::array<double, kMostNodes> condensed(std::size_t point) const;
+  std::span<const std::uint32_t> nodes_of(std::size_t point) const {
+    return {points_->points[point].nodes.data(), points_->points[point].count};
+  }
+  std::span<const std::uint32_t> nodes_of(const TetSite& site) const {
+    return body_->model().elements()[site.element].nodes;
+  }
+  void condense(std::span<const std::uint32_t> nodes, std::array<double, kMostNodes>& shares) const;
+  std::optional<TetDepth> depth_at(const Eigen::VectorXd& x, const std::vector<TetTree::Box>& boxes,
+                                   const Eigen::Vector3d& place) const;
   void assemble(double heavier, TangentKind tangent, bool with_contact);
   void add_contact(const Slope& slope);
 
@@ -101,6 +145,11 @@ class TetStep final : public StepBody {
   Eigen::VectorXd known_way_, own_, pushed_, kept_;
   mutable Eigen::VectorXd in_, out_;
   std::vector<Slope> slopes_;
+  std::vector<std::array<double, kMostNodes>> shares_;  // condensed, of points with a slope
+  TetHullPointer hull_;
+  bool follows_hull_ = false;
+  std::vector<TetTree::Box> boxes_at_start_, boxes_at_end_;
+  Eigen::VectorXd end_, middle_;     // positions at the end and in the middle of the step, m
   std::vector<std::uint8_t> still_;  // a flag for each control point that is not active
   std::optional<BlockCholesky> factor_;
   std::vector<Eigen::Matrix3d> inverse_;  // of the diagonal's blocks, without a factor

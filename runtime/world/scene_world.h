@@ -306,8 +306,7 @@ class SceneWorld {
   std::vector<Touching> touching_;  // bodies x colliders
   std::vector<Failure> failures_;
   std::vector<ContactEvent> events_;
-  std::vector<Pair> pairs_;               // those that touch
-  std::unique_ptr<IslandGuests> guests_;  // null: none
+  std::vector<Pair> pairs_;  // those that touch
   std::unique_ptr<BodyGroup> group_;
   std::vector<std::size_t> order_, place_;  // bodies by their names, and where each is there
   std::vector<ContactBody*> stepped_;       // by their names; null: it has failed
@@ -317,6 +316,7 @@ class SceneWorld {
   std::set<std::pair<std::size_t, std::size_t>> passing_;  // a < b: a joint lets them pass through
   bool gravity_changes_ = false;
   std::int64_t steps_ = 0;
+  std::unique_ptr<IslandGuests> guests_;  // null: none
 };
 
 }  // namespace tremolo

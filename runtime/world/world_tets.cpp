@@ -51,8 +51,8 @@ Result<WorldTets> add_tets(std::span<const TetSceneBody> bodies, const std::stri
   auto guests = std::make_unique<TetGuests>(world.step_size());
   const Solids solids = solids_of(world);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (const auto added =
-            guests->add(bodies[i].name, std::move(placed->bodies[i]), bodies[i].contact);
+    if (const auto added = guests->add(bodies[i].name, std::move(placed->bodies[i]),
+                                       bodies[i].contact, placed->kinds[placed->kind_of[i]].hull);
         !added)
       return error_of_file(path, added.error());
     if (Status s = check_apart(*guests, i, solids); !s)

@@ -36,7 +36,7 @@ TEST(MixedStack, CarriesItsWeight) {
   ASSERT_TRUE(world.add("upper",
                         testing::tets_body(testing::tets_cube(3e4, 2), kind, {0, 0, 0.1506},
                                            Vector3d::Zero(), Vector3d::Zero()),
-                        testing::contact_of(kind, {})));
+                        testing::contact_of(kind, Eigen::Vector3d::Ones())));
   const PlacedCollider floor = plane(0.5);
   world.set_colliders({&floor, 1});
   for (int i = 0; i < 500; ++i) {
@@ -60,7 +60,7 @@ Vector3d speed_on_slope(double friction, double slope, double seconds) {
   EXPECT_TRUE(world.add("block",
                         testing::tets_body(testing::tets_cube(1e6, 1), kind, {0, 0, 0.0502},
                                            Vector3d::Zero(), Vector3d::Zero()),
-                        testing::contact_of(kind, {})));
+                        testing::contact_of(kind, Eigen::Vector3d::Ones())));
   const PlacedCollider floor = plane(friction, 0.0);
   world.set_colliders({&floor, 1});
   for (int i = 0; i < static_cast<int>(std::lround(seconds / kind.step)); ++i) {

@@ -158,8 +158,8 @@ inline MixedSum sum_of(MixedWorld& world) {
   for (std::size_t i = 0; i < world.size(); ++i) {
     sum.energy += world.account(i).energy;
     if (ContactBody* body = world.reduced(i)) {
-      sum.linear += body->linear_momentum();
-      sum.angular += body->angular_momentum();
+      sum.linear += body->momentum().linear;
+      sum.angular += body->momentum().angular;
       sum.energy += body->energy().total();
     } else {
       TetBody& tets = *world.tets(i);

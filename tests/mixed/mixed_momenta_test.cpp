@@ -24,9 +24,10 @@ TEST(MixedBodies, KeepBothMomentaAndTheEnergyOfThePair) {
     ASSERT_TRUE(world.add("reduced", std::move(reduced)));
     TetBody tets = testing::tets_body(testing::tets_cube(1e5, 2), kind, {0.09, -0.01, 0.03},
                                       {-0.8, 0, 0.1}, {-3, 1, 4});
-    ASSERT_TRUE(world.add("tets", std::move(tets), testing::contact_of(kind, {})));
+    ASSERT_TRUE(
+        world.add("tets", std::move(tets), testing::contact_of(kind, Eigen::Vector3d::Ones())));
     const MixedSum start = testing::sum_of(world);
-    const Vector3d before = world.reduced(0)->linear_momentum();
+    const Vector3d before = world.reduced(0)->momentum().linear;
     double worst_linear = 0.0, worst_angular = 0.0, worst_energy = 0.0, taken = 0.0, own = 0.0;
     int touched = 0;
     for (int i = 0; i < 150; ++i) {
@@ -43,7 +44,7 @@ TEST(MixedBodies, KeepBothMomentaAndTheEnergyOfThePair) {
       worst_energy = std::max(worst_energy, std::abs(now.energy + taken - own - start.energy));
     }
     EXPECT_GT(touched, 5);
-    EXPECT_GT((world.reduced(0)->linear_momentum() - before).norm(), 0.5);
+    EXPECT_GT((world.reduced(0)->momentum().linear - before).norm(), 0.5);
     // Sums of 1 kg m/s and 0.1 N m s: solved to 1e-10 of the forces in each step.
     EXPECT_LT(worst_linear, 1e-10);
     EXPECT_LT(worst_angular, 1e-11);
@@ -63,7 +64,7 @@ double speed_after_blow(double step) {
   EXPECT_TRUE(world.add("tets",
                         testing::tets_body(testing::tets_cube(1e6, 1), kind, {0, 0.01, 0.106},
                                            {0, 0, -1.0}, Vector3d::Zero()),
-                        testing::contact_of(kind, {})));
+                        testing::contact_of(kind, Eigen::Vector3d::Ones())));
   const int steps = static_cast<int>(std::lround(0.03 / step));
   for (int i = 0; i < steps; ++i) {
     const Status made = world.step();
@@ -123,7 +124,7 @@ TEST(MixedBodies, HitAsTwoReducedBodiesDo) {
   ASSERT_TRUE(mixed.add("upper",
                         testing::tets_body(testing::tets_cube(1e6, 3), kind, {0, 0.01, 0.106},
                                            {0, 0, -1.0}, Vector3d::Zero()),
-                        testing::contact_of(kind, {})));
+                        testing::contact_of(kind, Eigen::Vector3d::Ones())));
   ContactBody upper = testing::reduced_body(testing::reduced_cube("1e6"), kind, {0, 0.01, 0.106});
   ASSERT_TRUE(upper.set_motion({0, 0, -1.0}, Vector3d::Zero()));
   ASSERT_TRUE(reduced.add("upper", std::move(upper)));

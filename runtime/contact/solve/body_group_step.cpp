@@ -44,7 +44,8 @@ void BodyGroup::make_islands() {
   for (const Pair& pair : pairs_) unite(pair.a, pair.b);
   for (const Link& link : links_) unite(link.a, link.b);
   if (guests_ != nullptr)
-    for (const auto& [guest, other] : guests_->links()) join_sets(parent_, guest, other);
+    for (const auto& [guest, other] : guests_->links())
+      if (other >= bodies_.size() || begun_[other] != 0) join_sets(parent_, guest, other);
   // Parents are lower, so theirs are roots already.
   for (std::size_t i = 0; i < parent_.size(); ++i) parent_[i] = parent_[parent_[i]];
   hosts_.assign(parent_.size(), 0);

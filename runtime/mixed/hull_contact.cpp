@@ -1,0 +1,188 @@
+#include "runtime/mixed/hull_contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/bodies/tets/elements/element_turn.h"
+
+namespace tremolo {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+bool HullContact::gather(StepBody& points, TetStep& shape, std::size_t obstacle, double h) {
+  points_ = &points;
+  shape_ = &shape;
+  obstacle_ = obstacle;
+  h_ = h;
+  touches_.clear();
+  if (!shape.has_hull()) return false;
+  const StepBall mine = points.ball(), other = shape.ball();
+  const double reach = 2.0 * (mine.travel + other.travel);
+  if ((mine.centre - other.centre).norm() > mine.radius + other.radius + reach) return false;
+  TetTree::Box box = shape.box_at_start();
+  box.min().array() -= reach;
+  box.max().array() += reach;
+  const ContactLaw own = points.area_law(), theirs = shape.area_law();
+  for (std::size_t i = 0; i < points.points(); ++i) {
+    const Vector3d x = points.start_of(i);
+    if (!points.feels(i) || !box.contains(x)) continue;
+    Touch& touch = touches_.emplace_back();
+    touch.point = i;
+    touch.law = law_in_series(points.law_of(i, std::sqrt(own.friction * theirs.friction),
+                                            std::sqrt(own.restitution * theirs.restitution)),
+                              own, theirs, points.area_of(i));
+    const std::optional<TetDepth> depth = shape.depth_at_start(x);
+    touch.inside = depth && depth->distance < 0.0;
+    const ContactMemory* memory = points.memory(obstacle, i);
+    touch.memory = memory != nullptr ? *memory : ContactMemory{};
+    if (memory == nullptr) touch.memory.begins = touch.inside ? depth->distance : 0.0;
+    touch.law.begins = touch.memory.begins;
+    touch.element = touch.inside ? depth->element : 0;
+    touch.distance = touch.inside ? depth->distance : 0.0;
+    touch.gradient = touch.inside ? depth->gradient : Vector3d(Vector3d::Zero());
+    touch.energy = touch.inside ? touch.law.energy(touch.distance) : 0.0;
+  }
+  if (!touches_.empty()) shape.follow_hull();
+  return !touches_.empty();
+}
+
+void HullContact::begin() {
+  for (Touch& touch : touches_) {
+    touch.now = {};
+    touch.held = {};
+    touch.held.limit = touch.memory.limit;
+    touch.held.normal.setZero();
+  }
+}
+
+// Finds the point at the end of the step, and the path along the body.
+void HullContact::find_end(Touch& touch) {
+  const std::optional<TetDepth> depth = shape_->depth_at_end(touch.motion.end);
+  const bool inside = depth && depth->distance < 0.0;
+  touch.near =
+      (inside || touch.inside) &&
+      shape_->find_site(touch.motion.middle, inside ? depth->element : touch.element, touch.site);
+  if (!touch.near) return;
+  touch.axes = nearest_rotation(touch.site.gradient);
+  touch.way.path = touch.motion.end - touch.motion.start - shape_->way_of(touch.site);
+  touch.end_gradient = inside ? depth->gradient : touch.gradient;
+  double d0 = touch.distance, d1 = inside ? depth->distance : 0.0;
+  if (!touch.inside) d0 = std::max(0.0, d1 - touch.end_gradient.dot(touch.way.path));
+  if (!inside) d1 = std::max(0.0, d0 + touch.gradient.dot(touch.way.path));
+  touch.gap = make_gap(touch.law, d0, touch.energy, d1);
+}
+
+void HullContact::approach() {
+  for (Touch& touch : touches_) {
+    touch.motion = points_->motion(touch.point);
+    find_end(touch);
+    touch.now.clear(touch.near ? touch.gap.d1 : 0.0,
+                    0.5 * touch.law.shear * touch.memory.slip.squaredNorm());
+    if (touch.near) shared->rate.add(touch.gap.pressure, touch.gap.d1 - touch.gap.d0);
+  }
+}
+
+void HullContact::press(const ContactRenewal& renewal) {
+  for (Touch& touch : touches_) {
+    if (!touch.near) continue;
+    if (renewal.normals || touch.held.normal.isZero(0.0)) {
+      ContactMemory memory = touch.memory;
+      memory.slip = touch.axes * memory.slip;
+      memory.normal = touch.axes * memory.normal;
+      const Vector3d start = touch.inside ? touch.gradient : touch.end_gradient;
+      hold_normal(0.5 * (start + touch.end_gradient), memory, touch.held);
+    }
+    touch.now = contact_force(touch.law, touch.gap, touch.way, time(), renewal.limits, touch.held);
+    if (!touch.now.acts) continue;
+    points_->add_force(touch.point, touch.now.force);
+    shape_->push_site(touch.site, -touch.now.force);
+  }
+}
+
+void HullContact::make_slopes(bool follows) {
+  for (Touch& touch : touches_) {
+    if (!touch.near || !touch.now.acts) continue;
+    const ContactSlopes slopes =
+        contact_slopes(touch.law, touch.gap, touch.way, time(), touch.held, follows);
+    touch.by_way = slopes.point.by_path + slopes.point.by_distance * touch.end_gradient.transpose();
+    touch.link = slopes.point.by_taken;
+    touch.growth = slopes.taken_by_distance * touch.end_gradient;
+    points_->add_slope(touch.point, touch.by_way, touch.now.force);
+    shape_->condense(touch.site);
+    shape_->add_site_slope(touch.site, touch.by_way);
+  }
+}
+
+void HullContact::add_growth(StepBody::In first_x, StepBody::In second_x) {
+  if (!(shared->rate.force > 0.0)) return;
+  for (const Touch& touch : touches_)
+    if (touch.near && touch.now.acts)
+      shared->growth += touch.growth.dot(points_->change_at(touch.point, first_x) -
+                                         shape_->change_of(touch.site, second_x));
+}
+
+void HullContact::multiply(StepBody::In first_x, StepBody::In second_x, StepBody::Out first_rows,
+                           StepBody::Out second_rows) const {
+  for (const Touch& touch : touches_) {
+    if (!touch.near || !touch.now.acts) continue;
+    const Vector3d taken = shared->growth * touch.link;
+    points_->add_image(touch.point, taken - touch.by_way * shape_->change_of(touch.site, second_x),
+                       first_rows);
+    shape_->add_site_image(
+        touch.site, -taken - touch.by_way * points_->change_at(touch.point, first_x), second_rows);
+  }
+}
+
+void HullContact::settle(ContactAccount& first_account, ContactAccount& second_account,
+                         double& first_start, double& second_start) const {
+  (void)second_start;  // the first body has the memories
+  for (const Touch& touch : touches_) {
+    const ContactForce& now = touch.now;
+    first_start += touch.energy + 0.5 * touch.law.shear * touch.memory.slip.squaredNorm();
+    first_account.energy += now.energy;
+    first_account.lost += now.lost;
+    first_account.rubbed += now.rubbed;
+    if (!now.acts) continue;
+    const Vector3d impulse = h_ * now.force;
+    first_account.work += now.force.dot(touch.motion.end - touch.motion.start);
+    second_account.work -= now.force.dot(shape_->way_of(touch.site));
+    for (ContactAccount* account : {&first_account, &second_account}) {
+      account->penetration = std::max(account->penetration, -now.distance);
+      account->impulse += impulse.norm();
+      ++account->active;
+    }
+    first_account.impulse_vector += impulse;
+    second_account.impulse_vector -= impulse;
+  }
+}
+
+void HullContact::remember() {
+  for (const Touch& touch : touches_) {
+    if (!touch.near || !(touch.now.distance < 0.0)) continue;
+    const Matrix3d back = touch.axes.transpose();
+    const double length = touch.held.normal.norm();
+    const Vector3d normal =
+        length > 0.0 ? Vector3d(touch.held.normal / length) : Vector3d(Vector3d::UnitZ());
+    points_->remember({.obstacle = obstacle_,
+                       .point = touch.point,
+                       .begins = std::min(0.0, std::max(touch.law.begins, touch.now.distance)),
+                       .limit = touch.now.limit,
+                       .slip = back * touch.now.slip,
+                       .normal = back * normal});
+    if (touch.now.acts && touch.now.pressure != 0.0)
+      points_->note({.vertex = points_->number_of(touch.point),
+                     .on_body = true,
+                     .obstacle = obstacle_,
+                     .position = touch.motion.end,
+                     .normal = normal,
+                     .impulse = h_ * touch.now.force});
+  }
+}
+
+std::size_t HullContact::acting() const {
+  return static_cast<std::size_t>(std::count_if(touches_.begin(), touches_.end(),
+                                                [](const Touch& touch) { return touch.now.acts; }));
+}
+
+}  // namespace tremolo

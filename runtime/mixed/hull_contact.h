@@ -1,0 +1,77 @@
+// Points of a body of any kind on the surface of a body of tetrahedra, under the law of
+// contact_law.h.
+//
+// d is the distance at rest at the point X that the deformed elements map to the contact point p
+// (tet_tree.h). It is known inside only, so that contact begins at d = 0. The force on the point is
+// constant over the step; its opposite acts on the control points of the element with the weights
+// B_I at the point that the means of the ends map to the mean of p. The path of the point along the
+// body is then w = p1 - p0 - sum_I B_I (x_I1 - x_I0): momentum and angular momentum of the pair are
+// kept, and the work on both is F.w = psi(d0) - psi(d1). Where the point begins outside, d0 = d1 -
+// n.w; where it ends outside, d1 = d0 + n.w.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "runtime/mixed/pair_forces.h"
+#include "runtime/mixed/tet_step.h"
+
+namespace tremolo {
+
+class HullContact final : public PairForces {
+ public:
+  // Finds the points that may come inside in the step of h, s. obstacle: the number of the body of
+  // tetrahedra, for memories. Both bodies have started their steps. False: there are none, or the
+  // body has no distances.
+  bool gather(StepBody& points, TetStep& shape, std::size_t obstacle, double h);
+
+  void begin() override;
+  void approach() override;
+  void press(const ContactRenewal& renewal) override;
+  void make_slopes(bool follows) override;
+  void add_growth(StepBody::In first_x, StepBody::In second_x) override;
+  void multiply(StepBody::In first_x, StepBody::In second_x, StepBody::Out first_rows,
+                StepBody::Out second_rows) const override;
+  // Points are found in a box around the body: those that go farther than predicted begin in the
+  // next step, inside and without energy.
+  bool add_missed() override { return false; }
+  void settle(ContactAccount& first_account, ContactAccount& second_account, double& first_start,
+              double& second_start) const override;
+  void remember() override;
+  std::size_t acting() const override;
+
+ private:
+  struct Touch {
+    std::size_t point = 0;
+    ContactLaw law;
+    ContactMemory memory;  // along the axes of the element
+    ContactHeld held;
+    ContactForce now;
+    ContactGap gap;
+    ContactWay way;
+    SiteMotion motion;
+    bool inside = false;                                     // at the start
+    std::uint32_t element = 0;                               // there
+    double distance = 0.0, energy = 0.0;                     // at the start, m and J
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();      // at the start, if inside
+    bool near = false;                                       // it is inside at an end of the step
+    Eigen::Vector3d end_gradient = Eigen::Vector3d::Zero();  // at the end
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();      // of the element, in the middle
+    TetSite site;
+    // Slopes of the force on the point: its fall with w, the effect of the pair's rate, and growth
+    // of the part that restitution takes with w.
+    Eigen::Matrix3d by_way;
+    Eigen::Vector3d link, growth;
+  };
+
+  void find_end(Touch& touch);
+  ContactTime time() const { return {h_, shared->rate}; }
+
+  StepBody* points_ = nullptr;
+  TetStep* shape_ = nullptr;
+  std::size_t obstacle_ = 0;
+  double h_ = 0.0;
+  std::vector<Touch> touches_;
+};
+
+}  // namespace tremolo
