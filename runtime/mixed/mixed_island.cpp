@@ -13,7 +13,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr int kMostIterations = 60;
-constexpr double kConverged = 0.1;  // fraction of the small size at which a residual is converged
+constexpr double kConverged = 0.02;  // fraction of the small size at which a residual is converged
 // A body's small size, as a momentum, is at least this fraction of the largest in the island.
 constexpr double kLeastOfLargest = 0.01;
 constexpr double kLinearTolerance = 1e-8;

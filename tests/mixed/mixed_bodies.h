@@ -62,6 +62,20 @@ inline TetModelPointer tets_cube(double young, int cells) {
   return *model;
 }
 
+// The surface of that cube, with which points of others collide.
+inline TetHullPointer cube_hull(const TetModelPointer& model) {
+  const GridNodes nodes{Eigen::Vector3d::Constant(-0.06), 0.005, {25, 25, 25}};
+  std::vector<float> values(nodes.size());
+  for (std::size_t k = 0, n = 0; k < 25; ++k)
+    for (std::size_t j = 0; j < 25; ++j)
+      for (std::size_t i = 0; i < 25; ++i, ++n)
+        values[n] = static_cast<float>(
+            signed_distance(BoxShape{Eigen::Vector3d::Constant(0.05)}, nodes.at(i, j, k)).distance);
+  Result<DistanceGrid> grid = DistanceGrid::create(nodes, values);
+  EXPECT_TRUE(grid) << grid.error().message;
+  return std::make_shared<const TetHull>(model, boundary_points(*model), std::move(*grid));
+}
+
 inline TetBody tets_body(const TetModelPointer& model, const MixedKind& kind,
                          const Eigen::Vector3d& place, const Eigen::Vector3d& velocity,
                          const Eigen::Vector3d& spin) {
@@ -96,8 +110,10 @@ class MixedWorld {
     bodies_.push_back(std::move(body));
     return members_.size() - 1;
   }
-  Result<std::size_t> add(std::string name, TetBody body, const ContactOptions& contact = {}) {
-    const Result<std::size_t> added = tets_.add(std::move(name), std::move(body), contact);
+  Result<std::size_t> add(std::string name, TetBody body, const ContactOptions& contact = {},
+                          TetHullPointer hull = nullptr) {
+    const Result<std::size_t> added =
+        tets_.add(std::move(name), std::move(body), contact, std::move(hull));
     if (!added) return added.error();
     members_.push_back({false, *added});
     return members_.size() - 1;

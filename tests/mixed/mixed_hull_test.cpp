@@ -1,0 +1,119 @@
+// Points of other bodies on the surface of a body of tetrahedra: momenta, energy, a weight at rest.
+#include <algorithm>
+#include <cmath>
+
+#include "tests/mixed/mixed_bodies.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+using testing::MixedKind;
+using testing::MixedSum;
+using testing::MixedWorld;
+
+// What a pair has lost in a blow: its momenta must be as before, and its energy but for what
+// restitution, friction and the bodies' own method took.
+struct Losses {
+  double linear = 0.0, angular = 0.0, energy = 0.0, start = 0.0;
+  int touched = 0;
+};
+
+Losses losses_of(MixedWorld& world, int steps) {
+  const MixedSum start = testing::sum_of(world);
+  Losses losses;
+  losses.start = start.energy;
+  double taken = 0.0, own = 0.0;
+  for (int i = 0; i < steps; ++i) {
+    double before = 0.0;
+    for (std::size_t k = 0; k < world.size(); ++k)
+      if (TetBody* body = world.tets(k)) before += body->kinetic_energy() + body->elastic_energy();
+    const Status made = world.step();
+    EXPECT_TRUE(made) << i << made.error().message;
+    if (!made) break;
+    own -= before;
+    for (std::size_t k = 0; k < world.size(); ++k) {
+      const ContactAccount account = world.account(k);
+      taken += account.lost + account.rubbed;
+      losses.touched += account.active;
+      if (TetBody* body = world.tets(k))
+        own += body->kinetic_energy() + body->elastic_energy() - account.work;
+    }
+    const MixedSum now = testing::sum_of(world);
+    losses.linear = std::max(losses.linear, (now.linear - start.linear).norm());
+    losses.angular = std::max(losses.angular, (now.angular - start.angular).norm());
+    losses.energy = std::max(losses.energy, std::abs(now.energy + taken - own - start.energy));
+  }
+  return losses;
+}
+
+void expect_kept(const Losses& losses) {
+  EXPECT_GT(losses.touched, 5);
+  // Sums of 1 kg m/s and 0.1 N m s: solved to 1e-10 of the forces in each step.
+  EXPECT_LT(losses.linear, 1e-10);
+  EXPECT_LT(losses.angular, 1e-11);
+  EXPECT_LT(losses.energy, 1e-9 * losses.start);
+}
+
+TEST(TetsAsObstacle, KeepBothMomentaAndTheEnergyOfTwoBodiesOfTetrahedra) {
+  for (const double friction : {0.0, 0.5}) {
+    const MixedKind kind{.restitution = 0.7, .friction = friction};
+    MixedWorld world(kind.step);
+    const TetModelPointer model = testing::tets_cube(1e5, 2);
+    const TetHullPointer hull = testing::cube_hull(model);
+    const ContactOptions contact = testing::contact_of(kind, Vector3d::Ones());
+    ASSERT_TRUE(world.add(
+        "left", testing::tets_body(model, kind, {-0.09, 0.01, -0.02}, {1.0, 0.2, 0}, {2, 5, -1}),
+        contact, hull));
+    ASSERT_TRUE(world.add(
+        "right", testing::tets_body(model, kind, {0.09, -0.01, 0.03}, {-0.8, 0, 0.1}, {-3, 1, 4}),
+        contact, hull));
+    expect_kept(losses_of(world, 150));
+    EXPECT_LT(world.tets(0)->momentum().x(), 0.5);
+  }
+}
+
+TEST(TetsAsObstacle, KeepBothMomentaAndTheEnergyWithAReducedBody) {
+  const MixedKind kind{.restitution = 0.7, .friction = 0.5};
+  MixedWorld world(kind.step);
+  ContactBody reduced =
+      testing::reduced_body(testing::reduced_cube("1e5"), kind, {-0.09, 0.01, -0.02});
+  ASSERT_TRUE(reduced.set_motion({1.0, 0.2, 0}, {2, 5, -1}));
+  ASSERT_TRUE(world.add("reduced", std::move(reduced)));
+  const TetModelPointer model = testing::tets_cube(1e5, 2);
+  ASSERT_TRUE(world.add(
+      "tets", testing::tets_body(model, kind, {0.09, -0.01, 0.03}, {-0.8, 0, 0.1}, {-3, 1, 4}),
+      testing::contact_of(kind, Vector3d::Ones()), testing::cube_hull(model)));
+  expect_kept(losses_of(world, 150));
+}
+
+// A reduced cube of 1 kg on one of tetrahedra on the floor.
+TEST(TetsAsObstacle, CarryAWeight) {
+  const MixedKind kind{.step = 2e-3,
+                       .restitution = 0.0,
+                       .friction = 0.5,
+                       .gravity = {0, 0, -9.81},
+                       .method = TetMethod::kImplicitEuler,
+                       .beta = 5e-3};
+  MixedWorld world(kind.step);
+  ContactBody upper = testing::reduced_body(testing::reduced_cube("1e5"), kind, {0, 0, 0.1506});
+  ASSERT_TRUE(upper.set_damping(30.0, 5e-3));
+  ASSERT_TRUE(world.add("upper", std::move(upper)));
+  const TetModelPointer model = testing::tets_cube(5e4, 1);
+  ASSERT_TRUE(world.add(
+      "lower", testing::tets_body(model, kind, {0, 0, 0.0503}, Vector3d::Zero(), Vector3d::Zero()),
+      testing::contact_of(kind, Vector3d::Ones()), testing::cube_hull(model)));
+  PlacedCollider floor;
+  floor.shape = PlaneShape{};
+  world.set_colliders({&floor, 1});
+  for (int i = 0; i < 250; ++i) {
+    const Status made = world.step();
+    ASSERT_TRUE(made) << i << made.error().message;
+  }
+  const double weight = 9.81;
+  EXPECT_NEAR(world.account(0).impulse_vector.z() / kind.step, weight, 1e-3 * weight);
+  EXPECT_NEAR(world.account(1).impulse_vector.z() / kind.step, weight, 1e-3 * weight);
+}
+
+}  // namespace
+}  // namespace tremolo
