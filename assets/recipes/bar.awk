@@ -2,7 +2,7 @@
 # MSH 2.2; with `height` and `l` a slab of n by m by l cells.
 #
 #     awk -v length_x=0.4 -v width=0.1 -v n=8 -v m=2 -f assets/recipes/bar.awk > assets/meshes/bar.msh
-#     awk -v length_x=1 -v width=1 -v height=0.04 -v n=8 -v m=8 -v l=1 -f assets/recipes/bar.awk > assets/meshes/mat.msh
+#     awk -v length_x=1 -v width=1 -v height=0.04 -v n=6 -v m=6 -v l=1 -f assets/recipes/bar.awk > assets/meshes/mat.msh
 function vertex(i, j, k) { return (i * (m + 1) + j) * (l + 1) + k + 1 }
 
 function tet(a, b, c, d) { printf "%d 4 2 1 1 %d %d %d %d\n", ++count, a, b, c, d }

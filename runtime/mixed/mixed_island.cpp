@@ -16,7 +16,8 @@ constexpr int kMostIterations = 60;
 constexpr double kConverged = 0.02;  // fraction of the small size at which a residual is converged
 // A body's small size, as a momentum, is at least this fraction of the largest in the island.
 constexpr double kLeastOfLargest = 0.01;
-constexpr double kLinearTolerance = 1e-8;
+constexpr double kLinearTolerance = 1e-4;
+constexpr int kMoreLinear = 8;  // of needs_factor()
 constexpr int kMostLinear = 400;
 // A correction that GMRES did not solve to this is not used.
 constexpr double kUsable = 1e-2;
@@ -78,12 +79,19 @@ void MixedIsland::precondition(StepBody::In rows, StepBody::Out x) {
   }
 }
 
+// A decomposition serves for several corrections, until GMRES needs many more iterations with it.
+bool MixedIsland::needs_factor(double heavier) const {
+  return heavier != factored_ || gmres_.iterations() > 2 * first_linear_ + kMoreLinear;
+}
+
 // Newton's correction at the present unknowns, in move_. False: there is none.
 bool MixedIsland::find_move(double heavier, bool follows) {
   for (StepBody* body : bodies_) body->make_tangent(heavier, follows);
   for (PairForces* coupling : couplings_) coupling->make_slopes(follows);
+  const bool fresh = needs_factor(heavier);
+  factored_ = -1.0;
   for (StepBody* body : bodies_)
-    if (!body->factor()) return false;
+    if (!body->factor(fresh)) return false;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     bodies_[i]->residual(part(residual_, i));
     part(residual_, i) /= enough_[i];
@@ -93,6 +101,8 @@ bool MixedIsland::find_move(double heavier, bool follows) {
                              [this](StepBody::In rows, StepBody::Out x) { precondition(rows, x); },
                              residual_.head(n), kLinearTolerance, kMostLinear, move_.head(n));
   report_.linear += gmres_.iterations();
+  factored_ = heavier;
+  if (fresh) first_linear_ = gmres_.iterations();
   if (!solved && gmres_.residual() <= kUsable * residual_.head(n).norm()) solved = true;
   return solved && move_.head(n).allFinite();
 }
@@ -182,6 +192,7 @@ MixedReport MixedIsland::step(std::span<StepBody* const> bodies,
        {Attempt{0.0, false}, Attempt{10.0, false}, Attempt{1000.0, false}, Attempt{10.0, true}}) {
     for (StepBody* body : bodies_) body->begin();
     for (PairForces* coupling : couplings_) coupling->begin();
+    factored_ = -1.0;
     first_.assign(1, 0);
     for (const StepBody* body : bodies_) first_.push_back(first_.back() + body->unknowns());
     for (VectorXd* v : {&residual_, &move_, &scaled_})

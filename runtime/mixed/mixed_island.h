@@ -37,6 +37,7 @@ class MixedIsland {
   double evaluate(const ContactRenewal& renewal);
   double measure();
   bool find_move(double heavier, bool follows);
+  bool needs_factor(double heavier) const;
   double slope() const;
   double go(double length, const ContactRenewal& renewal);
   bool try_following(int iteration, double size);
@@ -60,6 +61,8 @@ class MixedIsland {
   std::vector<ContactAccount> accounts_;
   std::vector<double> starts_;
   Gmres gmres_;
+  double factored_ = -1.0;  // heavier of the last decomposition; below 0: there is none
+  int first_linear_ = 0;    // iterations of GMRES right after it
 };
 
 }  // namespace tremolo

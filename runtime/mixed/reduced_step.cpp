@@ -51,7 +51,8 @@ void ReducedStep::add_slope(std::size_t point, const Matrix3d& by_end, const Vec
   eq.add_geometry_at_point(force, touch, point);
 }
 
-bool ReducedStep::factor() {
+bool ReducedStep::factor(bool fresh) {
+  (void)fresh;  // it is small
   factor_.compute(equations().own_block());
   return true;
 }

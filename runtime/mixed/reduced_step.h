@@ -55,7 +55,7 @@ class ReducedStep final : public StepBody {
   void make_tangent(double heavier, bool follows) override;
   void add_slope(std::size_t point, const Eigen::Matrix3d& by_end,
                  const Eigen::Vector3d& force) override;
-  bool factor() override;
+  bool factor(bool fresh) override;
   void multiply(In x, Out rows) const override;
   void precondition(In rows, Out x) override;
   Eigen::Vector3d change_at(std::size_t point, In x) const override;

@@ -73,7 +73,9 @@ class StepBody {
   // is known to change_at() and add_image() until the next make_tangent().
   virtual void add_slope(std::size_t point, const Eigen::Matrix3d& by_end,
                          const Eigen::Vector3d& force) = 0;
-  virtual bool factor() = 0;                        // false: there is none, the matrix is singular
+  // fresh: false: an earlier decomposition may be used. Returns false: there is none, the matrix is
+  // singular.
+  virtual bool factor(bool fresh) = 0;
   virtual void multiply(In x, Out rows) const = 0;  // rows = A x, without other bodies
   virtual void precondition(In rows, Out x) = 0;    // x near A^-1 rows
   // Change of the point's end by x, m.

@@ -280,8 +280,9 @@ void TetStep::add_site_image(const TetSite& site, const Vector3d& fall, Out rows
 }
 
 // The exact derivative with contact is tried first; where it is not positive, R K R^T.
-bool TetStep::factor() {
+bool TetStep::factor(bool fresh) {
   assemble(heavier_, body_->options_.tangent, true);
+  if (factor_ && !fresh) return true;
   if (!factor_) {
     for (std::size_t i = 0; i < inverse_.size(); ++i) {
       inverse_[i] = body_->matrix_.diagonal(i).inverse();
