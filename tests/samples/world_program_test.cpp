@@ -302,6 +302,23 @@ TEST_F(WorldProgram, ThrownRigidBodiesBounceOffASoftHorse) {
   EXPECT_LT(light["linear_momentum_final"][1].get<double>(), 0.0);
 }
 
+// Ducks and a mat of tetrahedra, a reduced ball and a rigid one: all have met something then.
+TEST_F(WorldProgram, DucksAndBallsFallOnATrampoline) {
+  const ProgramResult result = run(shipped_scene("trampoline-ducks"), "--json --duration 0.25");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  ASSERT_EQ(report["bodies"].size(), 5U);
+  EXPECT_LE(report["energy_balance_error"].get<double>(), 1e-8);
+  double given = 0.0;
+  for (const json& body : report["bodies"]) {
+    const double contact = body["energy_by_cause"]["contact"].get<double>();
+    EXPECT_NE(contact, 0.0) << body["body"];
+    given += contact;
+  }
+  // All contact is between these bodies: of about 1 J that they exchange nothing is left over.
+  EXPECT_LE(std::abs(given), 1e-8);
+}
+
 // The first layers have reached the floor then, and each other.
 TEST_F(WorldProgram, PoursTwoHundredBalls) {
   const ProgramResult result = run(shipped_scene("poured"), "--json --duration 0.15");

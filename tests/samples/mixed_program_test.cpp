@@ -1,0 +1,195 @@
+// `tremolo run` of scenes in which bodies of tetrahedra meet others: known answers, as a user meets
+// them.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/programs.h"
+
+namespace tremolo {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kWeight = 9.81;  // N, of each cube of 1 kg
+
+class MixedProgram : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    models_ = testing::fresh_folder();
+    TetMesh mesh = box_mesh({2, 2, 2}, {0.1, 0.1, 0.1});
+    for (Eigen::Vector3d& x : mesh.vertices) x -= Eigen::Vector3d::Constant(0.05);
+    testing::write_veg(models_ + "/cube.veg", mesh);
+    for (const char* what :
+         {"tets cube.veg --young 2e5 --poisson 0.3 --density 1000 --fix none -o cube.tets",
+          "cube.veg --young 2e5 --poisson 0.3 --density 1000 --fix none --linear-modes 6 --modes 9 "
+          "--order 1 -o cube.tremolo"}) {
+      const ProgramResult made = run_program(models_, kPrecompute + what);
+      ASSERT_EQ(made.code, 0) << made.err;
+    }
+  }
+
+  void SetUp() override { folder_ = fresh_folder(); }
+
+  static std::string tets(const std::string& name, const std::string& keys) {
+    return "[[bodies]]\nname = \"" + name + "\"\nkind = \"tets\"\nmodel = \"" + models_ +
+           "/cube.tets\"\n" + keys;
+  }
+  static std::string reduced(const std::string& name, const std::string& keys) {
+    return "[[bodies]]\nname = \"" + name + "\"\nkind = \"free\"\nmodel = \"" + models_ +
+           "/cube.tremolo\"\nshape = \"box\"\nhalf-extents = [0.05, 0.05, 0.05]\n" + keys;
+  }
+  static std::string rigid(const std::string& name, const std::string& keys) {
+    return "[[bodies]]\nname = \"" + name +
+           "\"\nkind = \"rigid\"\nmass = 1\nshape = \"box\"\nhalf-extents = [0.05, 0.05, 0.05]\n" +
+           keys;
+  }
+
+  ProgramResult run(const std::string& scene, const std::string& flags = "--json") {
+    std::ofstream(folder_ + "/scene.toml") << scene;
+    return run_program(folder_, kTremolo + "run scene.toml " + flags);
+  }
+
+  static inline std::string models_;
+  std::string folder_;
+};
+
+// Contact gives to one body what it takes from the other, but for friction and restitution.
+double contact_sum(const json& report) {
+  double sum = 0.0;
+  for (const json& body : report["bodies"]) sum += body["energy_by_cause"]["contact"].get<double>();
+  return sum;
+}
+
+const std::string kFloor = "[[colliders]]\nname = \"floor\"\nshape = \"plane\"\nfriction = 0.5\n";
+
+TEST_F(MixedProgram, ABlockOfTetrahedraRestsWithItsWeightOnARigidAndOnAReducedOne) {
+  for (const bool is_rigid : {true, false}) {
+    const std::string below = "position = [0, 0, 0.0503]\nrestitution = 0\nfriction = 0.5\n";
+    const ProgramResult result =
+        run("step = 0.002\nduration = 0.5\ngravity = [0, 0, -9.81]\n" +
+            (is_rigid ? rigid("lower", below)
+                      : reduced("lower", below + "alpha = 30\nbeta = 0.005\n")) +
+            tets("upper",
+                 "position = [0, 0, 0.1506]\nrestitution = 0\nfriction = 0.5\n"
+                 "degree = \"quadratic\"\nintegrator = \"implicit-euler\"\nbeta = 0.005\n") +
+            kFloor);
+    ASSERT_EQ(result.code, 0) << result.err;
+    const json report = json::parse(result.out);
+    const json& upper = report["bodies"][1];
+    EXPECT_EQ(upper["kind"], "tets");
+    EXPECT_NEAR(upper["contact_force_final"][2].get<double>(), kWeight, 1e-3 * kWeight);
+    EXPECT_LE(report["energy_balance_error"].get<double>(), 1e-8);
+    // Of the 0.02 J that gravity gives.
+    EXPECT_LE(std::abs(contact_sum(report)), 1e-9);
+  }
+}
+
+TEST_F(MixedProgram, APairThatCollidesKeepsBothMomenta) {
+  const std::string method = "degree = \"quadratic\"\nintegrator = \"midpoint\"\n";
+  const ProgramResult result = run(
+      "step = 0.001\nduration = 0.15\n" +
+      reduced("left",
+              "position = [-0.09, 0.01, -0.02]\nvelocity = [1, 0.2, 0]\nspin = [2, 5, "
+              "-1]\n") +
+      rigid("below", "position = [0.09, -0.01, -0.2]\nvelocity = [0, 0, 1.2]\n") +
+      tets("right", method + "position = [0.09, -0.01, 0.03]\nvelocity = [-0.8, 0, 0.1]\nspin = "
+                             "[-3, 1, 4]\n"));
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  for (const char* which : {"linear_momentum", "angular_momentum"})
+    for (int axis = 0; axis < 3; ++axis) {
+      double change = 0.0;
+      for (const json& body : report["bodies"])
+        change += body[which + std::string("_final")][axis].get<double>() -
+                  body[which + std::string("_initial")][axis].get<double>();
+      // Of momenta of 1 kg m/s and 0.1 N m s each.
+      EXPECT_LE(std::abs(change), 3e-10) << which << axis;
+    }
+  EXPECT_LE(std::abs(contact_sum(report)), 1e-9);
+  EXPECT_GT(report["bodies"][2]["contacts"].get<int>(), 0);
+}
+
+// Gravity is tilted instead of the floor; mu is the geometric mean of 0.3 and 0.3.
+TEST_F(MixedProgram, ABlockSticksBelowTheAngleOfFrictionAndSlidesAboveIt) {
+  const auto momentum = [this](double slope, double duration) {
+    const double angle = slope * std::atan(0.3);
+    const ProgramResult result = run(
+        "step = 0.001\nduration = " + std::to_string(duration) + "\ngravity = [" +
+        std::to_string(kWeight * std::sin(angle)) + ", 0, " +
+        std::to_string(-kWeight * std::cos(angle)) + "]\n" +
+        tets("block",
+             "position = [0, 0, 0.0502]\nrestitution = 0\nfriction = 0.3\n"
+             "degree = \"linear\"\nintegrator = \"implicit-euler\"\n") +
+        rigid("far", "position = [0, 5, 0.0502]\nrestitution = 0\nfriction = 0.3\n") +
+        "[[colliders]]\nname = \"floor\"\nshape = \"plane\"\nfriction = 0.3\nrestitution = 0\n");
+    EXPECT_EQ(result.code, 0) << result.err;
+    const json report = json::parse(result.out);
+    std::array<double, 2> speeds{};
+    for (const json& body : report["bodies"])
+      speeds[body["kind"] == "tets" ? 0 : 1] = body["linear_momentum_final"][0].get<double>();
+    return speeds;
+  };
+  // m/s, of 1 kg: rounding and the end of the elastic ring.
+  EXPECT_LT(std::abs(momentum(0.95, 0.6)[0]), 1e-6);
+  const double angle = 1.5 * std::atan(0.3);
+  const double slide = kWeight * (std::sin(angle) - 0.3 * std::cos(angle));
+  const auto early = momentum(1.5, 0.2), late = momentum(1.5, 0.4);
+  for (const std::size_t kind : {0U, 1U})
+    EXPECT_NEAR((late[kind] - early[kind]) / 0.2, slide, 5e-3 * slide) << kind;
+}
+
+TEST_F(MixedProgram, WritesTablesAndSurfacesOfEachBody) {
+  const ProgramResult result =
+      run("step = 0.002\nduration = 0.02\ngravity = [0, 0, -9.81]\n" + rigid("lower", "") +
+              tets("upper", "position = [0, 0, 0.2]\ncopies = [1, 1, 2]\nspacing = [0, 0, 0.2]\n"),
+          "--out out --surfaces 2 --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  ASSERT_EQ(report["bodies"].size(), 3U);
+  EXPECT_EQ(report["bodies"][2]["body"], "upper-2");
+  for (const char* name : {"lower", "upper-1", "upper-2"}) {
+    const std::string folder = folder_ + "/out/" + name;
+    EXPECT_TRUE(std::ifstream(folder + "/run.csv").good()) << name;
+    EXPECT_TRUE(std::ifstream(folder + "/frames.csv").good()) << name;
+  }
+}
+
+TEST_F(MixedProgram, RefusesByNameWhatABodyOfTetrahedraCannotDo) {
+  const std::string start = "step = 0.002\nduration = 0.02\n" + rigid("other", "");
+  struct Refusal {
+    std::string scene, flags, words;
+    int code;
+  };
+  const std::string block = tets("block", "position = [0, 0, 0.3]\n");
+  for (const Refusal& refusal :
+       {Refusal{start + block + "[[hands]]\nbody = \"block\"\nat = \"0\"\nstiffness = 10\n", "",
+                "hand 1: body 'block'", 3},
+        {start + block + "creep = 0.01\n", "", "without creep", 3},
+        {"gravity = [[0, 0, 0, -9.81], [1, 0, 0, 0]]\n" + start + block, "", "gravity that changes",
+         3},
+        {start + block + block, "", "two bodies", 3},
+        {start + tets("block", "position = [0, 0, 0.05]\n"), "", "inside body 'other'", 3},
+        {start + block, "--save end.state", "--save", 2},
+        {start + block, "--integrator ep4", "--integrator", 2}}) {
+    const ProgramResult result = run(refusal.scene, refusal.flags);
+    EXPECT_EQ(result.code, refusal.code) << refusal.words << result.err;
+    EXPECT_NE(result.err.find(refusal.words), std::string::npos) << result.err;
+  }
+  std::ofstream(folder_ + "/scene.toml") << start + block;
+  const ProgramResult exported =
+      run_program(folder_, kTremolo + "export scene.toml --usda motion.usda");
+  EXPECT_EQ(exported.code, 3);
+  EXPECT_NE(exported.err.find("kind \"tets\" next to others"), std::string::npos) << exported.err;
+  const ProgramResult inspected = run_program(folder_, kTremolo + "inspect scene.toml --json");
+  EXPECT_EQ(inspected.code, 0) << inspected.err;
+  EXPECT_EQ(json::parse(inspected.out)["bodies"].size(), 2U);
+}
+
+}  // namespace
+}  // namespace tremolo
