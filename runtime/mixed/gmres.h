@@ -34,9 +34,9 @@ class Gmres {
       if (iterations_ >= most) return false;
       const Eigen::Index count = fill(multiply, precondition, size, stop, most);
       // y = H^-1 g, x += P V y.
-      solution_.head(count) = hessenberg_.topLeftCorner(count, count)
-                                  .triangularView<Eigen::Upper>()
-                                  .solve(rotated_.head(count));
+      auto solution = solution_.head(count);
+      solution = rotated_.head(count);
+      hessenberg_.topLeftCorner(count, count).triangularView<Eigen::Upper>().solveInPlace(solution);
       work_.head(n_).noalias() = basis_.topLeftCorner(n_, count) * solution_.head(count);
       precondition(work_.head(n_), step_.head(n_));
       x += step_.head(n_);

@@ -30,7 +30,7 @@ using Eigen::Vector3d;
 using testing::MixedKind;
 using testing::MixedWorld;
 
-// A reduced cube under one of tetrahedra, under a second one, on the floor.
+// Two cubes of tetrahedra on each other, on the floor.
 TEST(MixedAllocation, AStackAtRestAllocatesNothing) {
   const MixedKind kind{.step = 2e-3,
                        .restitution = 0.0,
@@ -39,12 +39,9 @@ TEST(MixedAllocation, AStackAtRestAllocatesNothing) {
                        .method = TetMethod::kImplicitEuler,
                        .beta = 5e-3};
   MixedWorld world(kind.step);
-  ContactBody lower = testing::reduced_body(testing::reduced_cube("1e5"), kind, {0, 0, 0.0503});
-  ASSERT_TRUE(lower.set_damping(30.0, 5e-3));
-  ASSERT_TRUE(world.add("lower", std::move(lower)));
   const TetModelPointer model = testing::tets_cube(5e4, 1);
   const TetHullPointer hull = testing::cube_hull(model);
-  for (const double z : {0.1506, 0.2509})
+  for (const double z : {0.0503, 0.1506})
     ASSERT_TRUE(world.add(
         "upper", testing::tets_body(model, kind, {0, 0, z}, Vector3d::Zero(), Vector3d::Zero()),
         testing::contact_of(kind, Vector3d::Ones()), hull));
@@ -52,7 +49,7 @@ TEST(MixedAllocation, AStackAtRestAllocatesNothing) {
   floor.shape = PlaneShape{};
   world.set_colliders({&floor, 1});
   for (int k = 0; k < 100; ++k) ASSERT_TRUE(world.step());
-  EXPECT_EQ(world.in_islands(), 3U);
+  EXPECT_EQ(world.in_islands(), 2U);
   const long before = mixed_mallocs;
   bool good = true;
   for (int k = 0; k < 20; ++k) good = good && static_cast<bool>(world.step());

@@ -8,13 +8,13 @@
 
 #include "common/processor.h"
 #include "formats/file/output_guard.h"
+#include "runtime/apps/tremolo/measure/tets_log.h"
 #include "runtime/apps/tremolo/output/scene_places.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/output/text_values.h"
 #include "runtime/apps/tremolo/run/run_files.h"
 #include "runtime/apps/tremolo/run/run_progress.h"
 #include "runtime/apps/tremolo/tets/tets_commands.h"
-#include "runtime/apps/tremolo/tets/tets_log.h"
 #include "runtime/apps/tremolo/world/scene_ending.h"
 #include "runtime/bodies/tets/motion/tet_group.h"
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "runtime/apps/tremolo/measure/tets_log.h"
 #include "runtime/apps/tremolo/output/scene_places.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/run/run_body.h"
@@ -25,14 +26,6 @@ Result<ScenePlaces> places_of(const TetScene& scene) {
 }
 
 }  // namespace
-
-PlacedBody placed_tets(const TetSceneBody& wanted, const TetSurface& surface, const TetBody& body) {
-  PlacedBody place{wanted.name, "tets", wanted.model, wanted.pose, {}, {}};
-  place.surface.resize(surface.rest().vertices.size());
-  std::vector<Eigen::Vector3f> normals(place.surface.size());
-  surface.place(body.positions(), place.surface, normals);
-  return place;
-}
 
 int inspect_tets_command(const TetScene& scene, bool json) {
   const Result<ScenePlaces> places = places_of(scene);

@@ -8,7 +8,6 @@
 #include "common/result.h"
 #include "formats/file/output_guard.h"
 #include "runtime/apps/tremolo/export/motion_source.h"
-#include "runtime/apps/tremolo/output/scene_places.h"
 #include "runtime/apps/tremolo/run/run_options.h"
 #include "runtime/io/scenes/nodal_readers.h"
 
@@ -31,9 +30,6 @@ int run_tets_command(const TetScene& scene, bool json);
 // `tremolo inspect` of scenes whose bodies are tetrahedra. Returns the exit code; errors are those
 // with which a run would end before its first step.
 int inspect_tets_command(const TetScene& scene, bool json);
-
-// A body as `tremolo inspect` shows it.
-PlacedBody placed_tets(const TetSceneBody& wanted, const TetSurface& surface, const TetBody& body);
 
 // `tremolo export` of a scene whose [[bodies]] are of kind "tets". The drawn surfaces are first in
 // its recording, then, if requested, colliders as scenery. A body's pose is the rigid motion of its

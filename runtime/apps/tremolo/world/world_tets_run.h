@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "common/result.h"
+#include "runtime/apps/tremolo/measure/tets_log.h"
 #include "runtime/apps/tremolo/run/run_files.h"
-#include "runtime/apps/tremolo/tets/tets_log.h"
 #include "runtime/apps/tremolo/world/scene_ending.h"
 #include "runtime/energy_bound.h"
 #include "runtime/world/world_tets.h"

@@ -1,4 +1,4 @@
-#include "runtime/apps/tremolo/tets/tets_log.h"
+#include "runtime/apps/tremolo/measure/tets_log.h"
 
 #include <algorithm>
 #include <cmath>
@@ -249,6 +249,14 @@ nlohmann::ordered_json tets_report_json(const TetSceneBody& wanted, const TetBod
           {"energies_initial", energies_json(report.start)},
           {"energies_final", energies_json(report.end)},
           {"files", report.files}};
+}
+
+PlacedBody placed_tets(const TetSceneBody& wanted, const TetSurface& surface, const TetBody& body) {
+  PlacedBody place{wanted.name, "tets", wanted.model, wanted.pose, {}, {}};
+  place.surface.resize(surface.rest().vertices.size());
+  std::vector<Eigen::Vector3f> normals(place.surface.size());
+  surface.place(body.positions(), place.surface, normals);
+  return place;
 }
 
 }  // namespace tremolo

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/result.h"
+#include "runtime/apps/tremolo/output/scene_places.h"
 #include "runtime/apps/tremolo/run/log_files.h"
 #include "runtime/bodies/tets/scene/tet_scene.h"
 #include "runtime/io/scenes/nodal_readers.h"
@@ -104,5 +105,8 @@ nlohmann::ordered_json energies_json(const TetsEnergies& e);
 // The parts of a body's report that do not depend on what it meets.
 nlohmann::ordered_json tets_report_json(const TetSceneBody& wanted, const TetBody& body,
                                         const TetsReport& report);
+
+// A body as `tremolo inspect` shows it.
+PlacedBody placed_tets(const TetSceneBody& wanted, const TetSurface& surface, const TetBody& body);
 
 }  // namespace tremolo
