@@ -125,7 +125,7 @@ TEST_F(MixedProgram, ABlockSticksBelowTheAngleOfFrictionAndSlidesAboveIt) {
         std::to_string(-kWeight * std::cos(angle)) + "]\n" +
         tets("block",
              "position = [0, 0, 0.0502]\nrestitution = 0\nfriction = 0.3\n"
-             "degree = \"linear\"\nintegrator = \"implicit-euler\"\n") +
+             "degree = \"linear\"\nintegrator = \"implicit-euler\"\nbeta = 0.005\n") +
         rigid("far", "position = [0, 5, 0.0502]\nrestitution = 0\nfriction = 0.3\n") +
         "[[colliders]]\nname = \"floor\"\nshape = \"plane\"\nfriction = 0.3\nrestitution = 0\n");
     EXPECT_EQ(result.code, 0) << result.err;
