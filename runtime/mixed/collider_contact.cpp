@@ -131,7 +131,7 @@ void ColliderContact::settle(ContactAccount& first_account, ContactAccount& seco
     first_start += touch.start.energy + 0.5 * touch.law.shear * touch.memory.slip.squaredNorm();
     sum.energy += now.energy;
     sum.lost += now.lost;
-    sum.rubbed += now.rubbed;
+    sum.friction_loss += now.friction_loss;
     sum.work += now.force.dot(touch.motion.end - touch.motion.start);
     sum.penetration = std::max(sum.penetration, -now.distance);
     bool through = false;

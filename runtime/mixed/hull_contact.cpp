@@ -142,7 +142,7 @@ void HullContact::settle(ContactAccount& first_account, ContactAccount& second_a
     first_start += touch.energy + 0.5 * touch.law.shear * touch.memory.slip.squaredNorm();
     first_account.energy += now.energy;
     first_account.lost += now.lost;
-    first_account.rubbed += now.rubbed;
+    first_account.friction_loss += now.friction_loss;
     if (!now.acts) continue;
     const Vector3d impulse = h_ * now.force;
     first_account.work += now.force.dot(touch.motion.end - touch.motion.start);

@@ -264,7 +264,7 @@ void TetGuests::book(std::size_t guest) {
   const ContactAccount& account = tets.step.account();
   tets.sums.work += account.work;
   tets.sums.lost += account.lost;
-  tets.sums.rubbed += account.rubbed;
+  tets.sums.friction_loss += account.friction_loss;
   tets.sums.given += account.given;
   tets.sums.error += account.surplus;
   tets.deepest = std::max(tets.deepest, account.penetration);

@@ -335,7 +335,7 @@ void TetStep::finish(const ContactAccount& account, double start) {
   const double before = account_.energy;
   account_ = account;
   account_.surplus = start - before;
-  account_.given = account.work + account.energy - start + account.lost + account.rubbed;
+  account_.given = account.work + account.energy - start + account.lost + account.friction_loss;
   memories_.clear();
   contacted_.clear();
   body_->end();

@@ -34,7 +34,7 @@ Losses losses_of(MixedWorld& world, int steps) {
     own -= before;
     for (std::size_t k = 0; k < world.size(); ++k) {
       const ContactAccount account = world.account(k);
-      taken += account.lost + account.rubbed;
+      taken += account.lost + account.friction_loss;
       losses.touched += account.active;
       if (TetBody* body = world.tets(k))
         own += body->kinetic_energy() + body->elastic_energy() - account.work;

@@ -37,7 +37,8 @@ TEST(MixedBodies, KeepBothMomentaAndTheEnergyOfThePair) {
       ASSERT_TRUE(made) << i << made.error().message;
       own += body.kinetic_energy() + body.elastic_energy() - tets_before - world.account(1).work;
       touched += world.account(1).active;
-      for (std::size_t k : {0U, 1U}) taken += world.account(k).lost + world.account(k).rubbed;
+      for (std::size_t k : {0U, 1U})
+        taken += world.account(k).lost + world.account(k).friction_loss;
       const MixedSum now = testing::sum_of(world);
       worst_linear = std::max(worst_linear, (now.linear - start.linear).norm());
       worst_angular = std::max(worst_angular, (now.angular - start.angular).norm());

@@ -113,11 +113,11 @@ nlohmann::ordered_json WorldTetsRun::body_json(std::size_t i) const {
   json["energy_final"] = number_or_null(watched.now.total());
   json["energy_max"] = number_or_null(watched.energy_max);
   const double gravity = watched.start.gravity - watched.now.gravity;
-  const double method =
-      watched.now.total() - watched.start.total() - gravity - sums.given + sums.lost + sums.rubbed;
+  const double method = watched.now.total() - watched.start.total() - gravity - sums.given +
+                        sums.lost + sums.friction_loss;
   json["energy_by_cause"] = {{"gravity", number_or_null(gravity)},
                              {"contact", number_or_null(sums.given)},
-                             {"friction", number_or_null(0.0 - sums.rubbed)},
+                             {"friction", number_or_null(0.0 - sums.friction_loss)},
                              {"restitution", number_or_null(0.0 - sums.lost)},
                              {"method", number_or_null(method)}};
   json["contacts"] = tets_.guests->contacts(i);
@@ -143,7 +143,7 @@ void WorldTetsRun::print() const {
         "{:.4g} J; {} contacts, its points {:.3g} m deep at most\n",
         mixed_->tets[i].name, tet_method_name(mixed_->tets[i].options.method),
         watched_[i].start.total(), watched_[i].now.total(), sums.given, 0.0 - sums.lost,
-        0.0 - sums.rubbed, tets_.guests->contacts(i), tets_.guests->penetration_max(i));
+        0.0 - sums.friction_loss, tets_.guests->contacts(i), tets_.guests->penetration_max(i));
     if (!report.files.empty()) tell("    wrote {}\n", list_files(report.files));
   }
 }
