@@ -175,7 +175,7 @@ TEST(RigidBodies, AreRefusedWithTheReason) {
   expect_refusal(change([](Body& b) { b.rigid->mesh = "ball.obj"; }), "give one of the two");
   expect_refusal(change([](Body& b) { b.model = "ball.tremolo"; }), "leave the model out");
   expect_refusal(change([](Body& b) { b.kind = FrameKind::kDriven; }), "a rigid body is free");
-  expect_refusal(change([](Body& b) { b.options.alpha = 1.0; }), "alpha and beta");
+  expect_refusal(change([](Body& b) { b.options.alpha = 1.0; }), "alpha, beta and damping-ratio");
   expect_refusal(change([](Body& b) { b.integrator = "verlet"; }), "integrator");
 }
 

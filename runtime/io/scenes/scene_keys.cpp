@@ -23,7 +23,7 @@ std::optional<DampingRatios> read_damping_ratio(TomlKeys& keys) {
   if (!text)
     return fail("'damping-ratio' must be a text such as \"2%\", a number or a list of them");
   Result<DampingRatios> damping = parse_damping(*text);
-  if (!damping) return fail(damping.error().message);
+  if (!damping) return fail("'damping-ratio': " + damping.error().message);
   return std::move(*damping);
 }
 
