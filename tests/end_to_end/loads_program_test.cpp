@@ -93,11 +93,12 @@ TEST_F(LoadsProgram, ARampEndsWhereAConstantLoadRests) {
 }
 
 // The tip let go from its deflection under a small load swings in the first mode: its peaks fall by
-// the logarithmic decrement 2 pi zeta / sqrt(1 - zeta^2).
+// the logarithmic decrement 2 pi zeta / sqrt(1 - zeta^2). The bar's section is square, so the first
+// two modes have one frequency and must have one ratio.
 TEST_F(LoadsProgram, ADampingRatioIsTheDecrementOfARun) {
   const std::string start =
       "run soft.tremolo --start near:0.6,0.05,0.05=0,0,1e-4 --load none --duration 9";
-  for (const std::string ratio : {"3%", "0.03,0.2", "0.1:1%,4:3%,40:30%"}) {
+  for (const std::string ratio : {"3%", "0.03,0.03,0.2", "0.1:1%,4:3%,40:30%"}) {
     const std::vector<double> z = path(start + " --damping-ratio " + ratio);
     std::vector<std::size_t> peaks;
     for (std::size_t k = 1; k + 1 < z.size(); ++k)
