@@ -192,8 +192,8 @@ function playFilm(film, canvas, renderer, player) {
     document.dispatchEvent(new CustomEvent('tremolo-time', { detail: player.hidden ? null : player.time }));
     if (player.hidden) return;
     if (player.playing) player.time += passed * player.speed();
-    const [first, last] = player.loop ? [player.loop.from, player.loop.to] : [film.times[0], film.end];
-    if (player.time > last) player.time = first + ((player.time - first) % (last - first));
+    const [begin, finish] = player.loop ? [player.loop.from, player.loop.to] : [film.times[0], film.end];
+    if (player.time > finish) player.time = finish > begin ? begin + ((player.time - begin) % (finish - begin)) : begin;
     show();
     player.frames = (player.frames ?? 0) + 1;
     player.tell();
