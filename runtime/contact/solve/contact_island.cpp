@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "common/union_find.h"
-#include "runtime/contact/solve/line_search.h"
+#include "runtime/math/line_search.h"
 
 namespace tremolo {
 namespace {

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "runtime/contact/solve/contact_step.h"
-#include "runtime/contact/solve/line_search.h"
+#include "runtime/math/line_search.h"
 
 namespace tremolo {
 namespace {
