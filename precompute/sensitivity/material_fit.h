@@ -38,7 +38,7 @@ Result<std::vector<FitUnknown>> read_unknowns(const std::string& text, const Mat
 // "young of `grip`"; without a region where there is one material.
 std::string name_of(const FitUnknown& unknown, const MaterialTable& table);
 
-// What is known of a body with certain materials.
+// Frequencies, derivatives and mass of a body with certain materials.
 struct FitModel {
   Eigen::VectorXd squared;          // omega^2 of its modes, (rad/s)^2, ascending
   std::vector<Cluster> clusters;    // of equal frequencies

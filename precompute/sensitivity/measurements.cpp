@@ -136,7 +136,7 @@ Result<MeasuredMode> row_of(const Cells& cells, int line) {
   return row;
 }
 
-// Whether all have a deviation or none; `which`: the member.
+// True if all have a deviation, false if none has; else an error. `which`: the member.
 Result<bool> all_or_none(const std::vector<MeasuredMode>& rows,
                          std::optional<Uncertain> MeasuredMode::*which, const char* name) {
   std::size_t with = 0, all = 0;

@@ -127,7 +127,7 @@ Result<MotionCurve> crossing_branch(const VibratingSystem& system, const Respons
   goal.beyond = [=](const CurvePoint& point) {
     return std::max(point.omega / high - 1.0, 1.0 - point.omega / low);
   };
-  // Where the branch meets the first curve its distance from it has a minimum near zero.
+  // The branch meets the first curve at a minimum of their distance near zero.
   std::vector<double> distances;
   goal.enough = [&](const MotionCurve& curve) {
     constexpr double kNear = 0.3;  // of the largest distance; a step is a tenth of the motion

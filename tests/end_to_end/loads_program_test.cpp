@@ -92,9 +92,9 @@ TEST_F(LoadsProgram, ARampEndsWhereAConstantLoadRests) {
   EXPECT_LT(std::abs(ramp[5]), 0.1 * std::abs(held[50]));
 }
 
-// The tip let go from its deflection under a small load swings in the first mode: its peaks fall by
-// the logarithmic decrement 2 pi zeta / sqrt(1 - zeta^2). The bar's section is square, so the first
-// two modes have one frequency and must have one ratio.
+// The tip, released from its deflection under a small load, swings in the first mode: its peaks
+// fall by the logarithmic decrement 2 pi zeta / sqrt(1 - zeta^2). The bar's section is square, so
+// the first two modes have one frequency and must have one ratio.
 TEST_F(LoadsProgram, ADampingRatioIsTheDecrementOfARun) {
   const std::string start =
       "run soft.tremolo --start near:0.6,0.05,0.05=0,0,1e-4 --load none --duration 9";

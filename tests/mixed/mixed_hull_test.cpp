@@ -12,8 +12,8 @@ using testing::MixedKind;
 using testing::MixedSum;
 using testing::MixedWorld;
 
-// What a pair has lost in a blow: its momenta must be as before, and its energy but for what
-// restitution, friction and the bodies' own method took.
+// Losses of a pair in a blow: its momenta must be as before, and its energy too, except for the
+// part that restitution, friction and the bodies' own method took.
 struct Losses {
   double linear = 0.0, angular = 0.0, energy = 0.0, start = 0.0;
   int touched = 0;

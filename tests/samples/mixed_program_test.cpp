@@ -59,7 +59,7 @@ class MixedProgram : public ::testing::Test {
   std::string folder_;
 };
 
-// Contact gives to one body what it takes from the other, but for friction and restitution.
+// Contact gives to one body what it takes from the other, except for friction and restitution.
 double contact_sum(const json& report) {
   double sum = 0.0;
   for (const json& body : report["bodies"]) sum += body["energy_by_cause"]["contact"].get<double>();
