@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # A page with a recorded motion in Chromium; the package in node and the live page in Chromium.
-# usage: run.sh BUILD; exit 77 where a tool is missing.
+# usage: run.sh BUILD [--film]; --film: the page with a recorded motion alone. Exit 77 where a tool is
+# missing.
 set -eu
 build=$(realpath "$1") here=$(dirname "$(realpath "$0")")
 for tool in node npm; do
@@ -20,6 +21,7 @@ done
 "$build/bin/tremolo" export $horse --integrator imexv --rate 166.66666667 --page "$work/film.html" \
   --runs "$work/film/imexv" --runs "$work/film/newmark" --note "A note with \`code\`."
 node "$work/film_test.mjs" "$work/film.html" "$chromium" "$work/photos" "$work/film/imexv"
+[ "${2-}" != --film ] || exit 0
 
 command -v emcmake >/dev/null || { echo "emcmake is missing"; exit 77; }
 cmake --build "$build" --target web
