@@ -20,10 +20,6 @@ Index row_of(std::size_t node) {
   return static_cast<Index>(3 * node);
 }
 
-bool is_before(const ContactMemory& x, const ContactMemory& y) {
-  return x.obstacle < y.obstacle || (x.obstacle == y.obstacle && x.point < y.point);
-}
-
 Vector3d sum_of(std::span<const std::uint32_t> nodes, const std::array<double, kMostNodes>& shares,
                 StepBody::In x) {
   Vector3d sum = Vector3d::Zero();
@@ -84,11 +80,10 @@ void TetStep::start() {
            h * std::sqrt(speed2) + 0.5 * h * h * body_->options_.gravity.norm()};
 }
 
-void TetStep::step_alone() {
+bool TetStep::step_alone() {
   report_ = body_->step();
-  account_ = {};
-  memories_.clear();
-  contacted_.clear();
+  forget_contact();
+  return report_.converged;
 }
 
 // A point between vertices has the first of them.
@@ -98,12 +93,6 @@ int TetStep::number_of(std::size_t point) const {
 
 Vector3d TetStep::start_of(std::size_t point) const {
   return at_point(points_->points[point], body_->now_.x);
-}
-
-const ContactMemory* TetStep::memory(std::size_t obstacle, std::size_t point) const {
-  const ContactMemory wanted{.obstacle = obstacle, .point = point};
-  const auto found = std::lower_bound(memories_.begin(), memories_.end(), wanted, is_before);
-  return found != memories_.end() && !is_before(wanted, *found) ? &*found : nullptr;
 }
 
 void TetStep::begin() {
@@ -332,12 +321,7 @@ void TetStep::add_image(std::size_t point, const Vector3d& fall, Out rows) const
 }
 
 void TetStep::finish(const ContactAccount& account, double start) {
-  const double before = account_.energy;
-  account_ = account;
-  account_.surplus = start - before;
-  account_.given = account.work + account.energy - start + account.lost + account.friction_loss;
-  memories_.clear();
-  contacted_.clear();
+  take_account(account, start);
   body_->end();
   // A step of midpoint in place of newmark's has no acceleration at its end.
   body_->has_acceleration_ = false;
@@ -345,12 +329,8 @@ void TetStep::finish(const ContactAccount& account, double start) {
   report_ = {};
 }
 
-void TetStep::remember(const ContactMemory& memory) {
-  memories_.push_back(memory);
-}
-
 void TetStep::end() {
-  std::sort(memories_.begin(), memories_.end(), is_before);
+  sort_memories();
   body_->skip_step();
   body_->choose_degrees(report_);
 }

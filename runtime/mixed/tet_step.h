@@ -15,7 +15,7 @@
 
 #include "runtime/bodies/tets/motion/tet_body.h"
 #include "runtime/math/sparse/block_cholesky.h"
-#include "runtime/mixed/step_body.h"
+#include "runtime/mixed/guest_step.h"
 #include "runtime/mixed/tet_points.h"
 
 namespace tremolo {
@@ -36,22 +36,18 @@ struct TetSite {
   Eigen::Matrix3d gradient = Eigen::Matrix3d::Identity();  // F there
 };
 
-class TetStep final : public StepBody {
+class TetStep final : public GuestStep {
  public:
   // body: stays in memory. points: of its model. hull: null, or without distances: points of other
   // bodies pass through.
   TetStep(TetBody& body, std::shared_ptr<const TetPoints> points, const ContactOptions& options,
           TetHullPointer hull);
 
-  // Finds the body's ball at the start of the step.
-  void start();
-  // Takes the step without contact, same as TetBody::step(), with the same bits.
-  void step_alone();
+  void start() override;
+  // Same as TetBody::step(), with the same bits.
+  bool step_alone() override;
   const TetStepReport& report() const { return report_; }
   TetBody& body() const { return *body_; }
-  // Of contact in the last step.
-  const ContactAccount& account() const { return account_; }
-  std::span<const ContactedPoint> contacted() const { return contacted_; }
 
   // The body as an obstacle (hull_contact.h). follow_hull(): positions are needed in this step.
   bool has_hull() const { return hull_ && hull_->grid; }
@@ -71,7 +67,6 @@ class TetStep final : public StepBody {
   Eigen::Vector3d change_of(const TetSite& site, In x) const;
   void add_site_image(const TetSite& site, const Eigen::Vector3d& fall, Out rows) const;
 
-  StepBall ball() const override { return ball_; }
   std::size_t points() const override { return points_->points.size(); }
   bool feels(std::size_t point) const override { return point < points(); }
   Eigen::Vector3d start_of(std::size_t point) const override;
@@ -80,7 +75,6 @@ class TetStep final : public StepBody {
   ContactLaw law_of(std::size_t point, double friction, double restitution) const override {
     return point_law(*points_, law_, point, friction, restitution);
   }
-  const ContactMemory* memory(std::size_t obstacle, std::size_t point) const override;
 
   Eigen::Index unknowns() const override;
   void begin() override;
@@ -106,8 +100,6 @@ class TetStep final : public StepBody {
 
   bool add_missed() override { return false; }
   void finish(const ContactAccount& account, double start) override;
-  void remember(const ContactMemory& memory) override;
-  void note(const ContactedPoint& point) override { contacted_.push_back(point); }
   int number_of(std::size_t point) const override;
   void end() override;
   void give_up() override;
@@ -135,7 +127,6 @@ class TetStep final : public StepBody {
   TetBody* body_;
   std::shared_ptr<const TetPoints> points_;
   ContactLaw law_;
-  StepBall ball_;
   TetStepReport report_;
   double ends_ = 1.0;  // dx_1/dd
   bool known_ = false;
@@ -153,9 +144,6 @@ class TetStep final : public StepBody {
   std::vector<std::uint8_t> still_;  // a flag for each control point that is not active
   std::optional<BlockCholesky> factor_;
   std::vector<Eigen::Matrix3d> inverse_;  // of the diagonal's blocks, without a factor
-  std::vector<ContactMemory> memories_;   // by obstacle and point
-  std::vector<ContactedPoint> contacted_;
-  ContactAccount account_;
 };
 
 }  // namespace tremolo

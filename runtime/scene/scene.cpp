@@ -295,7 +295,7 @@ Status check_scene(const Scene& scene) {
     return content_error("duration and step ask for more than 1e12 steps");
   if (scene.duration < 0.5 * scene.step)
     return content_error("duration is shorter than half a step: nothing would be done");
-  if (scene.bodies.empty()) return content_error("the scene has no body");
+  if (scene.bodies.empty() && !scene.guests) return content_error("the scene has no body");
   if (Status s = check_gravity(scene.gravity); !s) return s;
   std::set<std::string> names;
   const ContactNeeds needs(scene);

@@ -159,6 +159,8 @@ struct Scene {
   std::vector<SceneCollider> colliders;
   std::vector<SceneHand> hands;
   std::vector<SceneJoint> joints;
+  // The world also has bodies of other kinds, which are not in the list: it may be empty.
+  bool guests = false;
 };
 
 // True if bodies of the scene may be in contact with each other.

@@ -128,7 +128,7 @@ class SceneWorld {
                                    bool guests = false);
 
   // Adds bodies of other kinds to the world, which steps them with its bodies
-  // (runtime/world/world_tets.h). Call it before the first step.
+  // (runtime/world/world_guests.h). Call it before the first step.
   void set_guests(std::unique_ptr<IslandGuests> guests) {
     guests_ = std::move(guests);
     group_->set_guests(guests_.get());

@@ -1,4 +1,4 @@
-// Bodies of both kinds for tests of their contact.
+// Bodies of all kinds for tests of their contact.
 #pragma once
 
 #include <deque>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/contact/solve/body_group.h"
-#include "runtime/mixed/tet_guests.h"
+#include "runtime/mixed/mixed_guests.h"
 #include "tests/support/meshes/made_cube.h"
 #include "tests/support/tet_bodies.h"
 
@@ -97,10 +97,10 @@ inline TetBody tets_body(const TetModelPointer& model, const MixedKind& kind,
   return std::move(*body);
 }
 
-// Bodies of both kinds in one group; numbers are of both kinds together.
+// Bodies of all kinds in one group; numbers are of all kinds together.
 class MixedWorld {
  public:
-  explicit MixedWorld(double step) : step_(step), tets_(step) {}
+  explicit MixedWorld(double step) : step_(step), guests_(step) {}
   MixedWorld(const MixedWorld&) = delete;
 
   Result<std::size_t> add(std::string name, ContactBody body) {
@@ -113,7 +113,13 @@ class MixedWorld {
   Result<std::size_t> add(std::string name, TetBody body, const ContactOptions& contact = {},
                           TetHullPointer hull = nullptr) {
     const Result<std::size_t> added =
-        tets_.add(std::move(name), std::move(body), contact, std::move(hull));
+        guests_.add(std::move(name), std::move(body), contact, std::move(hull));
+    if (!added) return added.error();
+    members_.push_back({false, *added});
+    return members_.size() - 1;
+  }
+  Result<std::size_t> add(ClothBody body, const ContactOptions& contact = {}) {
+    const Result<std::size_t> added = guests_.add(std::move(body), contact);
     if (!added) return added.error();
     members_.push_back({false, *added});
     return members_.size() - 1;
@@ -122,7 +128,7 @@ class MixedWorld {
 
   // Error: the names of bodies that failed are not known here.
   Status step() {
-    group_.set_guests(&tets_);
+    group_.set_guests(&guests_);
     pointers_.clear();
     for (ContactBody& body : bodies_) pointers_.push_back(&body);
     reports_.resize(bodies_.size());
@@ -130,7 +136,7 @@ class MixedWorld {
     ++steps_;
     bool made = true;
     for (const StepReport& report : reports_) made = made && report.converged;
-    for (std::size_t i = 0; i < tets_.size(); ++i) made = made && !tets_.failed(i);
+    for (std::size_t i = 0; i < guests_.size(); ++i) made = made && !guests_.failed(i);
     return made ? Status(Success{}) : Status(Error{ErrorKind::kSolver, "not solved"});
   }
 
@@ -140,21 +146,29 @@ class MixedWorld {
     return members_[i].first ? &bodies_[members_[i].second] : nullptr;
   }
   TetBody* tets(std::size_t i) {
-    return members_[i].first ? nullptr : &tets_.body(members_[i].second);
+    if (members_[i].first || guests_.tets(members_[i].second) == nullptr) return nullptr;
+    return &guests_.tets(members_[i].second)->body();
+  }
+  ClothBody* cloth(std::size_t i) {
+    if (members_[i].first || guests_.cloth(members_[i].second) == nullptr) return nullptr;
+    return &guests_.cloth(members_[i].second)->body();
   }
   ContactAccount account(std::size_t i) const {
     return members_[i].first ? bodies_[members_[i].second].contact_account()
-                             : tets_.account(members_[i].second);
+                             : guests_.account(members_[i].second);
+  }
+  double penetration_max(std::size_t i) const {
+    return guests_.penetration_max(members_[i].second);
   }
   double time() const { return steps_ * step_; }
-  std::size_t in_islands() const { return tets_.in_islands(); }
+  std::size_t in_islands() const { return guests_.in_islands(); }
   BodyGroup& group() { return group_; }
-  const MixedReport& report() const { return tets_.mixed_report(); }
+  const MixedReport& report() const { return guests_.mixed_report(); }
 
  private:
   double step_;
   int steps_ = 0;
-  TetGuests tets_;
+  MixedGuests guests_;
   std::deque<ContactBody> bodies_;
   std::vector<std::pair<bool, std::size_t>> members_;
   std::span<const PlacedCollider> colliders_;
@@ -177,6 +191,11 @@ inline MixedSum sum_of(MixedWorld& world) {
       sum.linear += body->momentum().linear;
       sum.angular += body->momentum().angular;
       sum.energy += body->energy().total();
+    } else if (const ClothBody* cloth = world.cloth(i)) {
+      const Momenta momenta = cloth->momenta();
+      sum.linear += momenta.linear;
+      sum.angular += momenta.angular;
+      sum.energy += cloth->kinetic_energy() + cloth->elastic_energy();
     } else {
       TetBody& tets = *world.tets(i);
       sum.linear += tets.momentum();

@@ -256,9 +256,11 @@ int run_world_scene(const std::string& text, const Request& request, const Scene
   if (!mixed) return report_error(mixed.error());
   if (Status s = apply_flags(command.flags, command.given, *mixed); !s)
     return report_error(s.error());
-  if (!mixed->tets.empty() && !(request.save.empty() && request.restore.empty()))
+  if (mixed->has_guests() && !(request.save.empty() && request.restore.empty()))
     return report_error(
-        usage_error("--save and --restore do not apply to a scene with bodies of kind \"tets\""));
+        usage_error(std::string("--save and --restore do not apply to a scene with bodies of kind "
+                                "\"") +
+                    (mixed->tets.empty() ? "cloth\"" : "tets\"")));
   mixed->file.outputs.save = request.save;
   mixed->file.outputs.restore = request.restore;
   return run_world_command(*mixed, request.threads.value_or(1), request.json);

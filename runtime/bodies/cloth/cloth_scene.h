@@ -104,6 +104,17 @@ struct ClothScene {
   std::vector<ClothHand> hands;
 };
 
+// A cloth next to bodies of other kinds. scene: this cloth, its method, and the gravity and wind of
+// the world. contact: stiffness or modulus; its margin is the cloth's thickness.
+struct ClothSceneBody {
+  ClothScene scene;
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // of all particles at the start, m/s
+  ContactOptions contact;
+
+  const SceneCloth& cloth() const { return scene.cloths.front(); }
+  const std::string& name() const { return cloth().name; }
+};
+
 // Errors, kContent, naming cloth, ball, collider or key: neither grid nor file, or both; sizes and
 // stiffnesses out of range (negative, not finite); a mass or density that is not positive; pins and
 // hands without a particle that exists; duplicate names; an unknown integrator.

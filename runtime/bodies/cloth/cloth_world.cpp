@@ -7,16 +7,13 @@
 #include <utility>
 
 #include "common/text.h"
+#include "runtime/bodies/cloth/cloth_body.h"
 #include "runtime/bodies/cloth/cloth_world_inside.h"
 
 namespace tremolo {
 namespace {
 
 using Eigen::Vector3d;
-
-Vector3d wind_at(const ClothScene& scene, double t) {
-  return scene.wind * (1.0 + scene.gust * std::sin(2.0 * M_PI * scene.gust_hz * t));
-}
 
 // Sum of m x over a cloth, kg m.
 Vector3d first_moment(const WorldCloth& cloth) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/text.h"
+#include "runtime/bodies/cloth/cloth_body.h"
 #include "runtime/bodies/cloth/cloth_model.h"
 #include "runtime/bodies/cloth/cloth_world_inside.h"
 
@@ -34,31 +35,10 @@ Result<SceneColliders> make_colliders(const ClothScene& scene) {
   return SceneColliders::create(place);
 }
 
-Result<ClothModel> make_pinned_model(const SceneCloth& wanted) {
-  Result<ClothParts> parts = make_cloth_parts(wanted);
-  if (!parts) return parts.error();
-  Result<ClothModel> model = ClothModel::create(std::move(*parts));
-  if (!model) return model;
-  for (const ClothPin& pin : wanted.pins) {
-    Result<MotionPath> path = MotionPath::create(pin.motion);
-    if (!path) return path.error();
-    const ClothParts& made = model->parts();
-    std::vector<std::size_t> particles;
-    for (const std::size_t vertex : pin.particles) {
-      if (vertex >= made.vertices())
-        return content_error("pins: there is no vertex " + std::to_string(vertex) + ": there are " +
-                             std::to_string(made.vertices()));
-      particles.push_back(made.particle_of_vertex(vertex));
-    }
-    if (Status s = model->pin(particles, std::move(*path), pin.until); !s) return s.error();
-  }
-  return model;
-}
-
 }  // namespace
 
 Status ClothWorld::Inside::add_cloth(const SceneCloth& wanted) {
-  Result<ClothModel> model = make_pinned_model(wanted);
+  Result<ClothModel> model = make_cloth_model(wanted);
   if (!model) return of_cloth(wanted, model.error());
   auto cloth = std::make_unique<WorldCloth>(
       WorldCloth{wanted, std::move(*model), {}, {}, nullptr, nullptr, false});

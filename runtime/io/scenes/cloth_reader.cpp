@@ -83,12 +83,9 @@ Status check_mesh(TomlKeys& keys, const SceneCloth& cloth) {
   return error;
 }
 
-Result<SceneCloth> read_cloth(const toml::table& table, std::size_t number, const std::string& path,
-                              std::vector<std::string>& files) {
-  SceneCloth cloth;
-  const std::string what = told_name(table, "cloth", number);
-  TomlKeys keys(table, path, what);
-  if (number > 1) cloth.name += "-" + std::to_string(number);
+// All keys of a cloth. what: its name in errors.
+Status read_cloth_keys(TomlKeys& keys, const std::string& path, const std::string& what,
+                       std::vector<std::string>& files, SceneCloth& cloth) {
   keys.read("name", cloth.name);
   if (keys.good() && !is_folder_name(cloth.name))
     keys.fail("name", "a name has letters, digits, '.', '_', '-' only");
@@ -103,8 +100,17 @@ Result<SceneCloth> read_cloth(const toml::table& table, std::size_t number, cons
   keys.read("restitution", cloth.restitution);
   keys.read("crumple", cloth.crumple);
   if (!keys.good()) return keys.finish().error();
-  if (Status s = check_mesh(keys, cloth); !s) return s.error();
-  if (Status s = read_pins(keys, path, what, files, cloth); !s) return s.error();
+  if (Status s = check_mesh(keys, cloth); !s) return s;
+  return read_pins(keys, path, what, files, cloth);
+}
+
+Result<SceneCloth> read_cloth(const toml::table& table, std::size_t number, const std::string& path,
+                              std::vector<std::string>& files) {
+  SceneCloth cloth;
+  const std::string what = told_name(table, "cloth", number);
+  TomlKeys keys(table, path, what);
+  if (number > 1) cloth.name += "-" + std::to_string(number);
+  if (Status s = read_cloth_keys(keys, path, what, files, cloth); !s) return s.error();
   if (Status s = keys.finish(); !s) return s.error();
   return cloth;
 }
@@ -160,9 +166,7 @@ Result<ClothHand> read_cloth_hand(const toml::table& table, std::size_t number,
   return hand;
 }
 
-void read_solve(TomlKeys& keys, ClothScene& scene) {
-  keys.read("step", scene.options.step);
-  keys.read("duration", scene.duration);
+void read_cloth_method(TomlKeys& keys, ClothScene& scene) {
   keys.read("integrator", scene.integrator);
   keys.read("tolerance", scene.options.tolerance);
   keys.read("max-iterations", scene.options.max_iterations);
@@ -171,6 +175,23 @@ void read_solve(TomlKeys& keys, ClothScene& scene) {
                                       NodalSolver::kConjugateGradients};
   scene.options.solver =
       kSolvers[keys.read_word("solver", {"automatic", "cholesky", "conjugate-gradients"}, 0)];
+}
+
+void read_wind(TomlKeys& keys, ClothScene& scene) {
+  keys.read("wind", scene.wind);
+  keys.read("gust", scene.gust);
+  keys.read("gust-hz", scene.gust_hz);
+}
+
+// There is no contact between cloths, so a scene with several must allow them to pass through each
+// other. table: which has them.
+void read_cloths_pass(TomlKeys& keys, const char* table, std::size_t cloths) {
+  bool may_pass = false;
+  keys.read("cloths-pass", may_pass);
+  if (cloths > 1 && !may_pass)
+    keys.fail(table,
+              "cloth does not touch cloth: several in one scene go through each other, which "
+              "`cloths-pass = true` allows");
 }
 
 // The tables of one kind, each by `read`.
@@ -188,6 +209,57 @@ Status read_all(TomlKeys& keys, const char* key, const std::string& path,
 
 }  // namespace
 
+namespace {
+
+// around: the world's step, duration, gravity and wind.
+Result<ClothSceneBody> read_cloth_body(const toml::table& table, std::size_t number,
+                                       const std::string& path, std::vector<std::string>& files,
+                                       const ClothScene& around) {
+  ClothSceneBody body;
+  body.scene = around;
+  const std::string what = told_name(table, "body", number);
+  TomlKeys keys(table, path, what);
+  keys.find("kind");
+  if (!keys.has("name")) keys.fail("name", "it has no `name`");
+  if (keys.has("contact-margin"))
+    keys.fail("contact-margin",
+              "the contact of a cloth begins at its `thickness`, m: leave `contact-margin` out");
+  keys.read("velocity", body.velocity);
+  read_cloth_method(keys, body.scene);
+  read_contact_stiffness(keys, body.contact);
+  SceneCloth cloth;
+  if (Status s = read_cloth_keys(keys, path, what, files, cloth); !s) return s.error();
+  if (Status s = keys.finish(); !s) return s.error();
+  body.scene.cloths = {std::move(cloth)};
+  return body;
+}
+
+}  // namespace
+
+Status read_cloth_bodies(const toml::table& table, MixedFile& mixed) {
+  const SceneFile& file = mixed.file;
+  ClothScene around;
+  around.options.step = file.scene.step;
+  around.duration = file.scene.duration;
+  around.gravity = file.scene.gravity;
+  TomlKeys keys(table, file.path, "");
+  read_wind(keys, around);
+  std::size_t number = 0;
+  for (const toml::table* entry : keys.read_tables("bodies")) {
+    ++number;
+    if (!is_of_cloth(*entry)) continue;
+    Result<ClothSceneBody> body =
+        read_cloth_body(*entry, number, file.path, mixed.file.files, around);
+    if (!body) return body.error();
+    mixed.cloths.push_back(std::move(*body));
+  }
+  read_cloths_pass(keys, "bodies", mixed.cloths.size());
+  if (!keys.good()) return keys.finish();
+  for (const ClothSceneBody& body : mixed.cloths)
+    if (Status s = check_scene(body.scene); !s) return error_of_file(file.path, s.error());
+  return Success{};
+}
+
 Result<ClothFile> parse_cloths(std::string_view text, const std::string& path) {
   const Result<toml::table> table = parse_toml(text, path);
   if (!table) return table.error();
@@ -196,23 +268,16 @@ Result<ClothFile> parse_cloths(std::string_view text, const std::string& path) {
   file.text = text;
   ClothScene& scene = file.scene;
   TomlKeys keys(*table, path, "");
-  read_solve(keys, scene);
+  keys.read("step", scene.options.step);
+  keys.read("duration", scene.duration);
+  read_cloth_method(keys, scene);
   read_outputs(keys, file.outputs);
   if (Status s = read_gravity(keys, path, scene.gravity, file.files); !s) return s.error();
-  keys.read("wind", scene.wind);
-  keys.read("gust", scene.gust);
-  keys.read("gust-hz", scene.gust_hz);
+  read_wind(keys, scene);
   std::vector<std::string>& files = file.files;
   if (Status s = read_all(keys, kClothTables, path, files, scene.cloths, read_cloth); !s)
     return s.error();
-  // There is no contact between cloths, so a scene with several must allow them to pass through
-  // each other.
-  bool may_pass = false;
-  keys.read("cloths-pass", may_pass);
-  if (scene.cloths.size() > 1 && !may_pass)
-    keys.fail(kClothTables,
-              "cloth does not touch cloth: several in one scene go through each other, which "
-              "`cloths-pass = true` allows");
+  read_cloths_pass(keys, kClothTables, scene.cloths.size());
   if (Status s = read_all(keys, "balls", path, files, scene.balls, read_ball); !s) return s.error();
   if (Status s = read_all(keys, "colliders", path, files, scene.colliders, read_collider); !s)
     return s.error();

@@ -72,14 +72,18 @@ void read_rubbing(TomlKeys& keys, double& friction, double& restitution) {
 
 }  // namespace
 
-void read_contact_law(TomlKeys& keys, ContactOptions& contact) {
-  keys.read("contact-margin", contact.margin);
+void read_contact_stiffness(TomlKeys& keys, ContactOptions& contact) {
   keys.read("contact-stiffness", contact.stiffness);
   if (keys.has("contact-modulus")) {
     keys.read("contact-modulus", contact.modulus.emplace());
     if (keys.has("contact-stiffness"))
       keys.fail("contact-modulus", "takes the place of `contact-stiffness`: leave one of them out");
   }
+}
+
+void read_contact_law(TomlKeys& keys, ContactOptions& contact) {
+  keys.read("contact-margin", contact.margin);
+  read_contact_stiffness(keys, contact);
   read_rubbing(keys, contact.friction, contact.restitution);
 }
 

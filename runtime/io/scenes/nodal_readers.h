@@ -52,15 +52,24 @@ struct TetScene : TetBodiesScene {
 // Errors (kContent) with file, line and key; for a collider that moves or comes from a file.
 Result<TetScene> parse_tets_scene(std::string_view text, const std::string& path);
 
-// A scene of [[bodies]] of which some are of kind "tets": the others, and those, with the step and
-// gravity of the scene.
+// A scene of [[bodies]] of which some are of kind "tets" or "cloth": the others, and those, with
+// the step and gravity of the scene.
 struct MixedFile {
   SceneFile file;
   std::vector<TetSceneBody> tets;
+  std::vector<ClothSceneBody> cloths;
+
+  bool has_guests() const { return !tets.empty() || !cloths.empty(); }
+  // Sets the step of all, s.
+  void set_guest_step(double step);
 };
 
-// Errors: those of parse_world(); kContent with file, line and key for a body of tetrahedra, and
-// for gravity that changes next to one.
+// Errors: those of parse_world(); kContent with file, line and key for a body of tetrahedra or a
+// cloth, for gravity that changes next to tetrahedra, and for several cloths that nothing allows to
+// pass through each other.
 Result<MixedFile> parse_mixed(std::string_view text, const std::string& path);
+
+// Reads the bodies of kind "cloth" of a scene whose others are read. Errors as for parse_mixed().
+Status read_cloth_bodies(const toml::table& table, MixedFile& mixed);
 
 }  // namespace tremolo

@@ -31,6 +31,8 @@ Result<Motion> read_motion(TomlKeys& keys, const std::string& path, const std::s
 void read_body_contact(TomlKeys& keys, SceneBody& body);
 // Those of its law: margin, stiffness or modulus, friction, restitution.
 void read_contact_law(TomlKeys& keys, ContactOptions& contact);
+// The stiffness or the modulus alone.
+void read_contact_stiffness(TomlKeys& keys, ContactOptions& contact);
 
 // number: of the table among its kind, from 1, for errors. path: of the scene. files: CSV files
 // that were read are added. Errors as read_world.

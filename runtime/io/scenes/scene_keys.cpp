@@ -82,9 +82,20 @@ void read_outputs(TomlKeys& keys, SceneOutputs& outputs) {
   keys.read("plot", outputs.plot);
 }
 
-bool is_of_tets(const toml::node& body) {
+namespace {
+
+bool is_of_kind(const toml::node& body, std::string_view kind) {
   const toml::table* table = body.as_table();
-  return table != nullptr && (*table)["kind"].value_or(std::string_view()) == "tets";
+  return table != nullptr && (*table)["kind"].value_or(std::string_view()) == kind;
+}
+
+}  // namespace
+
+bool is_of_tets(const toml::node& body) {
+  return is_of_kind(body, "tets");
+}
+bool is_of_cloth(const toml::node& body) {
+  return is_of_kind(body, "cloth");
 }
 
 Result<SceneKind> scene_kind(std::string_view text, const std::string& path) {
@@ -92,9 +103,10 @@ Result<SceneKind> scene_kind(std::string_view text, const std::string& path) {
   if (!table) return table.error();
   if (table->contains("cloths")) {
     if (!table->contains("bodies")) return SceneKind::kCloth;
-    return error_at(path, table->find("cloths")->second.source(),
-                    "[[bodies]] and [[cloths]] do not go together: a scene has the ones or the "
-                    "others; take them apart into two files");
+    return error_at(
+        path, table->find("cloths")->second.source(),
+        "[[bodies]] and [[cloths]] do not go together: next to other bodies a cloth is one of "
+        "[[bodies]] with kind = \"cloth\"");
   }
   const toml::array* bodies = (*table)["bodies"].as_array();
   if (bodies == nullptr) return SceneKind::kBodies;

@@ -43,11 +43,13 @@ bool is_folder_name(const std::string& name);
 Status read_gravity(TomlKeys& keys, const std::string& path, SceneGravity& gravity,
                     std::vector<std::string>& files);
 
-// True if a table of [[bodies]] is of kind "tets".
+// True if a table of [[bodies]] is of kind "tets", or "cloth".
 bool is_of_tets(const toml::node& body);
+bool is_of_cloth(const toml::node& body);
 
 // kBodies: one table a body, each by itself. kWorld: [[bodies]], of which some may be of kind
-// "tets" (scene_reader.h). kTets: [[bodies]] of kind "tets" alone (nodal_readers.h). kCloth:
+// "tets" or "cloth" (scene_reader.h). kTets: [[bodies]] of kind "tets" alone (nodal_readers.h).
+// kCloth:
 // [[cloths]] (nodal_readers.h).
 enum class SceneKind { kBodies, kWorld, kTets, kCloth };
 

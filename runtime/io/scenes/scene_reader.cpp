@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <map>
 #include <memory>
-#include <set>
 #include <string>
 #include <utility>
 
@@ -25,6 +25,8 @@ using Eigen::Vector3d;
 
 constexpr const char* kBodies = "bodies";
 constexpr const char* kCloths = "cloths";
+// Keys of the scene that bodies of kind "cloth" have; parse_mixed() reads them.
+constexpr const char* kClothSurroundings[] = {"wind", "gust", "gust-hz", "cloths-pass"};
 
 SignalShape read_shape(TomlKeys& keys) {
   SignalShape shape;
@@ -203,20 +205,24 @@ Status refuse_cloths(const toml::table& table, const std::string& path) {
   if (!table.contains(kCloths)) return Success{};
   const toml::source_region where = table.find(kCloths)->second.source();
   if (table.contains(kBodies))
-    return error_at(path, where,
-                    "[[bodies]] and [[cloths]] do not go together: a scene has the ones or the "
-                    "others; take them apart into two files");
+    return error_at(
+        path, where,
+        "[[bodies]] and [[cloths]] do not go together: next to other bodies a cloth is one of "
+        "[[bodies]] with kind = \"cloth\"");
   return error_at(path, where, std::string("a scene with [[cloths]]: ") + kClothCommands);
 }
 
-// Hands and joints hold vertices of other bodies than those of tetrahedra.
-Status check_not_held(const Scene& scene, const std::set<std::string>& tets) {
-  const auto refuse = [&tets](const std::string& what, std::size_t number,
-                              const std::string& body) {
-    if (!tets.contains(body)) return Status(Success{});
-    return Status(content_error(what + " " + std::to_string(number + 1) + ": body '" + body +
-                                "' is of kind \"tets\": hands and joints hold the other kinds; "
-                                "fix its vertices in its file (--fix)"));
+// Hands and joints hold vertices of other bodies than guests. guests: their names; true: a cloth.
+Status check_not_held(const Scene& scene, const std::map<std::string, bool>& guests) {
+  const auto refuse = [&guests](const std::string& what, std::size_t number,
+                                const std::string& body) {
+    const auto guest = guests.find(body);
+    if (guest == guests.end()) return Status(Success{});
+    return Status(content_error(
+        what + " " + std::to_string(number + 1) + ": body '" + body + "' is of kind \"" +
+        (guest->second ? "cloth\": hands and joints hold the other kinds; `pins` fix its particles"
+                       : "tets\": hands and joints hold the other kinds; fix its vertices in its "
+                         "file (--fix)")));
   };
   for (std::size_t i = 0; i < scene.hands.size(); ++i)
     if (Status s = refuse("hand", i, scene.hands[i].body); !s) return s;
@@ -253,14 +259,17 @@ Result<SceneFile> parse_world(std::string_view text, const std::string& path, Ot
   read_outputs(keys, file.outputs);
   if (Status s = read_gravity(keys, path, file.scene.gravity, file.files); !s) return s.error();
   std::size_t number = 0;
-  std::set<std::string> skipped;
+  std::map<std::string, bool> skipped;
   for (const toml::table* entry : keys.read_tables(kBodies)) {
     ++number;
-    if (is_of_tets(*entry)) {
+    if (const bool cloth = is_of_cloth(*entry); cloth || is_of_tets(*entry)) {
       if (others == OtherKinds::kRefused)
         return error_at(path, entry->source(),
-                        std::string("a body of kind \"tets\" next to others: ") + kMixedCommands);
-      skipped.insert((*entry)["name"].value_or(std::string()));
+                        std::string("a body of kind \"") + (cloth ? "cloth" : "tets") +
+                            "\" next to others: " + kMixedCommands);
+      skipped.emplace((*entry)["name"].value_or(std::string()), cloth);
+      if (cloth)
+        for (const char* key : kClothSurroundings) keys.find(key);
       continue;
     }
     Copies copies;
@@ -268,6 +277,7 @@ Result<SceneFile> parse_world(std::string_view text, const std::string& path, Ot
     if (!body) return body.error();
     add_copies(*body, copies, file.scene.bodies);
   }
+  file.scene.guests = !skipped.empty();
   number = 0;
   for (const toml::table* entry : keys.read_tables("colliders")) {
     Result<SceneCollider> collider = read_collider(*entry, ++number, path, file.files);

@@ -18,7 +18,7 @@ inline constexpr const char* kClothCommands =
     "--pvd "
     "and --series write what other programs show";
 
-// Commands that accept a scene with bodies of kind "tets" next to others, for errors.
+// Commands that accept a scene with bodies of kind "tets" or "cloth" next to others, for errors.
 inline constexpr const char* kMixedCommands =
     "`tremolo run` runs such a scene and writes its surfaces, `tremolo inspect` shows where its "
     "bodies are";
@@ -40,8 +40,9 @@ Result<bool> is_world(std::string_view text, const std::string& path);
 // kContent with file, line and key for an unknown key or a wrong value, and for errors of
 // check_scene; CSV files with their own lines.
 Result<SceneFile> read_world(const std::string& path);
-// The same of the file's contents. others: bodies of kind "tets" among the others are refused, as
-// by read_world(), or skipped (parse_mixed(), nodal_readers.h).
+// The same of the file's contents. others: bodies of kind "tets" and "cloth" among the others are
+// refused, as by read_world(), or skipped (parse_mixed(), nodal_readers.h); Scene::guests is then
+// set if there are any.
 enum class OtherKinds { kRefused, kSkipped };
 Result<SceneFile> parse_world(std::string_view text, const std::string& path,
                               OtherKinds others = OtherKinds::kRefused);

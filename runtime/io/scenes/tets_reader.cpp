@@ -179,7 +179,7 @@ Result<TetScene> parse_tets_scene(std::string_view text, const std::string& path
 Result<MixedFile> parse_mixed(std::string_view text, const std::string& path) {
   Result<SceneFile> read = parse_world(text, path, OtherKinds::kSkipped);
   if (!read) return read.error();
-  MixedFile mixed{std::move(*read), {}};
+  MixedFile mixed{std::move(*read), {}, {}};
   const Result<toml::table> table = parse_toml(text, path);
   if (!table) return table.error();
   const SceneGravity& gravity = mixed.file.scene.gravity;
@@ -198,10 +198,19 @@ Result<MixedFile> parse_mixed(std::string_view text, const std::string& path) {
     if (!body) return body.error();
     add_copies(*body, copies, mixed.tets);
   }
-  for (const TetSceneBody& body : mixed.tets)
-    if (!names.insert(body.name).second)
-      return content_error(path + ": two bodies are called '" + body.name + "'");
+  if (Status s = read_cloth_bodies(*table, mixed); !s) return s.error();
+  std::vector<std::string> guests;
+  for (const TetSceneBody& body : mixed.tets) guests.push_back(body.name);
+  for (const ClothSceneBody& body : mixed.cloths) guests.push_back(body.name());
+  for (const std::string& name : guests)
+    if (!names.insert(name).second)
+      return content_error(path + ": two bodies are called '" + name + "'");
   return mixed;
+}
+
+void MixedFile::set_guest_step(double step) {
+  for (TetSceneBody& body : tets) body.options.step = step;
+  for (ClothSceneBody& body : cloths) body.scene.options.step = step;
 }
 
 }  // namespace tremolo

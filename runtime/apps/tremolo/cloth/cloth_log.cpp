@@ -20,13 +20,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-SurfaceMesh shape_of(const ClothWorld& world, std::size_t cloth) {
+SurfaceMesh shape_of(const ClothParts& parts, const Eigen::VectorXd& x) {
   SurfaceMesh surface;
-  const Eigen::VectorXd& x = world.positions(cloth);
-  surface.vertices.resize(world.particles(cloth));
+  surface.vertices.resize(parts.particles());
   for (std::size_t i = 0; i < surface.vertices.size(); ++i)
     surface.vertices[i] = x.segment<3>(3 * i);
-  surface.triangles = world.triangles(cloth);
+  surface.triangles = parts.triangles;
   return surface;
 }
 
@@ -41,13 +40,13 @@ RenderSurface file_shape_of(const ClothParts& parts, const Eigen::VectorXd& x) {
   return surface;
 }
 
-Status write_cloth(const ClothWorld& world, std::size_t cloth, const std::string& path) {
-  const ClothParts& parts = world.model(cloth).parts();
-  if (parts.drawn == nullptr) return write_surface(path, shape_of(world, cloth));
-  return write_render_surface(path, file_shape_of(parts, world.positions(cloth)));
-}
-
 }  // namespace
+
+Status write_cloth_surface(const ClothParts& parts, const Eigen::VectorXd& x,
+                           const std::string& path) {
+  if (parts.drawn == nullptr) return write_surface(path, shape_of(parts, x));
+  return write_render_surface(path, file_shape_of(parts, x));
+}
 
 Result<ClothTable> ClothTable::create(const std::string& path, const ClothScene& scene) {
   std::string head =
@@ -135,8 +134,11 @@ Result<bool> ClothLog::observe(const ClothWorld& world) {
       if (Status s = table_->write(world, now); !s) return s.error();
     for (std::size_t i = 0; i < frames_.size(); ++i)
       if (frames_[i].due(world.steps()))
-        if (Status s = frames_[i].write(
-                world.time(), [&](const std::string& path) { return write_cloth(world, i, path); });
+        if (Status s = frames_[i].write(world.time(),
+                                        [&](const std::string& path) {
+                                          return write_cloth_surface(world.model(i).parts(),
+                                                                     world.positions(i), path);
+                                        });
             !s)
           return s.error();
   }

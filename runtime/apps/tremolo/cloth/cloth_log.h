@@ -10,11 +10,16 @@
 
 #include "common/result.h"
 #include "runtime/apps/tremolo/run/log_files.h"
+#include "runtime/bodies/cloth/cloth_parts.h"
 #include "runtime/bodies/cloth/cloth_world.h"
 #include "runtime/io/scenes/nodal_readers.h"
 #include "runtime/math/state.h"
 
 namespace tremolo {
+
+// Writes the surface of a cloth with its particles at x, 3n.
+Status write_cloth_surface(const ClothParts& parts, const Eigen::VectorXd& x,
+                           const std::string& path);
 
 // Columns: t (s), kinetic, elastic, gravity, total, damped, wind, pins, contact, numerical (J; as
 // ClothEnergy), px py pz (kg m/s), lx ly lz (kg m^2/s), penetration (m), and NAMEx NAMEy NAMEz (m)

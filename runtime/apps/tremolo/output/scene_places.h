@@ -19,7 +19,7 @@ namespace tremolo {
 // A body at t = 0.
 struct PlacedBody {
   std::string name;
-  std::string kind;                      // "fixed", "driven", "free", "tets"
+  std::string kind;                      // "fixed", "driven", "free", "tets", "cloth"
   std::string model;                     // file
   Pose pose;                             // of its frame
   std::vector<Eigen::Vector3d> surface;  // vertices of its boundary, m, in the world

@@ -5,7 +5,7 @@
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/world/world_commands.h"
 #include "runtime/world/scene_world.h"
-#include "runtime/world/world_tets.h"
+#include "runtime/world/world_guests.h"
 
 namespace tremolo {
 namespace {
@@ -36,20 +36,27 @@ void warn_of_step(const PlacedBody& body, double step, ScenePlaces& places) {
   if (!warning.empty()) places.warnings.push_back(warning);
 }
 
-// Bodies of tetrahedra follow the others.
-Status add_tets_places(const MixedFile& mixed, SceneWorld& world, ScenePlaces& places) {
-  if (mixed.tets.empty()) return Success{};
-  const Result<WorldTets> tets = add_tets(mixed.tets, mixed.file.path, world);
-  if (!tets) return tets.error();
+// Bodies of tetrahedra follow the others, then cloths.
+Status add_guest_places(const MixedFile& mixed, SceneWorld& world, ScenePlaces& places) {
+  if (!mixed.has_guests()) return Success{};
+  const Result<WorldGuests> guests = add_guests(mixed.tets, mixed.cloths, mixed.file.path, world);
+  if (!guests) return guests.error();
   for (std::size_t i = 0; i < mixed.tets.size(); ++i)
     places.bodies.push_back(
-        placed_tets(mixed.tets[i], *tets->kind(i).surface, tets->guests->body(i)));
+        placed_tets(mixed.tets[i], *guests->kind(i).surface, guests->guests->tets(i)->body()));
+  for (std::size_t i = 0; i < mixed.cloths.size(); ++i) {
+    const ClothBody& body = guests->guests->cloth(guests->of_cloth(i))->body();
+    PlacedBody place{mixed.cloths[i].name(), "cloth", body.cloth().file, {}, {}, {}};
+    for (Eigen::Index k = 0; k < body.state().x.size(); k += 3)
+      place.surface.push_back(body.state().x.segment<3>(k));
+    places.bodies.push_back(std::move(place));
+  }
   return Success{};
 }
 
 Result<ScenePlaces> places_of(const MixedFile& mixed) {
   const SceneFile& file = mixed.file;
-  Result<SceneWorld> world = SceneWorld::create(file.scene, load_scene_model, !mixed.tets.empty());
+  Result<SceneWorld> world = SceneWorld::create(file.scene, load_scene_model, mixed.has_guests());
   if (!world) return error_of_file(file.path, value_error(world.error()));
   ScenePlaces places{
       file.path, "a world of bodies", world->step_size(), file.scene.duration, true, {}, {}, {}};
@@ -62,7 +69,7 @@ Result<ScenePlaces> places_of(const MixedFile& mixed) {
     warn_of_step(*body, places.step, places);
     places.bodies.push_back(std::move(*body));
   }
-  if (Status s = add_tets_places(mixed, *world, places); !s) return s.error();
+  if (Status s = add_guest_places(mixed, *world, places); !s) return s.error();
   for (std::size_t c = 0; c < world->colliders().size(); ++c) {
     const PlacedCollider& collider = world->colliders()[c];
     places.colliders.push_back({file.scene.colliders[c].name, collider.shape, collider.start});

@@ -20,10 +20,12 @@
 #include "runtime/apps/tremolo/run/run_files.h"
 #include "runtime/apps/tremolo/start/run_notes.h"
 #include "runtime/apps/tremolo/world/body_log.h"
+#include "runtime/apps/tremolo/world/guest_report.h"
+#include "runtime/apps/tremolo/world/guest_runs.h"
 #include "runtime/apps/tremolo/world/world_commands.h"
 #include "runtime/apps/tremolo/world/world_report.h"
 #include "runtime/apps/tremolo/world/world_sound.h"
-#include "runtime/apps/tremolo/world/world_tets_run.h"
+#include "runtime/world/world_guests.h"
 
 namespace tremolo {
 namespace {
@@ -44,12 +46,12 @@ RunOutputs outputs_of(const MixedFile& mixed) {
   outputs.add(file.outputs.wav);
   std::vector<std::string> names;
   for (const SceneBody& body : file.scene.bodies) names.push_back(body.name);
-  for (const TetSceneBody& body : mixed.tets) names.push_back(body.name);
+  for (const std::string& name : guest_names(mixed)) names.push_back(name);
   outputs.add_folder(out, names);
   outputs.add_files(out, {kReportName});
   for (const SceneBody& body : file.scene.bodies)
     if (!out.empty()) outputs.add_files((fs::path(out) / body.name).string(), body_files());
-  add_tets_outputs(mixed, outputs);
+  add_guest_outputs(mixed, outputs);
   return outputs;
 }
 
@@ -75,7 +77,7 @@ void tell_end(const std::vector<BodyLog>& logs, WorldEnding& ending) {
 // Steps the world to the end of its time. clock: s, of the steps. sound: null without --wav. An
 // orbit or a step that fails ends the run.
 Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
-                                 std::vector<BodyLog>& logs, WorldTetsRun& tets, WorldSound* sound,
+                                 std::vector<BodyLog>& logs, GuestRuns& guests, WorldSound* sound,
                                  double (*clock)()) {
   const Interruption interruption;
   ToldProgress progress(fs::path(file.path).stem().string(), file.scene.duration);
@@ -83,7 +85,7 @@ Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
   const std::int64_t before_it = world.steps();
   WorldEnding ending;
   Result<bool> inside = observe_all(world, logs);
-  if (Status s = tets.observe(); !s) return s.error();
+  if (Status s = guests.observe(); !s) return s.error();
   if (sound != nullptr) sound->add(world);
   while (inside && *inside && world.steps() < steps && ending.exit_code == 0) {
     const double before = clock();
@@ -91,10 +93,10 @@ Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
     ending.seconds += clock() - before;
     for (const auto& [body, report] : failures) logs[body].give_up(report, world.body(body).time());
     inside = observe_all(world, logs);
-    if (Status s = tets.observe(); !s) return s.error();
+    if (Status s = guests.observe(); !s) return s.error();
     if (sound != nullptr) sound->add(world);
     tell_end(logs, ending);
-    tets.ended(ending);
+    guests.ended(ending);
     progress.reached(world.time());
     ending.interrupted(interruption.signal(), world.time());
   }
@@ -160,7 +162,7 @@ Result<SceneWorld> make_world(SceneFile& file, bool guests) {
 
 Result<SceneRun> run_world(MixedFile mixed, unsigned threads) {
   SceneFile& file = mixed.file;
-  Result<SceneWorld> world = make_world(file, !mixed.tets.empty());
+  Result<SceneWorld> world = make_world(file, mixed.has_guests());
   if (!world) return error_of_file(file.path, value_error(world.error()));
   if (Status s = world->set_threads(threads); !s) return s.error();
   if (Status s = begin_where_saved(file, *world); !s) return s.error();
@@ -169,9 +171,13 @@ Result<SceneRun> run_world(MixedFile mixed, unsigned threads) {
   };
   for (std::size_t i = 0; i < world->size(); ++i)
     if (Status s = check_columns(*world, i); !s) return of_body(i, s.error());
-  for (TetSceneBody& body : mixed.tets) body.options.step = file.scene.step;
-  Result<WorldTetsRun> tets = WorldTetsRun::create(mixed, *world);
-  if (!tets) return tets.error();
+  mixed.set_guest_step(file.scene.step);
+  WorldGuests made;
+  if (mixed.has_guests())
+    if (Status s = take(made, add_guests(mixed.tets, mixed.cloths, file.path, *world)); !s)
+      return s.error();
+  Result<GuestRuns> guests = GuestRuns::create(mixed, made);
+  if (!guests) return guests.error();
   std::vector<BodyLog> logs;
   SharedLooks shared;
   for (std::size_t i = 0; i < world->size(); ++i) {
@@ -188,31 +194,31 @@ Result<SceneRun> run_world(MixedFile mixed, unsigned threads) {
       return error_of_file(file.path, s.error());
   const auto clock = threads == 1 ? processor_time : wall_time;
   Result<WorldEnding> ending =
-      follow_world(file, *world, logs, *tets, sound ? &*sound : nullptr, clock);
+      follow_world(file, *world, logs, *guests, sound ? &*sound : nullptr, clock);
   if (!ending) return ending.error();
   for (BodyLog& log : logs)
     if (Status s = log.finish(*world); !s) return s.error();
-  if (Status s = tets->finish(); !s) return s.error();
+  if (Status s = guests->finish(); !s) return s.error();
   tell_end(logs, *ending);
   if (Status s = save_end(file, *world, *ending); !s) return s.error();
   if (sound && (ending->exit_code == 0 || ending->signal != 0))
     if (Status s = sound->write(file.outputs.wav); !s) return s.error();
   tell("{}: {} bodies reached {:.6g} of {:.6g} s in steps of {:.4g} s, {:.2f} us each\n",
-       fs::path(file.path).stem().string(), world->size() + tets->size(), world->time(),
+       fs::path(file.path).stem().string(), world->size() + guests->size(), world->time(),
        file.scene.duration, world->step_size(),
        1e6 * ending->seconds / static_cast<double>(ending->steps));
   print_bodies(file, *world, logs);
-  tets->print();
+  guests->print();
   Warnings warnings = world_warnings(file.scene, *world);
   if (sound)
     for (std::string& warning :
          sound_warnings(*world, 1.0 / (world->step_size() * file.outputs.sound_steps)))
       warnings.push_back(std::move(warning));
   print_warnings(warnings);
-  std::vector<std::string> written = tets->files();
+  std::vector<std::string> written = guests->files();
   for (const BodyLog& log : logs)
     written.insert(written.end(), log.report().files.begin(), log.report().files.end());
-  return SceneRun{world_json(file, *world, logs, *tets, *ending, warnings), *ending,
+  return SceneRun{world_json(file, *world, logs, guests->json(), *ending, warnings), *ending,
                   std::move(written)};
 }
 
@@ -247,6 +253,8 @@ std::vector<NamedFile> inputs_of(const MixedFile& mixed) {
   std::vector<NamedFile> inputs = inputs_of(mixed.file);
   for (const TetSceneBody& body : mixed.tets)
     inputs.push_back({body.model, "a file of tetrahedra"});
+  for (const ClothSceneBody& body : mixed.cloths)
+    if (!body.cloth().file.empty()) inputs.push_back({body.cloth().file, "a cloth's mesh", true});
   return inputs;
 }
 

@@ -87,16 +87,16 @@ Status apply_flags(const RunOptions& flags, const std::function<bool(const char*
 
 Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
                    MixedFile& mixed) {
-  if (!mixed.tets.empty())
+  if (mixed.has_guests())
     for (const char* flag : {"--integrator", "--alpha", "--beta", "--damping-ratio", "--tolerance",
                              "--max-iterations"})
       if (given(flag))
         return usage_error(
-            fmt::format("{}: bodies of tetrahedra and the others have methods of their own: set it "
-                        "in the scene",
-                        flag));
+            fmt::format("{}: bodies of {} and the others have methods of their own: set it in the "
+                        "scene",
+                        flag, mixed.tets.empty() ? "cloth" : "tetrahedra"));
   if (Status s = apply_flags(flags, given, mixed.file); !s) return s;
-  for (TetSceneBody& body : mixed.tets) body.options.step = mixed.file.scene.step;
+  mixed.set_guest_step(mixed.file.scene.step);
   return Success{};
 }
 

@@ -163,7 +163,8 @@ Warnings world_warnings(const Scene& scene, const SceneWorld& world) {
 }
 
 Json world_json(const SceneFile& file, const SceneWorld& world, const std::vector<BodyLog>& logs,
-                const WorldTetsRun& tets, const WorldEnding& ending, const Warnings& warnings) {
+                const std::vector<Json>& guests, const WorldEnding& ending,
+                const Warnings& warnings) {
   Json json;
   json["schema"] = kReportSchema;
   json["scene"] = file.path;
@@ -182,7 +183,7 @@ Json world_json(const SceneFile& file, const SceneWorld& world, const std::vecto
   json["bodies"] = Json::array();
   for (std::size_t i = 0; i < logs.size(); ++i)
     json["bodies"].push_back(body_json(file.scene.bodies[i], logs[i].report()));
-  for (std::size_t i = 0; i < tets.size(); ++i) json["bodies"].push_back(tets.body_json(i));
+  for (const Json& guest : guests) json["bodies"].push_back(guest);
   json["joints"] = Json::array();
   for (std::size_t i = 0; i < file.scene.joints.size(); ++i)
     json["joints"].push_back(joint_json(file.scene.joints[i], world.joint(i)));

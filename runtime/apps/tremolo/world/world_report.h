@@ -9,7 +9,6 @@
 #include "runtime/apps/tremolo/output/warnings.h"
 #include "runtime/apps/tremolo/world/body_log.h"
 #include "runtime/apps/tremolo/world/scene_ending.h"
-#include "runtime/apps/tremolo/world/world_tets_run.h"
 #include "runtime/io/scenes/scene_reader.h"
 #include "runtime/world/scene_world.h"
 
@@ -25,7 +24,8 @@ struct WorldEnding : SceneEnding {
 Warnings world_warnings(const Scene& scene, const SceneWorld& world);
 
 nlohmann::ordered_json world_json(const SceneFile& file, const SceneWorld& world,
-                                  const std::vector<BodyLog>& logs, const WorldTetsRun& tets,
+                                  const std::vector<BodyLog>& logs,
+                                  const std::vector<nlohmann::ordered_json>& guests,
                                   const WorldEnding& ending, const Warnings& warnings);
 
 // Prints the energies, contacts and files of the first bodies.

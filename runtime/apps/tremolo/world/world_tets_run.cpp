@@ -2,30 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/output/text_values.h"
-#include "runtime/apps/tremolo/run/run_files.h"
+#include "runtime/apps/tremolo/world/guest_report.h"
 
 namespace tremolo {
 
-Result<WorldTetsRun> WorldTetsRun::create(const MixedFile& mixed, SceneWorld& world) {
+Result<WorldTetsRun> WorldTetsRun::create(const MixedFile& mixed, const WorldGuests& guests) {
   WorldTetsRun run;
   run.mixed_ = &mixed;
-  if (mixed.tets.empty()) return run;
-  if (Status s = take(run.tets_, add_tets(mixed.tets, mixed.file.path, world)); !s)
-    return s.error();
+  run.tets_ = &guests;
   TetScene scene;
   scene.bodies = mixed.tets;
   scene.outputs = mixed.file.outputs;
   scene.step = mixed.file.scene.step;
   scene.duration = mixed.file.scene.duration;
   for (std::size_t i = 0; i < mixed.tets.size(); ++i) {
-    Result<TetsLog> log = TetsLog::create(scene, run.tets_.kind(i), i);
+    Result<TetsLog> log = TetsLog::create(scene, run.tets_->kind(i), i);
     if (!log) return log.error();
     run.logs_.push_back(std::move(*log));
   }
@@ -36,12 +33,12 @@ Result<WorldTetsRun> WorldTetsRun::create(const MixedFile& mixed, SceneWorld& wo
 // The energy put in is the work of gravity and of contact.
 void WorldTetsRun::watch(std::size_t i, bool first) {
   Watched& watched = watched_[i];
-  TetBody& body = tets_.guests->body(i);
+  TetBody& body = tets_->guests->tets(i)->body();
   watched.now = {body.kinetic_energy(), body.elastic_energy(), body.gravity_energy(),
-                 tets_.guests->account(i).energy};
+                 tets_->guests->account(i).energy};
   watched.momenta_now = {body.momentum(), body.angular_momentum()};
   const double own = watched.now.kinetic + watched.now.elastic;
-  const double work = tets_.guests->sums(i).work;
+  const double work = tets_->guests->sums(i).work;
   if (first) {
     watched.start = watched.now;
     watched.momenta_start = watched.momenta_now;
@@ -54,7 +51,7 @@ void WorldTetsRun::watch(std::size_t i, bool first) {
   watched.gravity_before = watched.now.gravity;
   watched.energy_max = std::max(watched.energy_max, watched.now.total());
   if (watched.exit_code != 0) return;
-  if (tets_.guests->failed(i)) {
+  if (tets_->guests->failed(i)) {
     watched.exit_code = exit_code(ErrorKind::kSolver);
     watched.reason = fmt::format(
         "the step from t = {:.6g} s could not be solved: take a shorter step", body.time());
@@ -69,14 +66,14 @@ void WorldTetsRun::watch(std::size_t i, bool first) {
 Status WorldTetsRun::observe() {
   for (std::size_t i = 0; i < logs_.size(); ++i) {
     if (watched_[i].exit_code != 0) continue;
-    TetBody& body = tets_.guests->body(i);
-    const TetSurface& surface = *tets_.kind(i).surface;
+    TetBody& body = tets_->guests->tets(i)->body();
+    const TetSurface& surface = *tets_->kind(i).surface;
     vertices_.resize(surface.vertices());
     normals_.resize(surface.vertices());
     surface.place(body.positions(), vertices_, normals_);
     watch(i, !started_);
-    if (Status s = logs_[i].observe(body, tets_.guests->report(i), vertices_, normals_,
-                                    tets_.guests->account(i).active > 0);
+    if (Status s = logs_[i].observe(body, tets_->guests->tets(i)->report(), vertices_, normals_,
+                                    tets_->guests->account(i).active > 0);
         !s)
       return s;
   }
@@ -101,8 +98,8 @@ Status WorldTetsRun::finish() {
 
 nlohmann::ordered_json WorldTetsRun::body_json(std::size_t i) const {
   const Watched& watched = watched_[i];
-  const ContactSums& sums = tets_.guests->sums(i);
-  const TetBody& body = tets_.guests->body(i);
+  const ContactSums& sums = tets_->guests->sums(i);
+  const TetBody& body = tets_->guests->tets(i)->body();
   nlohmann::ordered_json json = tets_report_json(mixed_->tets[i], body, logs_[i].report());
   json["kind"] = "tets";
   json["linear_momentum_initial"] = vector_json(watched.momenta_start.linear);
@@ -120,14 +117,7 @@ nlohmann::ordered_json WorldTetsRun::body_json(std::size_t i) const {
                              {"friction", number_or_null(0.0 - sums.friction_loss)},
                              {"restitution", number_or_null(0.0 - sums.lost)},
                              {"method", number_or_null(method)}};
-  json["contacts"] = tets_.guests->contacts(i);
-  json["contact_points_final"] = tets_.guests->account(i).active;
-  json["contact_force_final"] =
-      vector_json(tets_.guests->account(i).impulse_vector / body.options().step);
-  json["contact_energy"] = number_or_null(watched.now.contact);
-  json["contact_error"] = number_or_null(sums.error);
-  json["penetration_max"] = number_or_null(tets_.guests->penetration_max(i));
-  json["asleep"] = false;
+  add_guest_contacts(*tets_->guests, i, body.options().step, json);
   json["exit_code"] = watched.exit_code;
   json["reason"] = watched.reason.empty() ? nlohmann::ordered_json(nullptr)
                                           : nlohmann::ordered_json(watched.reason);
@@ -137,13 +127,13 @@ nlohmann::ordered_json WorldTetsRun::body_json(std::size_t i) const {
 void WorldTetsRun::print() const {
   for (std::size_t i = 0; i < logs_.size(); ++i) {
     const TetsReport& report = logs_[i].report();
-    const ContactSums& sums = tets_.guests->sums(i);
+    const ContactSums& sums = tets_->guests->sums(i);
     tell(
         "  {} (tets, {}): energy {:.6g} -> {:.6g} J; contact {:.4g}, restitution {:.4g}, friction "
         "{:.4g} J; {} contacts, its points {:.3g} m deep at most\n",
         mixed_->tets[i].name, tet_method_name(mixed_->tets[i].options.method),
         watched_[i].start.total(), watched_[i].now.total(), sums.given, 0.0 - sums.lost,
-        0.0 - sums.friction_loss, tets_.guests->contacts(i), tets_.guests->penetration_max(i));
+        0.0 - sums.friction_loss, tets_->guests->contacts(i), tets_->guests->penetration_max(i));
     if (!report.files.empty()) tell("    wrote {}\n", list_files(report.files));
   }
 }
@@ -153,13 +143,6 @@ std::vector<std::string> WorldTetsRun::files() const {
   for (const TetsLog& log : logs_)
     files.insert(files.end(), log.report().files.begin(), log.report().files.end());
   return files;
-}
-
-void add_tets_outputs(const MixedFile& mixed, RunOutputs& outputs) {
-  const std::string& out = mixed.file.outputs.out;
-  if (out.empty()) return;
-  for (const TetSceneBody& body : mixed.tets)
-    outputs.add_files((std::filesystem::path(out) / body.name).string(), {kTableName, kFramesName});
 }
 
 }  // namespace tremolo

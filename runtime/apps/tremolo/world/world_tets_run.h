@@ -8,18 +8,17 @@
 
 #include "common/result.h"
 #include "runtime/apps/tremolo/measure/tets_log.h"
-#include "runtime/apps/tremolo/run/run_files.h"
 #include "runtime/apps/tremolo/world/scene_ending.h"
 #include "runtime/energy_bound.h"
-#include "runtime/world/world_tets.h"
+#include "runtime/world/world_guests.h"
 
 namespace tremolo {
 
 class WorldTetsRun {
  public:
-  // Adds the bodies to the world and makes their folders. mixed: may have no bodies of tetrahedra;
-  // it must outlive this object. Errors: those of add_tets() and TetsLog::create().
-  static Result<WorldTetsRun> create(const MixedFile& mixed, SceneWorld& world);
+  // Makes the folders of the bodies. mixed: may have no bodies of tetrahedra; it and guests must
+  // outlive this object. Errors: those of TetsLog::create().
+  static Result<WorldTetsRun> create(const MixedFile& mixed, const WorldGuests& guests);
 
   // Takes the start and then every step.
   Status observe();
@@ -53,15 +52,12 @@ class WorldTetsRun {
   void watch(std::size_t i, bool first);
 
   const MixedFile* mixed_ = nullptr;
-  WorldTets tets_;
+  const WorldGuests* tets_ = nullptr;
   std::vector<TetsLog> logs_;
   std::vector<Watched> watched_;
   bool started_ = false;
   std::vector<Eigen::Vector3d> vertices_;
   std::vector<Eigen::Vector3f> normals_;
 };
-
-// Adds the files that a run writes for the bodies of tetrahedra.
-void add_tets_outputs(const MixedFile& mixed, RunOutputs& outputs);
 
 }  // namespace tremolo

@@ -1,15 +1,16 @@
-// Bodies of tetrahedra in the islands of a BodyGroup, under one contact law with its bodies and
-// colliders (docs/theory.md, section "Contact").
+// Bodies of tetrahedra and cloths in the islands of a BodyGroup, under one contact law with its
+// bodies and colliders (docs/theory.md, section "Contact").
 //
-// Bodies that may be in contact in a step form an island. An island with bodies of tetrahedra is
-// solved by MixedIsland. A body of tetrahedra that nothing is near takes its own step, with the
-// same bits as without a group.
+// Bodies that may be in contact in a step form an island. An island with guests is solved by
+// MixedIsland. A guest that nothing is near takes its own step, with the same bits as without a
+// group. Cloths pass through each other and themselves.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -19,7 +20,9 @@
 #include "runtime/contact/solve/island_guests.h"
 #include "runtime/contact_body.h"
 #include "runtime/mixed/bent_contact.h"
+#include "runtime/mixed/cloth_step.h"
 #include "runtime/mixed/collider_contact.h"
+#include "runtime/mixed/guest_step.h"
 #include "runtime/mixed/hull_contact.h"
 #include "runtime/mixed/mixed_island.h"
 #include "runtime/mixed/reduced_pair.h"
@@ -28,38 +31,42 @@
 
 namespace tremolo {
 
-class TetGuests final : public IslandGuests {
+class MixedGuests final : public IslandGuests {
  public:
   // step: s, that of all bodies.
-  explicit TetGuests(double step) : step_(step) {}
+  explicit MixedGuests(double step) : step_(step) {}
 
-  // Adds a body and returns its number. Errors (kUsage), with the name: another step; a grab;
-  // contact options out of range.
+  // Add a body and return its number. Errors (kUsage), with the name: another step; a grab; contact
+  // options out of range; a cloth without thickness, or with a method that has no equation for
+  // contact (cloth_step.h).
   // hull: with which points of other bodies collide; null, or without distances: they pass through.
   Result<std::size_t> add(std::string name, TetBody body, const ContactOptions& contact = {},
                           TetHullPointer hull = nullptr);
+  // contact: stiffness or modulus alone; the cloth itself has the rest.
+  Result<std::size_t> add(ClothBody body, const ContactOptions& contact = {});
 
-  const std::string& name(std::size_t i) const { return tets_[i]->name; }
-  TetBody& body(std::size_t i) { return tets_[i]->body; }
-  const TetBody& body(std::size_t i) const { return tets_[i]->body; }
+  const std::string& name(std::size_t i) const { return guests_[i]->name; }
+  // Null: the guest is of the other kind.
+  TetStep* tets(std::size_t i) { return guests_[i]->tets; }
+  const TetStep* tets(std::size_t i) const { return guests_[i]->tets; }
+  ClothStep* cloth(std::size_t i) { return guests_[i]->cloth; }
+  const ClothStep* cloth(std::size_t i) const { return guests_[i]->cloth; }
   // Of the last step.
-  const TetStepReport& report(std::size_t i) const { return tets_[i]->step.report(); }
-  const ContactAccount& account(std::size_t i) const { return tets_[i]->step.account(); }
+  const ContactAccount& account(std::size_t i) const { return guests_[i]->step->account(); }
   // Sums since the start.
-  const ContactSums& sums(std::size_t i) const { return tets_[i]->sums; }
-  std::int64_t contacts(std::size_t i) const { return tets_[i]->contacts; }  // that began
-  double penetration_max(std::size_t i) const { return tets_[i]->deepest; }  // m
+  const ContactSums& sums(std::size_t i) const { return guests_[i]->sums; }
+  std::int64_t contacts(std::size_t i) const { return guests_[i]->contacts; }  // that began
+  double penetration_max(std::size_t i) const { return guests_[i]->deepest; }  // m
   // A body whose step failed is as before it and is not stepped again.
-  bool failed(std::size_t i) const { return tets_[i]->failed; }
-  // The largest distance of a contact point within the margin of something now, and the deepest
-  // point inside a collider, m.
+  bool failed(std::size_t i) const { return guests_[i]->failed; }
+  // The deepest contact point inside one of the colliders now, and the margin, m.
   double deepest_in(std::size_t i, std::span<const PlacedCollider> colliders) const;
-  double margin(std::size_t i) const { return tets_[i]->step.area_law().margin; }
+  double margin(std::size_t i) const { return guests_[i]->step->area_law().margin; }
   // Of the last step: iterations of all islands together, and the number of bodies in them.
   const MixedReport& mixed_report() const { return report_; }
   std::size_t in_islands() const { return in_islands_; }
 
-  std::size_t size() const override { return tets_.size(); }
+  std::size_t size() const override { return guests_.size(); }
   void start(std::span<const PlacedCollider> colliders) override;
   void find_contacts(std::span<ContactStep* const> contacts) override;
   std::span<const std::pair<std::size_t, std::size_t>> links() const override { return links_; }
@@ -69,20 +76,18 @@ class TetGuests final : public IslandGuests {
   void step_others(std::span<const std::size_t> roots) override;
 
  private:
-  struct Tets {
+  struct Guest {
     std::string name;
-    TetBody body;
-    TetStep step;
-    ContactSums sums;
+    // One of these has a value. They do not move, because their steps have their addresses.
+    std::optional<TetBody> tet_body = {};
+    std::optional<ClothBody> cloth_body = {};
+    std::unique_ptr<GuestStep> step = {};
+    TetStep* tets = nullptr;     // the step of tetrahedra, or null
+    ClothStep* cloth = nullptr;  // that of a cloth, or null
+    ContactSums sums = {};
     std::int64_t contacts = 0;
     double deepest = 0.0;
     bool failed = false, touched = false;
-
-    Tets(std::string of, TetBody made, std::shared_ptr<const TetPoints> points,
-         const ContactOptions& contact, TetHullPointer hull)
-        : name(std::move(of)),
-          body(std::move(made)),
-          step(body, std::move(points), contact, std::move(hull)) {}
   };
   // Contact of the points of `first` with `second`: members by their numbers in links(), of which
   // one is that of a guest; kNobody: a collider.
@@ -106,7 +111,7 @@ class TetGuests final : public IslandGuests {
   void book(std::size_t guest);
 
   double step_;
-  std::vector<std::unique_ptr<Tets>> tets_;
+  std::vector<std::unique_ptr<Guest>> guests_;
   std::vector<std::pair<const TetModel*, std::shared_ptr<const TetPoints>>> points_;
   std::span<const PlacedCollider> colliders_;
   std::size_t bodies_ = 0;  // of the group

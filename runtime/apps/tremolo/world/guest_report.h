@@ -1,0 +1,26 @@
+// Parts of a run's report and files that all kinds of guests of a world have: bodies of tetrahedra
+// and cloths.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "runtime/apps/tremolo/run/run_files.h"
+#include "runtime/io/scenes/nodal_readers.h"
+#include "runtime/mixed/mixed_guests.h"
+
+namespace tremolo {
+
+// Adds the contacts of a guest. h: the step, s.
+void add_guest_contacts(const MixedGuests& guests, std::size_t guest, double h,
+                        nlohmann::ordered_json& json);
+
+// Names of bodies of tetrahedra, then of cloths.
+std::vector<std::string> guest_names(const MixedFile& mixed);
+
+// Adds the files that a run writes for the guests.
+void add_guest_outputs(const MixedFile& mixed, RunOutputs& outputs);
+
+}  // namespace tremolo

@@ -1,0 +1,36 @@
+// All guests in a run of a world: bodies of tetrahedra, then cloths.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "runtime/apps/tremolo/world/world_cloth_run.h"
+#include "runtime/apps/tremolo/world/world_tets_run.h"
+
+namespace tremolo {
+
+class GuestRuns {
+ public:
+  // mixed, guests: must outlive this object. Errors: those of WorldTetsRun and WorldClothRun.
+  static Result<GuestRuns> create(const MixedFile& mixed, const WorldGuests& guests);
+
+  // Takes the start and then every step.
+  Status observe();
+  // Sets the ending of the first body whose step failed or whose energy left its bound.
+  void ended(SceneEnding& ending) const;
+  // Renames the files from their temporary names.
+  Status finish();
+
+  std::size_t size() const { return tets_.size() + cloths_.size(); }
+  std::vector<nlohmann::ordered_json> json() const;  // one per body
+  void print() const;
+  std::vector<std::string> files() const;  // paths of all that was written
+
+ private:
+  WorldTetsRun tets_;
+  WorldClothRun cloths_;
+};
+
+}  // namespace tremolo

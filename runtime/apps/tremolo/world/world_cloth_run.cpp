@@ -1,0 +1,230 @@
+#include "runtime/apps/tremolo/world/world_cloth_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iterator>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "runtime/apps/tremolo/cloth/cloth_log.h"
+#include "runtime/apps/tremolo/output/tell.h"
+#include "runtime/apps/tremolo/output/text_values.h"
+#include "runtime/apps/tremolo/world/guest_report.h"
+#include "runtime/energy_bound.h"
+
+namespace tremolo {
+namespace {
+
+constexpr const char* kClothColumns =
+    "t,kinetic,elastic,contact,total,gravity,wind,support,contact_given,restitution,friction,"
+    "damping,method,px,py,pz,lx,ly,lz,penetration";
+
+}  // namespace
+
+double WorldClothRun::Account::turnover() const {
+  double sum = 0.0;
+  for (const double part : {work.gravity, work.wind, work.pins, work.damped, given, restitution,
+                            friction, work.numerical})
+    sum += std::abs(part);
+  return sum;
+}
+
+double WorldClothRun::Watched::balance_error() const {
+  const double most = std::max(energy_max, turnover_max);
+  return most > 0.0 ? remainder_max / most : 0.0;
+}
+
+Result<WorldClothRun> WorldClothRun::create(const MixedFile& mixed, const WorldGuests& guests) {
+  WorldClothRun run;
+  run.mixed_ = &mixed;
+  run.guests_ = &guests;
+  const std::int64_t steps = std::llround(mixed.file.scene.duration / mixed.file.scene.step);
+  for (const ClothSceneBody& body : mixed.cloths) {
+    SceneOutputs outputs = mixed.file.outputs;
+    CsvTable table;
+    if (!outputs.out.empty()) {
+      outputs.out = (std::filesystem::path(outputs.out) / body.name()).string();
+      if (Status s = make_run_folder(outputs.out); !s) return s.error();
+      const std::string csv = (std::filesystem::path(outputs.out) / kTableName).string();
+      if (Status s = take(table, CsvTable::create(csv, kClothColumns)); !s) return s.error();
+    }
+    run.watched_.push_back({.start = {},
+                            .now = {},
+                            .momenta_start = {},
+                            .momenta_now = {},
+                            .reason = {},
+                            .table = std::move(table),
+                            .frames = Frames(outputs, steps)});
+  }
+  return run;
+}
+
+WorldClothRun::Account WorldClothRun::account_of(std::size_t i) const {
+  const ClothBody& body = step_of(i).body();
+  const ContactSums& sums = guests_->guests->sums(number(i));
+  return {.kinetic = body.kinetic_energy(),
+          .elastic = body.elastic_energy(),
+          .contact = guests_->guests->account(number(i)).energy,
+          .work = body.work(),
+          .given = sums.given,
+          .restitution = 0.0 - sums.lost,
+          .friction = 0.0 - sums.friction_loss};
+}
+
+void WorldClothRun::watch(std::size_t i, bool first) {
+  Watched& watched = watched_[i];
+  const ClothBody& body = step_of(i).body();
+  watched.now = account_of(i);
+  watched.momenta_now = body.momenta();
+  if (first) {
+    watched.start = watched.now;
+    watched.momenta_start = watched.momenta_now;
+  }
+  const Account &now = watched.now, &start = watched.start;
+  watched.energy_max = std::max(watched.energy_max, now.total());
+  watched.turnover_max = std::max(watched.turnover_max, now.turnover());
+  watched.remainder_max =
+      std::max(watched.remainder_max, std::abs(now.total() - start.total() - now.by_causes()));
+  if (watched.exit_code != 0) return;
+  const double own = now.kinetic + now.elastic;
+  if (guests_->guests->failed(number(i))) {
+    watched.exit_code = exit_code(ErrorKind::kSolver);
+    watched.reason = fmt::format(
+        "the step from t = {:.6g} s could not be solved: take a shorter step", body.time());
+  } else if (!std::isfinite(own) || own > kEnergyBound * (start.total() + now.turnover())) {
+    watched.exit_code = exit_code(ErrorKind::kBound);
+    watched.reason = fmt::format(
+        "at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that was put in",
+        body.time(), own, kEnergyBound);
+  }
+}
+
+Status WorldClothRun::write(std::size_t i) {
+  Watched& watched = watched_[i];
+  const ClothBody& body = step_of(i).body();
+  const SceneOutputs& outputs = mixed_->file.outputs;
+  if (watched.table.is_written() && body.steps() % outputs.every == 0) {
+    const Account& now = watched.now;
+    const Momenta& momenta = watched.momenta_now;
+    auto out = std::back_inserter(watched.table.row());
+    fmt::format_to(out, "{:.9g}", body.time());
+    for (const double value :
+         {now.kinetic, now.elastic, now.contact, now.total(), now.work.gravity, now.work.wind,
+          now.work.pins, now.given, now.restitution, now.friction, -now.work.damped,
+          now.work.numerical, momenta.linear.x(), momenta.linear.y(), momenta.linear.z(),
+          momenta.angular.x(), momenta.angular.y(), momenta.angular.z(),
+          guests_->guests->penetration_max(number(i))})
+      fmt::format_to(out, ",{:.12g}", value);
+    if (Status s = watched.table.end_row(); !s) return s;
+  }
+  if (!watched.frames.due(body.steps())) return Success{};
+  return watched.frames.write(body.time(), [&body](const std::string& path) {
+    return write_cloth_surface(body.model().parts(), body.state().x, path);
+  });
+}
+
+Status WorldClothRun::observe() {
+  for (std::size_t i = 0; i < watched_.size(); ++i) {
+    if (watched_[i].exit_code != 0) continue;
+    watch(i, !started_);
+    if (Status s = write(i); !s) return s;
+  }
+  started_ = true;
+  return Success{};
+}
+
+bool WorldClothRun::ended(SceneEnding& ending) const {
+  for (std::size_t i = 0; i < watched_.size(); ++i) {
+    if (watched_[i].exit_code == 0 || ending.exit_code != 0) continue;
+    ending.exit_code = watched_[i].exit_code;
+    ending.reason = "body '" + mixed_->cloths[i].name() + "': " + watched_[i].reason;
+  }
+  return ending.exit_code != 0;
+}
+
+Status WorldClothRun::finish() {
+  for (std::size_t i = 0; i < watched_.size(); ++i) {
+    Watched& watched = watched_[i];
+    if (!watched.table.is_written()) continue;
+    if (Status s = watched.frames.finish(); !s) return s;
+    watched.files = watched.frames.files();
+    if (Status s = watched.table.finish(); !s) return s;
+    const std::filesystem::path folder =
+        std::filesystem::path(mixed_->file.outputs.out) / mixed_->cloths[i].name();
+    watched.files.push_back((folder / kTableName).string());
+  }
+  return Success{};
+}
+
+nlohmann::ordered_json WorldClothRun::body_json(std::size_t i) const {
+  const Watched& watched = watched_[i];
+  const ClothBody& body = step_of(i).body();
+  const ClothParts& parts = body.model().parts();
+  const Account &start = watched.start, &now = watched.now;
+  nlohmann::ordered_json json = {
+      {"body", body.cloth().name},
+      {"kind", "cloth"},
+      {"integrator", body.integrator()},
+      {"particles", parts.particles()},
+      {"springs", body.model().springs()},
+      {"triangles", parts.triangles.size()},
+      {"joined", parts.joined},
+      {"mass", body.mass()},
+      {"steps", body.steps()},
+      {"reached", body.time()},
+      {"iterations_per_step",
+       number_or_null(static_cast<double>(body.iterations()) / static_cast<double>(body.steps()))},
+      {"cut_steps", body.cut_steps()},
+      {"linear_momentum_initial", vector_json(watched.momenta_start.linear)},
+      {"linear_momentum_final", vector_json(watched.momenta_now.linear)},
+      {"angular_momentum_initial", vector_json(watched.momenta_start.angular)},
+      {"angular_momentum_final", vector_json(watched.momenta_now.angular)},
+      {"energy_initial", number_or_null(start.total())},
+      {"energy_final", number_or_null(now.total())},
+      {"energy_max", number_or_null(watched.energy_max)},
+      {"kinetic_final", number_or_null(now.kinetic)},
+      {"elastic_final", number_or_null(now.elastic)}};
+  json["energy_by_cause"] = {{"gravity", number_or_null(now.work.gravity)},
+                             {"wind", number_or_null(now.work.wind)},
+                             {"support", number_or_null(now.work.pins)},
+                             {"contact", number_or_null(now.given)},
+                             {"friction", number_or_null(now.friction)},
+                             {"restitution", number_or_null(now.restitution)},
+                             {"damping", number_or_null(0.0 - now.work.damped)},
+                             {"method", number_or_null(now.work.numerical)}};
+  json["energy_balance_error"] = number_or_null(watched.balance_error());
+  add_guest_contacts(*guests_->guests, number(i), body.options().step, json);
+  json["thickness"] = body.cloth().thickness;
+  json["exit_code"] = watched.exit_code;
+  json["reason"] = watched.reason.empty() ? nlohmann::ordered_json(nullptr)
+                                          : nlohmann::ordered_json(watched.reason);
+  json["files"] = watched.files;
+  return json;
+}
+
+void WorldClothRun::print() const {
+  for (std::size_t i = 0; i < watched_.size(); ++i) {
+    const Watched& watched = watched_[i];
+    const Account& now = watched.now;
+    tell(
+        "  {} (cloth, {}): energy {:.6g} -> {:.6g} J; gravity {:.4g}, wind {:.4g}, support {:.4g}, "
+        "contact {:.4g}, restitution {:.4g}, friction {:.4g}, damping {:.4g}, the method itself "
+        "{:.4g} J; {} contacts, its particles {:.3g} m deep at most\n",
+        mixed_->cloths[i].name(), mixed_->cloths[i].scene.integrator, watched.start.total(),
+        now.total(), now.work.gravity, now.work.wind, now.work.pins, now.given, now.restitution,
+        now.friction, 0.0 - now.work.damped, now.work.numerical,
+        guests_->guests->contacts(number(i)), guests_->guests->penetration_max(number(i)));
+    if (!watched.files.empty()) tell("    wrote {}\n", list_files(watched.files));
+  }
+}
+
+std::vector<std::string> WorldClothRun::files() const {
+  std::vector<std::string> files;
+  for (const Watched& watched : watched_)
+    files.insert(files.end(), watched.files.begin(), watched.files.end());
+  return files;
+}
+
+}  // namespace tremolo

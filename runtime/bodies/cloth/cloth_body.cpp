@@ -1,0 +1,141 @@
+#include "runtime/bodies/cloth/cloth_body.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "common/text.h"
+#include "runtime/step/halved_step.h"
+
+namespace tremolo {
+
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+Result<ClothModel> make_cloth_model(const SceneCloth& cloth) {
+  Result<ClothParts> parts = make_cloth_parts(cloth);
+  if (!parts) return parts.error();
+  Result<ClothModel> model = ClothModel::create(std::move(*parts));
+  if (!model) return model;
+  for (const ClothPin& pin : cloth.pins) {
+    Result<MotionPath> path = MotionPath::create(pin.motion);
+    if (!path) return path.error();
+    const ClothParts& made = model->parts();
+    std::vector<std::size_t> particles;
+    for (const std::size_t vertex : pin.particles) {
+      if (vertex >= made.vertices())
+        return content_error("pins: there is no vertex " + std::to_string(vertex) + ": there are " +
+                             std::to_string(made.vertices()));
+      particles.push_back(made.particle_of_vertex(vertex));
+    }
+    if (Status s = model->pin(particles, std::move(*path), pin.until); !s) return s.error();
+  }
+  return model;
+}
+
+Vector3d wind_at(const ClothScene& scene, double time) {
+  return scene.wind * (1.0 + scene.gust * std::sin(2.0 * M_PI * scene.gust_hz * time));
+}
+
+Result<ClothBody> ClothBody::create(const ClothScene& scene, const Vector3d& velocity) {
+  if (Status s = check_scene(scene); !s) return s.error();
+  ClothBody body(scene);
+  const SceneCloth& cloth = body.cloth();
+  const auto of_cloth = [&cloth](const Error& error) {
+    return Error{error.kind, "cloth '" + cloth.name + "': " + error.message};
+  };
+  Result<ClothModel> model = make_cloth_model(cloth);
+  if (!model) return of_cloth(model.error());
+  body.model_ = std::make_unique<ClothModel>(std::move(*model));
+  const double h = scene.options.step;
+  body.model_->set_gravity(scene.gravity.at(0.5 * h));
+  const auto held = body.model_->held();
+  NodalState& state = body.state_;
+  state.x = crumpled(body.model_->parts(), cloth.crumple, {held.begin(), held.end()});
+  body.model_->put_held(0.0, state.x);
+  state.v = VectorXd::Zero(state.x.size());
+  for (std::size_t i = 0; i < held.size(); ++i)
+    if (held[i] == 0) state.v.segment<3>(3 * static_cast<Eigen::Index>(i)) = velocity;
+  if (const double limit = stable_step(scene.integrator, *body.model_, state.x); h > limit)
+    return of_cloth(usage_error("a step of " + number_text(1e3 * h) + " ms is unstable with " +
+                                scene.integrator + ": the limit is " + number_text(1e3 * limit) +
+                                " ms"));
+  auto integrator = make_nodal_integrator(scene.integrator, *body.model_, scene.options);
+  if (!integrator) return of_cloth(integrator.error());
+  body.integrator_ = std::move(*integrator);
+  body.before_ = state.x;
+  return body;
+}
+
+Status ClothBody::set_state(const VectorXd& x, const VectorXd& v) {
+  if (x.size() != state_.x.size() || v.size() != state_.x.size())
+    return usage_error("cloth '" + cloth().name + "' has " + std::to_string(state_.x.size()) +
+                       " coordinates");
+  if (!x.allFinite() || !v.allFinite()) return usage_error("a state must be finite");
+  state_.x = x;
+  state_.v = v;
+  integrator_->reset();
+  return Success{};
+}
+
+double ClothBody::kinetic_energy() const {
+  return free_kinetic(*model_, state_.v);
+}
+
+Momenta ClothBody::momenta() const {
+  Momenta sum{Vector3d::Zero(), Vector3d::Zero()};
+  for (Eigen::Index i = 0; i < model_->mass().size(); ++i) {
+    const Vector3d p = model_->mass()[i] * state_.v.segment<3>(3 * i);
+    sum.linear += p;
+    sum.angular += Vector3d(state_.x.segment<3>(3 * i)).cross(p);
+  }
+  return sum;
+}
+
+// The motion of released particles counts again.
+void ClothBody::begin_step() {
+  const double h = options().step;
+  const double before = kinetic_energy();
+  if (model_->release_pins(time() + kSameTime * h)) {
+    work_.pins += kinetic_energy() - before;
+    integrator_->reset();
+  }
+  model_->set_gravity(scene_.gravity.at(time() + 0.5 * h));
+  model_->set_wind(wind_at(scene_, time() + 0.5 * h));
+  state_.time = time();
+}
+
+NodalReport ClothBody::step() {
+  before_ = state_.x;
+  NodalReport report = integrator_->step(state_);
+  if (!report.made) return report;
+  ++steps_;
+  add_work(report);
+  return report;
+}
+
+void ClothBody::end_step(VectorXd& x1, VectorXd& v1) {
+  before_ = state_.x;
+  state_.x.swap(x1);
+  state_.v.swap(v1);
+  ++steps_;
+  state_.time = time();
+  integrator_->reset();
+}
+
+void ClothBody::add_work(const NodalReport& report) {
+  for (Eigen::Index i = 0; i < model_->mass().size(); ++i)
+    work_.gravity += model_->mass()[i] *
+                     model_->gravity().dot(state_.x.segment<3>(3 * i) - before_.segment<3>(3 * i));
+  work_.damped += report.damped;
+  work_.wind += report.driven;
+  work_.pins += report.held_work;
+  work_.numerical += report.numerical;
+  iterations_ += report.iterations;
+  if (report.parts > 1) ++cut_steps_;
+}
+
+}  // namespace tremolo

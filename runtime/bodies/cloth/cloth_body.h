@@ -1,0 +1,82 @@
+// A cloth as one body of a world with bodies of other kinds: its particles, its method and its
+// energy balance. Its contact is in runtime/mixed/cloth_step.h.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include <Eigen/Core>
+
+#include "common/result.h"
+#include "runtime/bodies/cloth/cloth_model.h"
+#include "runtime/bodies/cloth/cloth_scene.h"
+#include "runtime/math/state.h"
+
+namespace tremolo {
+
+// The model of a cloth of a scene, with its pins. Errors: those of make_cloth_parts() and
+// ClothModel::create(); kContent for a pin of a vertex that does not exist.
+Result<ClothModel> make_cloth_model(const SceneCloth& cloth);
+
+// Wind of a scene at a time, m/s.
+Eigen::Vector3d wind_at(const ClothScene& scene, double time);
+
+// Work on a cloth and its losses since the start, J.
+struct ClothWork {
+  double gravity = 0.0;
+  double wind = 0.0;
+  double pins = 0.0;       // by particles that are fixed or moved, and by their release
+  double damped = 0.0;     // taken by dampers; not negative
+  double numerical = 0.0;  // added by the method itself
+};
+
+class ClothBody {
+ public:
+  // scene: with one cloth; its balls, colliders and hands are not used. velocity: of all particles
+  // at the start, m/s. Errors: those of check_scene() and make_cloth_model(); kUsage for a step
+  // beyond the method's stability.
+  static Result<ClothBody> create(const ClothScene& scene,
+                                  const Eigen::Vector3d& velocity = Eigen::Vector3d::Zero());
+
+  const SceneCloth& cloth() const { return scene_.cloths.front(); }
+  const std::string& integrator() const { return scene_.integrator; }
+  const NodalOptions& options() const { return scene_.options; }
+  const ClothModel& model() const { return *model_; }
+  const NodalState& state() const { return state_; }
+  std::int64_t steps() const { return steps_; }
+  double time() const { return static_cast<double>(steps_) * scene_.options.step; }  // s
+  double mass() const { return model_->mass().sum(); }                               // kg
+
+  // Replaces positions and velocities, 3n. Error kUsage: other sizes or a value that is not finite.
+  Status set_state(const Eigen::VectorXd& x, const Eigen::VectorXd& v);
+
+  // Prepares the next step, before step() or end_step(): pins whose time is over are released;
+  // gravity and wind become those of the middle of the step.
+  void begin_step();
+  // Takes the step without contact. If it fails, the state is unchanged.
+  NodalReport step();
+  // Takes the end of a step that others solved: x1, v1 receive the state at its start. Reported
+  // work is added to the balance.
+  void end_step(Eigen::VectorXd& x1, Eigen::VectorXd& v1);
+  void add_work(const NodalReport& report);
+
+  double kinetic_energy() const;  // of the particles that are not fixed, J
+  double elastic_energy() const { return model_->elastic_energy(state_.x); }
+  const ClothWork& work() const { return work_; }
+  Momenta momenta() const;  // of all particles, about the origin
+  std::int64_t iterations() const { return iterations_; }
+  std::int64_t cut_steps() const { return cut_steps_; }  // steps that were taken in parts
+
+ private:
+  explicit ClothBody(const ClothScene& scene) : scene_(scene) {}
+
+  ClothScene scene_;
+  std::unique_ptr<ClothModel> model_;  // the integrator has its address
+  std::unique_ptr<NodalIntegrator> integrator_;
+  NodalState state_;
+  ClothWork work_;
+  Eigen::VectorXd before_;  // positions at the start of the step, m
+  std::int64_t steps_ = 0, iterations_ = 0, cut_steps_ = 0;
+};
+
+}  // namespace tremolo

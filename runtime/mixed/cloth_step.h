@@ -1,0 +1,114 @@
+// A cloth in a step of an island of bodies of any kind. Its equation is that of
+// runtime/step/implicit_solve.h for z = x1 - x0, with a force F on a particle that is constant over
+// the step:
+//   implicit-euler   M (z - h v0)/h^2 = f(x1, z/h) + F,             v1 = z/h
+//   midpoint         2 M (z - h v0)/h^2 = f(x0 + z/2, z/h) + F,     v1 = 2 z/h - v0
+//   energy           2 M (z - h v0)/h^2 = step_force(x0, x1) + F,   v1 = 2 z/h - v0
+// Each receives the momentum h F and the work F.z. midpoint and energy receive the angular momentum
+// h (x0 + x1)/2 x F; implicit-euler damps its angular momentum in any case.
+//
+// Contact points are the particles; each stands for an area of the sheet, and the margin is the
+// thickness of the cloth. A cloth has no inside, so that points of others do not collide with it.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "runtime/bodies/cloth/cloth_body.h"
+#include "runtime/math/sparse/block_cholesky.h"
+#include "runtime/mixed/guest_step.h"
+#include "runtime/mixed/point_law.h"
+#include "runtime/step/halved_step.h"
+
+namespace tremolo {
+
+// Empty: the method's equation has the form above. Otherwise the reason why a cloth with it cannot
+// be in contact with other bodies.
+std::string cloth_method_problem(std::string_view integrator);
+
+class ClothStep final : public GuestStep {
+ public:
+  // body: stays in memory; its method has no cloth_method_problem(). options.margin is not used.
+  ClothStep(ClothBody& body, const ContactOptions& options);
+
+  void start() override;
+  // Same as the step of a ClothWorld without obstacles.
+  bool step_alone() override;
+  ClothBody& body() const { return *body_; }
+
+  std::size_t points() const override { return areas_.areas.size(); }
+  bool feels(std::size_t point) const override { return point < points(); }
+  Eigen::Vector3d start_of(std::size_t point) const override { return at(body_->state().x, point); }
+  ContactLaw area_law() const override { return law_; }
+  double area_of(std::size_t point) const override { return areas_.areas[point]; }
+  ContactLaw law_of(std::size_t point, double friction, double restitution) const override {
+    return point_law(areas_, law_, point, friction, restitution);
+  }
+
+  Eigen::Index unknowns() const override { return way_.size(); }
+  void begin() override;
+  void keep() override { kept_ = way_; }
+  void go(double length, In direction) override;
+  void evaluate(const ContactRenewal& renewal) override;
+  SiteMotion motion(std::size_t point) const override;
+  void add_force(std::size_t point, const Eigen::Vector3d& force) override;
+  double close() override;
+  double enough() const override;
+  double momentum_of_size() const override { return body_->options().step; }
+  void residual(Out rows) const override { rows = residual_; }
+  double work_along(In direction) const override { return residual_.dot(direction); }
+
+  void make_tangent(double heavier, bool follows) override;
+  void add_slope(std::size_t point, const Eigen::Matrix3d& by_end,
+                 const Eigen::Vector3d& force) override;
+  bool factor(bool fresh) override;
+  void multiply(In x, Out rows) const override;
+  void precondition(In rows, Out x) override;
+  Eigen::Vector3d change_at(std::size_t point, In x) const override;
+  void add_image(std::size_t point, const Eigen::Vector3d& fall, Out rows) const override;
+
+  bool add_missed() override { return false; }
+  void finish(const ContactAccount& account, double start) override;
+  int number_of(std::size_t point) const override { return static_cast<int>(point); }
+  void end() override { sort_memories(); }
+  void give_up() override {}
+
+ private:
+  enum class Method { kImplicitEuler, kMidpoint, kEnergy };
+  struct Slope {
+    std::size_t point;
+    Eigen::Matrix3d by_end;
+  };
+
+  static Eigen::Vector3d at(const Eigen::VectorXd& x, std::size_t point) {
+    return x.segment<3>(3 * static_cast<Eigen::Index>(point));
+  }
+  bool is_held(std::size_t point) const { return body_->model().held()[point] != 0; }
+  double mass_factor() const;
+  void assemble(bool full, bool with_contact);
+  void invert_diagonal();
+
+  ClothBody* body_;
+  Method method_;
+  PointAreas areas_;
+  ContactLaw law_;
+  double stiffest_ = 0.0;  // largest coefficient of the matrix at rest, N/m
+  BlockMatrix matrix_;
+  std::optional<BlockCholesky> factor_;
+  std::vector<Eigen::Matrix3d> inverse_;  // of the diagonal's blocks, without a factor
+  StepLedger ledger_;
+  double heavier_ = 0.0;
+  bool full_ = false;                // the last factor is that of the derivative with all its terms
+  bool contact_in_matrix_ = false;   // the symmetric part of contact is in the matrix
+  bool known_ = false;               // forces are those at known_way_
+  Eigen::VectorXd way_, known_way_;  // z
+  Eigen::VectorXd kept_, x1_, v1_, middle_, speed_;
+  Eigen::VectorXd force_, inertia_, pushed_, residual_;  // N
+  StepWork work_;                                        // of step_force(), J
+  mutable Eigen::VectorXd in_, out_;
+  std::vector<Slope> slopes_;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,39 @@
+#include "runtime/mixed/guest_step.h"
+
+#include <algorithm>
+
+namespace tremolo {
+namespace {
+
+bool is_before(const ContactMemory& x, const ContactMemory& y) {
+  return x.obstacle < y.obstacle || (x.obstacle == y.obstacle && x.point < y.point);
+}
+
+}  // namespace
+
+const ContactMemory* GuestStep::memory(std::size_t obstacle, std::size_t point) const {
+  const ContactMemory wanted{.obstacle = obstacle, .point = point};
+  const auto found = std::lower_bound(memories_.begin(), memories_.end(), wanted, is_before);
+  return found != memories_.end() && !is_before(wanted, *found) ? &*found : nullptr;
+}
+
+void GuestStep::forget_contact() {
+  account_ = {};
+  memories_.clear();
+  contacted_.clear();
+}
+
+void GuestStep::take_account(const ContactAccount& account, double start) {
+  const double before = account_.energy;
+  account_ = account;
+  account_.surplus = start - before;
+  account_.given = account.work + account.energy - start + account.lost + account.friction_loss;
+  memories_.clear();
+  contacted_.clear();
+}
+
+void GuestStep::sort_memories() {
+  std::sort(memories_.begin(), memories_.end(), is_before);
+}
+
+}  // namespace tremolo

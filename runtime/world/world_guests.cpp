@@ -1,0 +1,78 @@
+#include "runtime/world/world_guests.h"
+
+#include <memory>
+#include <utility>
+
+#include "common/text.h"
+#include "runtime/contact/solve/contact_step.h"
+
+namespace tremolo {
+namespace {
+
+// The shapes that guests must not begin in, with their names.
+struct Solids {
+  std::vector<PlacedCollider> shapes;
+  std::vector<std::string> names;
+};
+
+Solids solids_of(const SceneWorld& world) {
+  Solids solids;
+  for (std::size_t c = 0; c < world.colliders().size(); ++c) {
+    solids.shapes.push_back(world.colliders()[c]);
+    solids.names.push_back("collider '" + world.scene().colliders[c].name + "'");
+  }
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    const ContactStep* contact = world.body(i).contact();
+    if (contact == nullptr || !contact->surface().shape) continue;
+    const Pose pose = world.body(i).pose();
+    solids.shapes.push_back({*contact->surface().shape, pose, pose});
+    solids.names.push_back("body '" + world.name(i) + "'");
+  }
+  return solids;
+}
+
+// margin_name: the key of the scene.
+Status check_apart(const MixedGuests& guests, std::size_t i, const Solids& solids,
+                   const char* margin_name) {
+  for (std::size_t k = 0; k < solids.shapes.size(); ++k) {
+    const double depth = guests.deepest_in(i, std::span(&solids.shapes[k], 1));
+    if (depth > guests.margin(i))
+      return content_error("body '" + guests.name(i) + "': it begins " + number_text(depth) +
+                           " m inside " + solids.names[k] + ", more than its " + margin_name +
+                           " of " + number_text(guests.margin(i)) +
+                           " m: put one of them elsewhere");
+  }
+  return Success{};
+}
+
+}  // namespace
+
+Result<WorldGuests> add_guests(std::span<const TetSceneBody> tets,
+                               std::span<const ClothSceneBody> cloths, const std::string& path,
+                               SceneWorld& world) {
+  Result<PlacedTets> placed = place_tets(tets, path);
+  if (!placed) return placed.error();
+  auto guests = std::make_unique<MixedGuests>(world.step_size());
+  const Solids solids = solids_of(world);
+  for (std::size_t i = 0; i < tets.size(); ++i) {
+    if (const auto added = guests->add(tets[i].name, std::move(placed->bodies[i]), tets[i].contact,
+                                       placed->kinds[placed->kind_of[i]].hull);
+        !added)
+      return error_of_file(path, added.error());
+    if (Status s = check_apart(*guests, i, solids, "contact-margin"); !s)
+      return error_of_file(path, s.error());
+  }
+  for (const ClothSceneBody& cloth : cloths) {
+    Result<ClothBody> body = ClothBody::create(cloth.scene, cloth.velocity);
+    if (!body) return error_of_file(path, body.error());
+    const Result<std::size_t> added = guests->add(std::move(*body), cloth.contact);
+    if (!added) return error_of_file(path, added.error());
+    if (Status s = check_apart(*guests, *added, solids, "thickness"); !s)
+      return error_of_file(path, s.error());
+  }
+  WorldGuests made{std::move(placed->kinds), std::move(placed->kind_of), guests.get()};
+  world.set_guests(std::move(guests));
+  return made;
+}
+
+}  // namespace tremolo

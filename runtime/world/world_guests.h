@@ -1,0 +1,37 @@
+// Bodies of tetrahedra and cloths in a SceneWorld.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "runtime/bodies/cloth/cloth_scene.h"
+#include "runtime/bodies/tets/scene/tet_scene.h"
+#include "runtime/mixed/mixed_guests.h"
+#include "runtime/world/scene_world.h"
+
+namespace tremolo {
+
+// The guests of a world: bodies of tetrahedra, then cloths.
+struct WorldGuests {
+  std::vector<TetsKind> kinds;
+  std::vector<std::size_t> kind_of;  // one per body of tetrahedra
+  MixedGuests* guests = nullptr;     // the world owns them
+
+  const TetsKind& kind(std::size_t body) const { return kinds[kind_of[body]]; }
+  std::size_t tets() const { return kind_of.size(); }
+  std::size_t cloths() const { return guests == nullptr ? 0 : guests->size() - tets(); }
+  // The number of a cloth among the guests.
+  std::size_t of_cloth(std::size_t cloth) const { return tets() + cloth; }
+};
+
+// Reads the files, moves the bodies to their positions and adds them to a world that was created
+// for guests. path: of the scene, for errors. Errors: those of make_tets_bodies(),
+// ClothBody::create() and MixedGuests::add(); kContent for a body that begins inside a collider or
+// another body by more than its margin.
+Result<WorldGuests> add_guests(std::span<const TetSceneBody> tets,
+                               std::span<const ClothSceneBody> cloths, const std::string& path,
+                               SceneWorld& world);
+
+}  // namespace tremolo

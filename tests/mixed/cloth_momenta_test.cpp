@@ -1,0 +1,129 @@
+// A sheet of cloth and a body of another kind in contact: momenta, energy, shorter steps.
+#include <algorithm>
+#include <cmath>
+
+#include "tests/mixed/cloth_bodies.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+using testing::MixedKind;
+using testing::MixedSum;
+using testing::MixedWorld;
+using testing::Sheet;
+
+struct WorstErrors {
+  double linear = 0.0, angular = 0.0, energy = 0.0;  // kg m/s, N m s, J
+  double start = 0.0;                                // J
+  int touched = 0;
+};
+
+// Energy of the tetrahedra's method since the start is known only as the change without a cause.
+WorstErrors follow(MixedWorld& world, int steps) {
+  WorstErrors worst;
+  const MixedSum start = testing::sum_of(world);
+  worst.start = start.energy;
+  double taken = 0.0, own = 0.0;
+  for (int i = 0; i < steps; ++i) {
+    double before = 0.0;
+    for (std::size_t k = 0; k < world.size(); ++k)
+      if (TetBody* tets = world.tets(k)) before = tets->kinetic_energy() + tets->elastic_energy();
+    const Status made = world.step();
+    EXPECT_TRUE(made) << i << made.error().message;
+    if (!made) break;
+    double cloth = 0.0;
+    for (std::size_t k = 0; k < world.size(); ++k) {
+      taken += world.account(k).lost + world.account(k).friction_loss;
+      if (const ClothBody* body = world.cloth(k)) {
+        cloth = testing::own_energy(*body);
+        worst.touched += world.account(k).active;
+      }
+      if (TetBody* tets = world.tets(k))
+        own += tets->kinetic_energy() + tets->elastic_energy() - before - world.account(k).work;
+    }
+    const MixedSum now = testing::sum_of(world);
+    worst.linear = std::max(worst.linear, (now.linear - start.linear).norm());
+    worst.angular = std::max(worst.angular, (now.angular - start.angular).norm());
+    worst.energy =
+        std::max(worst.energy, std::abs(now.energy + taken - own - cloth - start.energy));
+  }
+  return worst;
+}
+
+// The sheet arrives from above, at an angle.
+Sheet thrown(const char* integrator) {
+  return {.integrator = integrator, .middle = {0.02, -0.01, 0.062}, .velocity = {0.3, 0.1, -1.5}};
+}
+
+TEST(ClothAndAReducedBody, KeepBothMomentaAndTheEnergyOfThePair) {
+  for (const char* integrator : {"energy", "midpoint", "implicit-euler"})
+    for (const double friction : {0.0, 0.5}) {
+      const MixedKind kind{.friction = friction};
+      MixedWorld world(kind.step);
+      ContactBody reduced = testing::reduced_body(testing::reduced_cube("1e5"), kind, {0, 0, 0});
+      ASSERT_TRUE(reduced.set_motion({0, 0, 0.2}, {0.3, 0.5, -1}));
+      ASSERT_TRUE(world.add("cube", std::move(reduced)));
+      ASSERT_TRUE(world.add(testing::sheet_body(thrown(integrator), kind)));
+      const WorstErrors worst = follow(world, 120);
+      EXPECT_GT(worst.touched, 50);
+      // Sums of 0.3 kg m/s and 0.01 N m s: solved to 1e-10 of the forces in each step.
+      EXPECT_LT(worst.linear, 1e-10) << integrator;
+      if (std::string(integrator) != "implicit-euler")  // which damps it in any case
+        EXPECT_LT(worst.angular, 1e-11) << integrator;
+      EXPECT_LT(worst.energy, 1e-6 * worst.start) << integrator;
+    }
+}
+
+TEST(ClothAndTetrahedra, KeepBothMomentaAndTheEnergyOfThePair) {
+  const TetModelPointer model = testing::tets_cube(1e5, 2);
+  const TetHullPointer hull = testing::cube_hull(model);
+  for (const double friction : {0.0, 0.5}) {
+    const MixedKind kind{.friction = friction};
+    MixedWorld world(kind.step);
+    TetBody tets = testing::tets_body(model, kind, {0, 0, 0}, {0, 0, 0.2}, {0.3, 0.5, -1});
+    ASSERT_TRUE(world.add("cube", std::move(tets),
+                          testing::contact_of(kind, Eigen::Vector3d::Ones()), hull));
+    ASSERT_TRUE(world.add(testing::sheet_body(thrown("energy"), kind)));
+    const WorstErrors worst = follow(world, 120);
+    EXPECT_GT(worst.touched, 50);
+    EXPECT_LT(worst.linear, 1e-10);
+    EXPECT_LT(worst.angular, 1e-11);
+    EXPECT_LT(worst.energy, 1e-6 * worst.start);
+  }
+}
+
+// Velocity of a cube after a sheet has fallen on it, m/s.
+double speed_after_blow(double step) {
+  const MixedKind kind{.step = step};
+  MixedWorld world(step);
+  EXPECT_TRUE(
+      world.add("cube", testing::reduced_body(testing::reduced_cube("1e5"), kind, {0, 0, 0})));
+  const Sheet sheet{.integrator = "energy",
+                    .particles = 5,
+                    .width = 0.08,
+                    .density = 20.0,
+                    .middle = {0, 0, 0.058},
+                    .velocity = {0, 0, -1.0}};
+  EXPECT_TRUE(world.add(testing::sheet_body(sheet, kind)));
+  const int steps = static_cast<int>(std::lround(0.03 / step));
+  for (int i = 0; i < steps; ++i) {
+    const Status made = world.step();
+    EXPECT_TRUE(made) << made.error().message;
+    if (!made) break;
+  }
+  EXPECT_EQ(world.account(1).active, 0);
+  return world.reduced(0)->rigid_state().velocity.z();
+}
+
+TEST(ClothAndAReducedBody, SettleAsTheStepIsHalved) {
+  const double whole = speed_after_blow(4e-4), half = speed_after_blow(2e-4),
+               quarter = speed_after_blow(1e-4), eighth = speed_after_blow(5e-5);
+  RecordProperty("speeds", ::testing::PrintToString(std::vector{whole, half, quarter, eighth}));
+  const double first = std::abs(whole - quarter), second = std::abs(half - eighth);
+  EXPECT_GT(first, 2.0 * second);
+  EXPECT_NEAR(quarter, eighth, 2e-4);
+}
+
+}  // namespace
+}  // namespace tremolo

@@ -1,0 +1,163 @@
+// `tremolo run` of scenes in which cloth meets bodies of other kinds: known answers and refusals,
+// as a user meets them.
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/programs.h"
+
+namespace tremolo {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kGravity = 9.81;
+
+class ClothBodyProgram : public ::testing::Test {
+ protected:
+  void SetUp() override { folder_ = fresh_folder(); }
+
+  ProgramResult run(const std::string& scene, const std::string& flags = "--json") {
+    std::ofstream(folder_ + "/scene.toml") << scene;
+    return run_program(folder_, kTremolo + "run scene.toml " + flags);
+  }
+
+  std::string folder_;
+};
+
+std::string sheet(const std::string& name, const std::string& keys) {
+  return "[[bodies]]\nname = \"" + name +
+         "\"\nkind = \"cloth\"\ncolumns = 9\nrows = 9\nwidth = 0.16\nheight = 0.16\n"
+         "structural = [200, 0.02]\nshear = [60, 0.02]\nbend = [2, 0.002]\ndensity = 0.2\n"
+         "thickness = 0.004\n" +
+         keys;
+}
+
+std::string box(const std::string& name, const std::string& keys) {
+  return "[[bodies]]\nname = \"" + name +
+         "\"\nkind = \"rigid\"\nmass = 1\nshape = \"box\"\nhalf-extents = [0.1, 0.1, 0.1]\n" + keys;
+}
+
+const std::string kFloor =
+    "[[colliders]]\nname = \"floor\"\nshape = \"plane\"\nfriction = 0.5\nrestitution = 0\n";
+
+TEST_F(ClothBodyProgram, ASheetRestsWithItsWeightOnARigidBox) {
+  const ProgramResult result =
+      run("step = 0.002\nduration = 0.8\ngravity = [0, 0, -9.81]\n" +
+          box("table", "position = [0, 0, 0.1003]\nrestitution = 0\nfriction = 0.5\n") +
+          sheet("sheet", "corner = [-0.08, -0.08, 0.2043]\nfriction = 0.5\n") + kFloor);
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  const json& cloth = report["bodies"][1];
+  EXPECT_EQ(cloth["kind"], "cloth");
+  const double weight = kGravity * 0.2 * 0.16 * 0.16;
+  EXPECT_NEAR(cloth["contact_force_final"][2].get<double>(), weight, 1e-3 * weight);
+  EXPECT_EQ(cloth["penetration_max"].get<double>(), 0.0);
+  EXPECT_EQ(cloth["contact_points_final"].get<int>(), 81);
+  EXPECT_LE(report["energy_balance_error"].get<double>(), 1e-8);
+}
+
+TEST_F(ClothBodyProgram, ASheetThatHitsARigidBoxKeepsBothMomentaAndTheEnergy) {
+  const ProgramResult result =
+      run("step = 0.001\nduration = 0.1\n" +
+          box("box", "position = [0, 0, 0]\nvelocity = [0, 0, 0.2]\nspin = [0.3, 0.5, -1]\n") +
+          sheet("sheet",
+                "corner = [-0.06, -0.09, 0.12]\nvelocity = [0.3, 0.1, -1.5]\nfriction = 0.5\n"
+                "restitution = 0.5\nintegrator = \"energy\"\ndrag = 0\n"));
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  for (const char* which : {"linear_momentum", "angular_momentum"})
+    for (int axis = 0; axis < 3; ++axis) {
+      double change = 0.0;
+      for (const json& body : report["bodies"])
+        change += body[which + std::string("_final")][axis].get<double>() -
+                  body[which + std::string("_initial")][axis].get<double>();
+      // Of momenta of 0.2 kg m/s and 0.01 N m s.
+      EXPECT_LE(std::abs(change), 1e-10) << which << axis;
+    }
+  double contact = 0.0;
+  for (const json& body : report["bodies"])
+    contact += body["energy_by_cause"]["contact"].get<double>();
+  EXPECT_LE(std::abs(contact), 1e-10);
+  const json& cloth = report["bodies"][1];
+  EXPECT_GT(cloth["contacts"].get<int>(), 0);
+  EXPECT_LT(cloth["energy_by_cause"]["friction"].get<double>(), 0.0);
+  // The method closes the balance by itself.
+  EXPECT_LE(cloth["energy_balance_error"].get<double>(), 1e-6);
+}
+
+TEST_F(ClothBodyProgram, ASheetWithoutOtherBodiesHangsFromItsPinsAndWritesItsSurfaces) {
+  const ProgramResult result =
+      run("step = 0.005\nduration = 0.05\ngravity = [[0, 0, 0, -9.81], [1, 0, 0, 0]]\n"
+          "wind = [2, 0, 0]\ngust = 0.2\n" +
+              sheet("flag", "pins = \"left\"\nalong = [1, 0, 0]\nacross = [0, 0, 1]\n"),
+          "--out out --surfaces 2 --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  ASSERT_EQ(report["bodies"].size(), 1U);
+  EXPECT_GT(report["bodies"][0]["energy_by_cause"]["wind"].get<double>(), 0.0);
+  for (const char* file : {"run.csv", "frames.csv"})
+    EXPECT_TRUE(std::ifstream(folder_ + "/out/flag/" + file).good()) << file;
+  const ProgramResult inspected = run_program(folder_, kTremolo + "inspect scene.toml --json");
+  EXPECT_EQ(inspected.code, 0) << inspected.err;
+  EXPECT_EQ(json::parse(inspected.out)["bodies"].size(), 1U);
+}
+
+TEST_F(ClothBodyProgram, RefusesByNameWhatAClothCannotDo) {
+  const std::string start = "step = 0.002\nduration = 0.02\n" + box("other", "");
+  struct Refusal {
+    std::string scene, flags, words;
+    int code;
+  };
+  const std::string cloth = sheet("sheet", "corner = [0, 0, 0.3]\n");
+  for (const Refusal& refusal :
+       {Refusal{start + cloth + "[[hands]]\nbody = \"sheet\"\nat = \"0\"\nstiffness = 10\n", "",
+                "hand 1: body 'sheet' is of kind \"cloth\"", 3},
+        {start + cloth + "contact-margin = 0.01\n", "", "`thickness`", 3},
+        {start + cloth + "model = \"a.tremolo\"\n", "", "model", 3},
+        {start + cloth + "integrator = \"newmark\"\n", "", "newmark", 3},
+        {start + cloth + cloth, "", "cloths-pass", 3},
+        {"cloths-pass = true\n" + start + cloth + cloth, "", "two bodies", 3},
+        {"cloths-pass = true\n" + start, "", "cloths-pass", 3},
+        {start + sheet("sheet", "corner = [-0.08, -0.08, 0.05]\n"), "", "inside body 'other'", 3},
+        {start + sheet("sheet", "thickness = 0\n"), "", "thickness", 3},
+        {start + sheet("sheet", "density = -1\n"), "", "density", 3},
+        {start + cloth, "--save end.state", "--save", 2},
+        {start + cloth, "--integrator energy", "--integrator", 2}}) {
+    const ProgramResult result = run(refusal.scene, refusal.flags);
+    EXPECT_EQ(result.code, refusal.code) << refusal.words << result.err;
+    EXPECT_NE(result.err.find(refusal.words), std::string::npos) << refusal.words << result.err;
+  }
+}
+
+std::string shipped_scene(const std::string& name) {
+  std::stringstream text;
+  text << std::ifstream(TREMOLO_SOURCE_DIR "/assets/scenes/" + name + ".toml").rdbuf();
+  std::string scene = text.str();
+  const std::string from = "../../build/models", to = TREMOLO_MODEL_DIR;
+  for (std::size_t at = 0; (at = scene.find(from, at)) != std::string::npos; at += to.size())
+    scene.replace(at, from.size(), to);
+  return scene;
+}
+
+TEST_F(ClothBodyProgram, RunsTheScenesThatAreShipped) {
+  for (const auto& [name, duration] : {std::pair{"tablecloth", "0.1"}, {"blanket", "0.15"}}) {
+    const ProgramResult result =
+        run(shipped_scene(name), "--json --duration " + std::string(duration));
+    ASSERT_EQ(result.code, 0) << name << result.err;
+    const json report = json::parse(result.out);
+    EXPECT_LE(report["energy_balance_error"].get<double>(), 1e-8) << name;
+    for (const json& body : report["bodies"])
+      if (body["kind"] == "cloth") {
+        EXPECT_GT(body["contacts"].get<int>(), 0);
+        EXPECT_LE(body["penetration_max"].get<double>(), body["thickness"].get<double>());
+      }
+  }
+}
+
+}  // namespace
+}  // namespace tremolo
