@@ -45,6 +45,10 @@ class TetGuests final : public IslandGuests {
   // Of the last step.
   const TetStepReport& report(std::size_t i) const { return tets_[i]->step.report(); }
   const ContactAccount& account(std::size_t i) const { return tets_[i]->step.account(); }
+  // The points with a force in the last step.
+  std::span<const ContactedPoint> contacted(std::size_t i) const {
+    return tets_[i]->step.contacted();
+  }
   // Sums since the start.
   const ContactSums& sums(std::size_t i) const { return tets_[i]->sums; }
   std::int64_t contacts(std::size_t i) const { return tets_[i]->contacts; }  // that began

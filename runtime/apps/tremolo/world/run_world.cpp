@@ -21,6 +21,7 @@
 #include "runtime/apps/tremolo/start/run_notes.h"
 #include "runtime/apps/tremolo/world/body_log.h"
 #include "runtime/apps/tremolo/world/world_commands.h"
+#include "runtime/apps/tremolo/world/world_momentum.h"
 #include "runtime/apps/tremolo/world/world_report.h"
 #include "runtime/apps/tremolo/world/world_sound.h"
 #include "runtime/apps/tremolo/world/world_tets_run.h"
@@ -77,6 +78,7 @@ void tell_end(const std::vector<BodyLog>& logs, WorldEnding& ending) {
 Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
                                  std::vector<BodyLog>& logs, WorldTetsRun& tets, WorldSound* sound,
                                  double (*clock)()) {
+  WorldMomentum momentum;
   const Interruption interruption;
   ToldProgress progress(fs::path(file.path).stem().string(), file.scene.duration);
   const std::int64_t steps = std::llround(file.scene.duration / file.scene.step);
@@ -84,6 +86,7 @@ Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
   WorldEnding ending;
   Result<bool> inside = observe_all(world, logs);
   if (Status s = tets.observe(); !s) return s.error();
+  momentum.observe(world, tets);
   if (sound != nullptr) sound->add(world);
   while (inside && *inside && world.steps() < steps && ending.exit_code == 0) {
     const double before = clock();
@@ -92,6 +95,7 @@ Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
     for (const auto& [body, report] : failures) logs[body].give_up(report, world.body(body).time());
     inside = observe_all(world, logs);
     if (Status s = tets.observe(); !s) return s.error();
+    momentum.observe(world, tets);
     if (sound != nullptr) sound->add(world);
     tell_end(logs, ending);
     tets.ended(ending);
@@ -100,6 +104,7 @@ Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
   }
   if (!inside) return inside.error();
   ending.steps = world.steps() - before_it;
+  ending.momentum_error = momentum.error();
   tell_end(logs, ending);
   return ending;
 }

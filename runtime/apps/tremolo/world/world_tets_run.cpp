@@ -53,6 +53,7 @@ void WorldTetsRun::watch(std::size_t i, bool first) {
   watched.work_before = work;
   watched.gravity_before = watched.now.gravity;
   watched.energy_max = std::max(watched.energy_max, watched.now.total());
+  watched.slip_max = std::max(watched.slip_max, tets_.guests->account(i).slip);
   if (watched.exit_code != 0) return;
   if (tets_.guests->failed(i)) {
     watched.exit_code = exit_code(ErrorKind::kSolver);
@@ -120,6 +121,9 @@ nlohmann::ordered_json WorldTetsRun::body_json(std::size_t i) const {
                              {"friction", number_or_null(0.0 - sums.friction_loss)},
                              {"restitution", number_or_null(0.0 - sums.lost)},
                              {"method", number_or_null(method)}};
+  // All that is not of contact is in `method`; the account of contact closes by itself.
+  json["energy_balance_error"] =
+      number_or_null(watched.energy_max > 0.0 ? std::abs(sums.error) / watched.energy_max : 0.0);
   json["contacts"] = tets_.guests->contacts(i);
   json["contact_points_final"] = tets_.guests->account(i).active;
   json["contact_force_final"] =
@@ -127,6 +131,7 @@ nlohmann::ordered_json WorldTetsRun::body_json(std::size_t i) const {
   json["contact_energy"] = number_or_null(watched.now.contact);
   json["contact_error"] = number_or_null(sums.error);
   json["penetration_max"] = number_or_null(tets_.guests->penetration_max(i));
+  json["slip_max"] = number_or_null(watched.slip_max);
   json["asleep"] = false;
   json["exit_code"] = watched.exit_code;
   json["reason"] = watched.reason.empty() ? nlohmann::ordered_json(nullptr)

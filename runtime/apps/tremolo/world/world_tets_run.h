@@ -29,6 +29,7 @@ class WorldTetsRun {
   // Renames the files from their temporary names.
   Status finish();
 
+  const TetGuests& guests() const { return *tets_.guests; }  // where size() is not 0
   nlohmann::ordered_json body_json(std::size_t i) const;
   std::size_t size() const { return logs_.size(); }
   void print() const;
@@ -43,6 +44,7 @@ class WorldTetsRun {
   struct Watched {
     Account start, now;
     double energy_max = 0.0;
+    double slip_max = 0.0;  // ContactAccount::slip of all steps, m
     EnergyBound bound;
     double work_before = 0.0, gravity_before = 0.0;
     Momenta momenta_start, momenta_now;
