@@ -4,7 +4,7 @@
 #     awk -v length_x=0.4 -v width=0.1 -v n=8 -v m=2 -f assets/recipes/bar.awk > assets/meshes/bar.msh
 #     awk -v length_x=1 -v width=1 -v height=0.04 -v n=6 -v m=6 -v l=1 -f assets/recipes/bar.awk > assets/meshes/mat.msh
 #     awk -v length_x=0.02 -v width=0.06 -v height=0.14 -v n=2 -v m=3 -v l=8 -v centred=1 -f assets/recipes/bar.awk > assets/meshes/finger.msh
-#     awk -v length_x=0.012 -v width=0.05 -v height=0.1 -v n=1 -v m=3 -v l=6 -v centred=1 -f assets/recipes/bar.awk > assets/meshes/domino.msh
+#     awk -v length_x=0.012 -v width=0.05 -v height=0.1 -v n=1 -v m=2 -v l=4 -v centred=1 -f assets/recipes/bar.awk > assets/meshes/domino.msh
 function vertex(i, j, k) { return (i * (m + 1) + j) * (l + 1) + k + 1 }
 
 function tet(a, b, c, d) { printf "%d 4 2 1 1 %d %d %d %d\n", ++count, a, b, c, d }
