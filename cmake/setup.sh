@@ -95,7 +95,7 @@ build() {
 }
 
 models="beam basket bridge horse tower heart"
-scene_models="horse-free horse-rig heart-free basket-free ball-free bell"  # which scenes need
+scene_models="horse-free horse-rig heart-free basket-free ball-free bell finger domino"  # which scenes need
 scene_colliders="bell basket heart horse"
 scene_tets="bar bar-free duck mat"
 

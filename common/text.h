@@ -85,6 +85,14 @@ inline std::string upper_case(std::string_view letters) {
   return result;
 }
 
+// The text without blanks, tabs and line ends at its ends.
+inline std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r\n\v\f";
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
 // The number of bytes of the UTF-8 character at the front, 1 to 4; 0 if it is invalid, or controls
 // a terminal or the direction of writing.
 inline std::size_t plain_character(std::string_view text) {

@@ -23,13 +23,6 @@ constexpr std::pair<std::string_view, Colour> kColours[] = {
     {"gray", {128, 128, 128, 255}},
 };
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r\n";
-  const std::size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
-
 template <class T>
 std::optional<T> number(std::string_view text, int base = 10) {
   text = trimmed(text);

@@ -16,13 +16,6 @@ constexpr std::size_t kMostParameters = 100;  // Abaqus knows no keyword with as
 constexpr std::size_t kDeepest = 5;           // files in files, as Abaqus takes them
 constexpr std::size_t kMostRepeats = 16;      // bytes that are read for one on disk
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r\n";
-  const std::size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
-
 // Commas between double quotes do not separate.
 std::vector<std::string_view> split_at_commas(std::string_view text) {
   std::vector<std::string_view> parts;

@@ -14,13 +14,6 @@ constexpr std::size_t kNarrow = 8;         // columns of a small field, and of e
 constexpr std::size_t kWide = 16;          // of a large field
 constexpr std::size_t kMostFields = 1000;  // far above what a card of the mesh has
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r";
-  const std::size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
-
 std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> parts;
   for (std::size_t start = 0; start <= text.size();) {

@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "common/text.h"
 #include "formats/file/scanner.h"
 #include "formats/polygons/polygon_mesh.h"
 
@@ -15,13 +16,6 @@ namespace {
 
 constexpr std::size_t kMostEntries = std::numeric_limits<VertexId>::max();
 constexpr std::size_t kMostNumbers = 7;  // of a vertex: position, weight, colour
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r\v\f";
-  const std::size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) + 1 - first);
-}
 
 // Joins lines that a backslash continues, and converts the line ends of old Macs (CR alone) to LF.
 // True if the text was changed; lines keep their numbers up to the first joined one.

@@ -5,17 +5,12 @@
 #include <map>
 #include <string_view>
 
+#include "common/text.h"
+
 namespace tremolo {
 namespace {
 
 constexpr const char* kFile = "file";
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r\n";
-  const std::size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
 
 Error malformed(const std::string& text, const std::string& what) {
   return {ErrorKind::kUsage,

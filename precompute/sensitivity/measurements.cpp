@@ -20,12 +20,6 @@ constexpr double kEmpty = std::numeric_limits<double>::quiet_NaN();
 
 using Cells = std::array<double, kColumns>;
 
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
 std::vector<std::string_view> cells_of(std::string_view line) {
   std::vector<std::string_view> cells;
   for (std::size_t at = 0; at <= line.size();) {

@@ -161,6 +161,13 @@ ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider
   return start;
 }
 
+double held_slip(const ContactLaw& law, const ContactForce& now) {
+  constexpr double kRounding = 1e-9;  // a point that slides has the limit to rounding
+  if (!now.acts) return 0.0;
+  const double slip = now.slip.norm();
+  return law.shear * slip < (1.0 - kRounding) * now.limit ? slip : 0.0;
+}
+
 ContactGap make_gap(const ContactLaw& law, double d0, double e0, double d1) {
   const MeanForce mean = mean_force(law, law.begins - d0, law.begins - d1);
   return {d0, e0, d1, mean.value, mean.fall};

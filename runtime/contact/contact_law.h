@@ -157,6 +157,10 @@ struct ContactForce {
   }
 };
 
+// The elastic displacement of friction at the end of the step, m; 0 where the point slides or
+// nothing presses.
+double held_slip(const ContactLaw& law, const ContactForce& now);
+
 // The values that a solver keeps constant while it searches for the end of the step: the normal of
 // the middle and the friction limit. The derivative of the force is then symmetric except for
 // curvature, as a line search needs. The step is solved once the limit agrees with the force.

@@ -17,6 +17,7 @@ void add_account(ContactAccount& sum, const ContactAccount& part) {
         &ContactAccount::hand_damped, &ContactAccount::joint_work, &ContactAccount::impulse})
     sum.*each += before.*each;
   sum.penetration = std::max(sum.penetration, before.penetration);
+  sum.slip = std::max(sum.slip, before.slip);
   sum.way += before.way;
   sum.active = std::max(sum.active, before.active);
   sum.passed += before.passed;

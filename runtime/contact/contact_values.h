@@ -64,7 +64,9 @@ struct ContactAccount {
   double penetration = 0.0;                   // greatest depth of a point behind a surface, m
   double impulse = 0.0;                       // sum of |F| h, N s
   double way = 0.0;  // longest path of a point relative to a nearby obstacle, m
-  int active = 0;    // number of points with a contact force
+  // Largest elastic displacement xi of a point that friction holds (friction.h), m.
+  double slip = 0.0;
+  int active = 0;  // number of points with a contact force
   // Sum of F h on the body by colliders and other bodies, N s, world.
   Eigen::Vector3d impulse_vector = Eigen::Vector3d::Zero();
   int passed = 0;  // number of points that passed through an obstacle (contact/collider.h)

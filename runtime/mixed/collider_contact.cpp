@@ -134,6 +134,7 @@ void ColliderContact::settle(ContactAccount& first_account, ContactAccount& seco
     sum.friction_loss += now.friction_loss;
     sum.work += now.force.dot(touch.motion.end - touch.motion.start);
     sum.penetration = std::max(sum.penetration, -now.distance);
+    sum.slip = std::max(sum.slip, held_slip(touch.law, now));
     bool through = false;
     sum.way = std::max(sum.way, contact_passage(*collider_, touch.start, touch.end, through));
     sum.passed += through ? 1 : 0;
@@ -155,6 +156,12 @@ void ColliderContact::remember() {
                        .slip = touch.now.slip,
                        .normal = length > 0.0 ? Vector3d(touch.held.normal / length)
                                               : Vector3d(Vector3d::UnitZ())});
+    if (touch.now.pressure != 0.0)
+      points_->note({.vertex = points_->number_of(touch.point),
+                     .obstacle = obstacle_,
+                     .position = touch.motion.end,
+                     .normal = collider_->end.rotation * touch.held.normal.normalized(),
+                     .impulse = h_ * touch.now.force});
   }
 }
 

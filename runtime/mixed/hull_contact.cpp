@@ -149,6 +149,7 @@ void HullContact::settle(ContactAccount& first_account, ContactAccount& second_a
     second_account.work -= now.force.dot(shape_->way_of(touch.site));
     for (ContactAccount* account : {&first_account, &second_account}) {
       account->penetration = std::max(account->penetration, -now.distance);
+      account->slip = std::max(account->slip, held_slip(touch.law, now));
       account->impulse += impulse.norm();
       ++account->active;
     }

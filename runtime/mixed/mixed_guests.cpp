@@ -296,6 +296,7 @@ void MixedGuests::book(std::size_t guest) {
   of.sums.given += account.given;
   of.sums.error += account.surplus;
   of.deepest = std::max(of.deepest, account.penetration);
+  of.slip = std::max(of.slip, account.slip);
   const bool touches = account.active > 0;
   if (touches && !of.touched) ++of.contacts;
   of.touched = touches;

@@ -53,10 +53,15 @@ class MixedGuests final : public IslandGuests {
   const ClothStep* cloth(std::size_t i) const { return guests_[i]->cloth; }
   // Of the last step.
   const ContactAccount& account(std::size_t i) const { return guests_[i]->step->account(); }
+  // The points with a force in the last step.
+  std::span<const ContactedPoint> contacted(std::size_t i) const {
+    return guests_[i]->step->contacted();
+  }
   // Sums since the start.
   const ContactSums& sums(std::size_t i) const { return guests_[i]->sums; }
   std::int64_t contacts(std::size_t i) const { return guests_[i]->contacts; }  // that began
   double penetration_max(std::size_t i) const { return guests_[i]->deepest; }  // m
+  double slip_max(std::size_t i) const { return guests_[i]->slip; }  // ContactAccount::slip, m
   // A body whose step failed is as before it and is not stepped again.
   bool failed(std::size_t i) const { return guests_[i]->failed; }
   // The deepest contact point inside one of the colliders now, and the margin, m.
@@ -86,7 +91,7 @@ class MixedGuests final : public IslandGuests {
     ClothStep* cloth = nullptr;  // that of a cloth, or null
     ContactSums sums = {};
     std::int64_t contacts = 0;
-    double deepest = 0.0;
+    double deepest = 0.0, slip = 0.0;
     bool failed = false, touched = false;
   };
   // Contact of the points of `first` with `second`: members by their numbers in links(), of which

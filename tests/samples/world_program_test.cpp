@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/samples/shipped_scene.h"
 #include "tests/support/programs.h"
 #include "tests/support/text_lines.h"
 
@@ -19,6 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using testing::shipped_scene;
 
 class WorldProgram : public ::testing::Test {
  protected:
@@ -236,19 +238,6 @@ TEST_F(WorldProgram, TellsWhichBodyBeginsInsideACollider) {
   EXPECT_EQ(result.code, 3);
   EXPECT_NE(result.err.find("body 'sunk': it begins 0.02 m ("), std::string::npos) << result.err;
   EXPECT_NE(result.err.find("inside collider 'floor'"), std::string::npos) << result.err;
-}
-
-// A scene of assets/scenes with the models of this build.
-std::string shipped_scene(const std::string& name) {
-  std::stringstream text;
-  text << std::ifstream(TREMOLO_SOURCE_DIR "/assets/scenes/" + name + ".toml").rdbuf();
-  std::string scene = text.str();
-  for (const auto& [from, to] :
-       {std::pair<std::string, std::string>{"../../build/models", TREMOLO_MODEL_DIR},
-        {"\"earthquake.csv\"", "\"" TREMOLO_SOURCE_DIR "/assets/scenes/earthquake.csv\""}})
-    for (std::size_t at = 0; (at = scene.find(from, at)) != std::string::npos; at += to.size())
-      scene.replace(at, from.size(), to);
-  return scene;
 }
 
 TEST_F(WorldProgram, RunsTheScenesThatAreShipped) {

@@ -38,6 +38,7 @@ void ContactStep::settle_account(const ContactAccount& pairs, double start) {
     const bool round = candidate.law.radius > 0.0;
     if (round) account.work += now.rub.dot(eq_.motion.turn_in_step().cross(surface_of(candidate)));
     account.penetration = std::max(account.penetration, -now.distance);
+    account.slip = std::max(account.slip, held_slip(candidate.law, now));
     bool through = false;
     const double way = contact_passage(gathered_.colliders[candidate.collider], candidate.start,
                                        candidate.end, through);

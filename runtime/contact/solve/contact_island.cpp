@@ -29,7 +29,7 @@ constexpr double kBeyond = 1e8;
 
 // The attempts at the step, in their order.
 const ContactIsland::Attempt ContactIsland::kAttempts[] = {
-    {3, 3, false}, {8, 8, false}, {30, 2, false}, {3, 3, true}, {0, 0, true}};
+    {1, 2, false}, {8, 8, false}, {30, 2, false}, {3, 3, true}, {0, 0, true}};
 
 ContactIsland::Coupling& ContactIsland::add_coupling(std::size_t low, std::size_t high) {
   if (coupled_ == couplings_.size()) couplings_.emplace_back();

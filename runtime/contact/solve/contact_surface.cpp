@@ -71,7 +71,7 @@ ContactLaw law_of(const ContactSurface& surface, std::size_t point, double frict
   law.shear = shear_of(law);
   law.shear_damping = surface.dampers[point] * std::sqrt(law.shear);
   law.radius = surface.points->radius_of(point);
-  if (surface.points->rigid()) law.rounding = rounding;
+  law.rounding = rounding;
   return law;
 }
 
@@ -82,7 +82,6 @@ ContactLaw law_between(const ContactSurface& first, std::size_t point, const Con
   ContactLaw law = law_in_series(law_of(first, point, std::sqrt(ours.friction * theirs.friction),
                                         std::sqrt(ours.restitution * theirs.restitution), rounding),
                                  ours, theirs, first.points->areas[point]);
-  if (first.points->rigid() || second.points->rigid()) law.rounding = rounding;
   return law;
 }
 

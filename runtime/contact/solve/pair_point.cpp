@@ -383,6 +383,8 @@ void settle_pair(const PairPoint& pair, const ContactEquations& second, double h
   b.work -= pair.now.force.dot(pair.touch_a.x1 - pair.touch_a.x0 - pair.way.path) +
             pair.now.bend_force.dot(pair.way.bend);
   const double impulse = h * pair.now.force.norm();
+  for (ContactAccount* account : {&a, &b})
+    account->slip = std::max(account->slip, held_slip(pair.law, pair.now));
   a.impulse_vector += h * pair.now.force;
   b.impulse_vector -= h * pair.now.force;
   a.impulse += impulse;

@@ -137,6 +137,7 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
   report_.account = account;
   report_.energy_max = larger(report_.energy_max, account.total());
   report_.remainder_max = larger(report_.remainder_max, std::abs(account.remainder()));
+  report_.slip_max = larger(report_.slip_max, body.contact_account().slip);
   report_.turnover_max = larger(report_.turnover_max, turnover(account));
   if (shape_looks_.due(moment_.steps, moment_.state.q)) note_shape(world);
   // The drawn surface can be at its deepest only if the contact points are.

@@ -43,6 +43,7 @@ struct SceneBodyReport : BodyReport {
   double penetration_max = 0.0;          // of the size
   double penetration_surface_max = 0.0;  // m, of the drawn surface, in all samples
   std::optional<double> rebound;         // surface_depth.h
+  double slip_max = 0.0;                 // ContactAccount::slip of all steps, m
   double contact_speed_max = 0.0;        // m/s
   std::int64_t passed_through = 0;
 

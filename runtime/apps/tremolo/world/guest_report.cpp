@@ -15,6 +15,7 @@ void add_guest_contacts(const MixedGuests& guests, std::size_t guest, double h,
   json["contact_energy"] = number_or_null(account.energy);
   json["contact_error"] = number_or_null(guests.sums(guest).error);
   json["penetration_max"] = number_or_null(guests.penetration_max(guest));
+  json["slip_max"] = number_or_null(guests.slip_max(guest));
   json["asleep"] = false;
 }
 

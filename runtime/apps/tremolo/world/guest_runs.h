@@ -23,12 +23,14 @@ class GuestRuns {
   // Renames the files from their temporary names.
   Status finish();
 
+  const MixedGuests* guests() const { return guests_; }  // null: none
   std::size_t size() const { return tets_.size() + cloths_.size(); }
   std::vector<nlohmann::ordered_json> json() const;  // one per body
   void print() const;
   std::vector<std::string> files() const;  // paths of all that was written
 
  private:
+  const MixedGuests* guests_ = nullptr;
   WorldTetsRun tets_;
   WorldClothRun cloths_;
 };

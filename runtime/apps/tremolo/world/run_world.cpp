@@ -23,6 +23,7 @@
 #include "runtime/apps/tremolo/world/guest_report.h"
 #include "runtime/apps/tremolo/world/guest_runs.h"
 #include "runtime/apps/tremolo/world/world_commands.h"
+#include "runtime/apps/tremolo/world/world_momentum.h"
 #include "runtime/apps/tremolo/world/world_report.h"
 #include "runtime/apps/tremolo/world/world_sound.h"
 #include "runtime/world/world_guests.h"
@@ -79,6 +80,7 @@ void tell_end(const std::vector<BodyLog>& logs, WorldEnding& ending) {
 Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
                                  std::vector<BodyLog>& logs, GuestRuns& guests, WorldSound* sound,
                                  double (*clock)()) {
+  WorldMomentum momentum;
   const Interruption interruption;
   ToldProgress progress(fs::path(file.path).stem().string(), file.scene.duration);
   const std::int64_t steps = std::llround(file.scene.duration / file.scene.step);
@@ -86,6 +88,7 @@ Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
   WorldEnding ending;
   Result<bool> inside = observe_all(world, logs);
   if (Status s = guests.observe(); !s) return s.error();
+  momentum.observe(world, guests.guests());
   if (sound != nullptr) sound->add(world);
   while (inside && *inside && world.steps() < steps && ending.exit_code == 0) {
     const double before = clock();
@@ -94,6 +97,7 @@ Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
     for (const auto& [body, report] : failures) logs[body].give_up(report, world.body(body).time());
     inside = observe_all(world, logs);
     if (Status s = guests.observe(); !s) return s.error();
+    momentum.observe(world, guests.guests());
     if (sound != nullptr) sound->add(world);
     tell_end(logs, ending);
     guests.ended(ending);
@@ -102,6 +106,7 @@ Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
   }
   if (!inside) return inside.error();
   ending.steps = world.steps() - before_it;
+  ending.momentum_error = momentum.error();
   tell_end(logs, ending);
   return ending;
 }

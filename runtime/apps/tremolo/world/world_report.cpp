@@ -60,6 +60,7 @@ Json body_json(const SceneBody& body, const SceneBodyReport& report) {
   json["contact_error"] = number_or_null(report.account.contact_error);
   json["penetration_max"] = number_or_null(report.penetration_max);
   json["penetration_surface_max"] = number_or_null(report.penetration_surface_max);
+  json["slip_max"] = number_or_null(report.slip_max);
   json["rebound"] = report.rebound ? number_or_null(*report.rebound) : Json(nullptr);
   json["contact_begins_within"] = number_or_null(report.begins_within);
   json["friction_held_steps"] = report.friction_held_steps;
@@ -178,6 +179,7 @@ Json world_json(const SceneFile& file, const SceneWorld& world, const std::vecto
   double worst = 0.0;
   for (const BodyLog& log : logs) worst = std::max(worst, log.report().balance_error());
   json["energy_balance_error"] = number_or_null(worst);
+  json["momentum_error"] = number_or_null(ending.momentum_error);
   json["contact_speed_limit"] = number_or_null(world.contact_speed_limit());
   add_ending(ending, json);
   json["bodies"] = Json::array();

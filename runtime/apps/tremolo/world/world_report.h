@@ -16,8 +16,9 @@ namespace tremolo {
 
 // The end of a run of a world.
 struct WorldEnding : SceneEnding {
-  double seconds = 0.0;    // of the steps: processor time, with several threads by the clock
-  std::int64_t steps = 0;  // that this run made
+  double seconds = 0.0;         // of the steps: processor time, with several threads by the clock
+  std::int64_t steps = 0;       // that this run made
+  double momentum_error = 0.0;  // WorldMomentum::error()
 };
 
 // Frames that move at the start, steps that are too long, shapes and springs that are out of range.

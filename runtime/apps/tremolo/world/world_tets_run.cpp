@@ -117,6 +117,9 @@ nlohmann::ordered_json WorldTetsRun::body_json(std::size_t i) const {
                              {"friction", number_or_null(0.0 - sums.friction_loss)},
                              {"restitution", number_or_null(0.0 - sums.lost)},
                              {"method", number_or_null(method)}};
+  // All that is not of contact is in `method`; the account of contact closes by itself.
+  json["energy_balance_error"] =
+      number_or_null(watched.energy_max > 0.0 ? std::abs(sums.error) / watched.energy_max : 0.0);
   add_guest_contacts(*tets_->guests, i, body.options().step, json);
   json["exit_code"] = watched.exit_code;
   json["reason"] = watched.reason.empty() ? nlohmann::ordered_json(nullptr)
