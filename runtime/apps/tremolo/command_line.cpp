@@ -242,8 +242,8 @@ std::function<bool(const char*)> told_flags(const CLI::App& command) {
 }
 
 // Reads a scene with [[bodies]] and applies the flags.
-Result<SceneFile> world_of(const std::string& text, const SceneCommand& command) {
-  Result<SceneFile> file = parse_world(text, command.file);
+Result<MixedFile> world_of(const std::string& text, const SceneCommand& command) {
+  Result<MixedFile> file = parse_mixed(text, command.file);
   if (!file) return file.error();
   if (Status s = apply_flags(command.flags, command.given, *file); !s) return s.error();
   return file;
@@ -252,10 +252,8 @@ Result<SceneFile> world_of(const std::string& text, const SceneCommand& command)
 int run_world_scene(const std::string& text, const Request& request, const SceneCommand& command) {
   if (!request.degree.empty())
     return report_error(usage_error("--degree applies only to bodies of kind \"tets\""));
-  Result<MixedFile> mixed = parse_mixed(text, command.file);
+  Result<MixedFile> mixed = world_of(text, command);
   if (!mixed) return report_error(mixed.error());
-  if (Status s = apply_flags(command.flags, command.given, *mixed); !s)
-    return report_error(s.error());
   if (mixed->has_guests() && !(request.save.empty() && request.restore.empty()))
     return report_error(
         usage_error(std::string("--save and --restore do not apply to a scene with bodies of kind "
@@ -331,7 +329,7 @@ Result<MotionSource> scene_motion(const SceneCommand& command) {
   if (!command.beside.empty()) return usage_error("--beside applies only to scenes of cloth");
   if (*kind == SceneKind::kTets) return tets_source(*text, command);
   if (*kind == SceneKind::kWorld) {
-    Result<SceneFile> file = world_of(*text, command);
+    Result<MixedFile> file = world_of(*text, command);
     if (!file) return file.error();
     return world_motion(std::move(*file));
   }

@@ -12,6 +12,7 @@
 #include "runtime/apps/tremolo/cloth/cloth_commands.h"
 #include "runtime/apps/tremolo/export/export.h"
 #include "runtime/apps/tremolo/export/motion_source.h"
+#include "runtime/apps/tremolo/export/nodal_tracks.h"
 #include "runtime/apps/tremolo/output/run_progress.h"
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/bodies/cloth/cloth_model.h"
@@ -21,27 +22,6 @@
 
 namespace tremolo {
 namespace {
-
-// The cloth as it is cut, flat, which its vertices are displaced from.
-Result<AnimatedShape> cloth_shape(const SceneCloth& cloth) {
-  const Result<ClothParts> parts = make_cloth_parts(cloth);
-  if (!parts) return parts.error();
-  AnimatedShape shape;
-  shape.name = cloth.name;
-  RenderSurface& surface = shape.surface;
-  if (parts->drawn != nullptr) {
-    surface = *parts->drawn;
-    return shape;
-  }
-  surface.vertices.resize(static_cast<std::size_t>(parts->x.size()) / 3);
-  for (std::size_t i = 0; i < surface.vertices.size(); ++i)
-    surface.vertices[i] = parts->x.segment<3>(3 * i);
-  surface.triangles = parts->triangles;
-  surface.object_of.assign(surface.triangles.size(), 0);
-  surface.material_of.assign(surface.triangles.size(), 0);
-  surface.objects = surface.materials = {cloth.name};
-  return shape;
-}
 
 Result<Scenery> add_tracks_of(const ClothScene& scene, bool colliders, bool planes,
                               Animation& animation) {
@@ -66,17 +46,7 @@ void record_cloths(const ClothWorld& world, const Scenery& scenery, Animation& a
   animation.times.push_back(world.time());
   for (std::size_t i = 0; i < world.cloths(); ++i) {
     AnimatedBody& body = animation.bodies[i];
-    const std::vector<Eigen::Vector3d>& rest = animation.shapes[body.shape].surface.vertices;
-    const Eigen::VectorXd& x = world.positions(i);
-    const ClothParts& parts = world.model(i).parts();
-    const std::vector<VertexId>& sources = animation.shapes[body.shape].surface.sources;
-    for (std::size_t v = 0; v < rest.size(); ++v) {
-      const std::size_t vertex = sources.empty() ? v : static_cast<std::size_t>(sources[v]);
-      const auto particle = static_cast<Eigen::Index>(parts.particle_of_vertex(vertex));
-      for (int axis = 0; axis < 3; ++axis)
-        body.displacements.push_back(x[3 * particle + axis] - rest[v][axis]);
-    }
-    body.poses.emplace_back();
+    record_cloth(world.model(i).parts(), world.positions(i), animation.shapes[body.shape], body);
   }
   std::size_t next = world.cloths();
   for (const ClothWorld::Ball& ball : world.balls()) {

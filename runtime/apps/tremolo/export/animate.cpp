@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "runtime/apps/tremolo/export/nodal_tracks.h"
 #include "runtime/apps/tremolo/output/run_progress.h"
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/run/simulate.h"
@@ -92,10 +93,19 @@ Status step_to(StartedBody& one, std::int64_t step) {
   return Success{};
 }
 
-Status step_to(SceneWorld& world, std::int64_t step) {
-  while (world.steps() < step)
+// guests: null: the world has none.
+Status step_to(SceneWorld& world, const MixedGuests* guests, std::int64_t step) {
+  while (world.steps() < step) {
+    const double from = world.time();
     for (const auto& [body, report] : world.step())
       return step_error(world.name(body), report, world.body(body).time());
+    for (std::size_t i = 0; guests != nullptr && i < guests->size(); ++i)
+      if (guests->failed(i))
+        return Error{ErrorKind::kSolver,
+                     fmt::format("body '{}': the step from t = {:.6g} s could not be solved: take "
+                                 "a shorter step",
+                                 guests->name(i), from)};
+  }
   return Success{};
 }
 
@@ -192,19 +202,28 @@ Result<RecordedMotion> animate_bodies(const std::vector<BodyScene>& bodies,
   return motion;
 }
 
-Result<RecordedMotion> animate_world(const SceneFile& file, const FrameRange& range,
+Result<RecordedMotion> animate_world(const MixedFile& mixed, const FrameRange& range,
                                      bool colliders) {
+  const SceneFile& file = mixed.file;
   const Result<FrameSteps> frames = frame_steps(range, file.scene.step, file.scene.duration);
   if (!frames) return frames.error();
-  Result<SceneWorld> world = SceneWorld::create(file.scene);
+  Result<SceneWorld> world = SceneWorld::create(file.scene, load_scene_model, mixed.has_guests());
   if (!world) return error_of_file(file.path, value_error(world.error()));
+  WorldGuests guests;
+  if (mixed.has_guests())
+    if (Status s = take(guests, add_guests(mixed.tets, mixed.cloths, file.path, *world)); !s)
+      return s.error();
+  Result<GuestTracks> guest_tracks = GuestTracks::create(guests);
+  if (!guest_tracks) return error_of_file(file.path, guest_tracks.error());
   Recording recording(range.rate);
   const Result<WorldTracks> tracks = add_tracks(*world, colliders, recording);
   if (!tracks) return tracks.error();
   ToldProgress progress(std::filesystem::path(file.path).stem().string(), file.scene.duration);
   for (const std::int64_t step : frames->steps) {
-    if (Status s = step_to(*world, step); !s) return error_of_file(file.path, s.error());
+    if (Status s = step_to(*world, guests.guests, step); !s)
+      return error_of_file(file.path, s.error());
     if (Status s = record_frame(*world, *tracks, recording); !s) return s.error();
+    guest_tracks->record();
     progress.reached(world->time());
   }
   RecordedMotion motion;
@@ -212,6 +231,7 @@ Result<RecordedMotion> animate_world(const SceneFile& file, const FrameRange& ra
   motion.even_step = frames->even_step;
   motion.left_out = tracks->left_out;
   if (Status s = take(motion.animation, recording.animation()); !s) return s.error();
+  guest_tracks->add_to(motion.animation);
   widen_planes(*world, tracks->colliders, motion.animation);
   return motion;
 }

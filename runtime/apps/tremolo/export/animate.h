@@ -9,7 +9,7 @@
 #include "common/result.h"
 #include "runtime/apps/tremolo/run/body_scene.h"
 #include "runtime/io/exchange/animation.h"
-#include "runtime/io/scenes/scene_reader.h"
+#include "runtime/io/scenes/nodal_readers.h"
 
 namespace tremolo {
 
@@ -46,9 +46,9 @@ struct RecordedMotion {
 Result<RecordedMotion> animate_bodies(const std::vector<BodyScene>& bodies,
                                       const FrameRange& range);
 
-// A scene with [[bodies]]. colliders: they are recorded too. Errors: those of SceneWorld::create,
-// and as above.
-Result<RecordedMotion> animate_world(const SceneFile& file, const FrameRange& range,
+// A scene with [[bodies]]: its bodies, colliders where requested, and guests. Errors: those of
+// SceneWorld::create() and add_guests(), and as above.
+Result<RecordedMotion> animate_world(const MixedFile& mixed, const FrameRange& range,
                                      bool colliders);
 
 }  // namespace tremolo

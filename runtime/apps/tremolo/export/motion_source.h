@@ -29,7 +29,7 @@ struct MotionSource {
 // Bodies as `tremolo run` takes them, each by itself.
 MotionSource bodies_motion(std::vector<BodyScene> bodies);
 // A scene with [[bodies]].
-MotionSource world_motion(SceneFile file);
+MotionSource world_motion(MixedFile mixed);
 
 // colliders: numbers of the recorded ones, in that order. left_out: names of colliders without
 // triangles, whose file has only distances.

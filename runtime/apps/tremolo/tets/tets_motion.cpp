@@ -8,66 +8,23 @@
 
 #include "runtime/apps/tremolo/export/export.h"
 #include "runtime/apps/tremolo/export/motion_source.h"
+#include "runtime/apps/tremolo/export/nodal_tracks.h"
 #include "runtime/apps/tremolo/output/run_progress.h"
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/tets/tets_commands.h"
-#include "runtime/bodies/tets/elements/element_turn.h"
 #include "runtime/bodies/tets/motion/tet_group.h"
 
 namespace tremolo {
 namespace {
 
-AnimatedShape tets_shape(const TetsKind& kind) {
-  const TetsSurface& drawn = kind.surface->rest();
-  AnimatedShape shape;
-  shape.name = std::filesystem::path(kind.path).stem().string();
-  RenderSurface& surface = shape.surface;
-  surface.vertices = drawn.vertices;
-  surface.triangles = drawn.triangles;
-  surface.uvs = drawn.uvs;
-  surface.sources = drawn.sources;
-  surface.object_of.assign(surface.triangles.size(), 0);
-  surface.material_of.assign(surface.triangles.size(), 0);
-  surface.objects = surface.materials = {shape.name};
-  return shape;
-}
-
-Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3d>& places) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& place : places) sum += place;
-  return sum / static_cast<double>(places.size());
-}
-
-// The pose for which the sum of |x - pose X|^2 is least.
-Pose nearest_pose(const std::vector<Eigen::Vector3d>& rest,
-                  const std::vector<Eigen::Vector3d>& places) {
-  const Eigen::Vector3d rest_mean = mean_of(rest), mean = mean_of(places);
-  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < rest.size(); ++i)
-    products += (places[i] - mean) * (rest[i] - rest_mean).transpose();
-  const Eigen::Matrix3d turn = nearest_rotation(products);
-  return {mean - turn * rest_mean, Eigen::Quaterniond(turn).normalized()};
-}
-
-void record_tets(const TetsBodies& bodies, Animation& animation, double time, const TetScene& scene,
-                 const Scenery& scenery) {
+void record_all(const TetsBodies& bodies, Animation& animation, double time, const TetScene& scene,
+                const Scenery& scenery) {
   animation.times.push_back(time);
-  std::vector<Eigen::Vector3d> places;
-  std::vector<Eigen::Vector3f> normals;
   const std::size_t count = bodies.group->size();
   for (std::size_t i = 0; i < count; ++i) {
     AnimatedBody& body = animation.bodies[i];
-    const std::vector<Eigen::Vector3d>& rest = animation.shapes[body.shape].surface.vertices;
-    places.resize(rest.size());
-    normals.resize(rest.size());
-    bodies.kind(i).surface->place(bodies.group->body(i).positions(), places, normals);
-    const Pose pose = nearest_pose(rest, places);
-    for (std::size_t k = 0; k < rest.size(); ++k) {
-      const Eigen::Vector3d local = pose.rotation.conjugate() * (places[k] - pose.position);
-      for (Eigen::Index axis = 0; axis < 3; ++axis)
-        body.displacements.push_back(local[axis] - rest[k][axis]);
-    }
-    body.poses.push_back(pose);
+    record_tets(bodies.kind(i), bodies.group->body(i).positions(), animation.shapes[body.shape],
+                body);
   }
   for (std::size_t k = 0; k < scenery.colliders.size(); ++k)
     animation.bodies[count + k].poses.push_back(scene.colliders[scenery.colliders[k]].pose);
@@ -123,7 +80,7 @@ Result<RecordedMotion> animate_tets(const TetScene& scene, const FrameRange& ran
                         scene.path, from, bound.energy(), kEnergyBound)};
     }
     const double time = scene.step * static_cast<double>(step);
-    record_tets(*bodies, motion.animation, time, scene, scenery);
+    record_all(*bodies, motion.animation, time, scene, scenery);
     progress.reached(time);
   }
   return motion;
