@@ -10,7 +10,7 @@
 #include "runtime/apps/tremolo/measure/tets_log.h"
 #include "runtime/apps/tremolo/run/run_files.h"
 #include "runtime/apps/tremolo/world/scene_ending.h"
-#include "runtime/energy_bound.h"
+#include "runtime/world/guest_bound.h"
 #include "runtime/world/world_tets.h"
 
 namespace tremolo {
@@ -43,8 +43,7 @@ class WorldTetsRun {
   struct Watched {
     Account start, now;
     double energy_max = 0.0;
-    EnergyBound bound;
-    double work_before = 0.0, gravity_before = 0.0;
+    GuestBound bound;
     Momenta momenta_start, momenta_now;
     int exit_code = 0;
     std::string reason;
