@@ -144,15 +144,16 @@ class WorldsWithTetrahedra(unittest.TestCase):
             tremolo.world({**scene, "bodies": [tets(model="/nowhere.tets"), scene["bodies"][1]]})
 
     def test_name_a_body_whose_step_cannot_be_solved(self):
-        w = tremolo.world({"step": 0.01, "bodies": [tets(**{"max-iterations": 1, "unsolved": "cut"}), marble(
-            position=[0, 0, 5])]})
+        w = tremolo.world({"step": 0.01, "bodies": [tets(), marble(position=[0, 0, 5])]})
         b = w["block"]
-        rest = b.points
-        b.set_state(rest * [1, -1, 1])  # every element inside out
-        with self.assertRaisesRegex(tremolo.SolverError, "block: "):
-            w.step(200)
+        before = b.points
+        b.set_state(velocities=1e200 * np.random.default_rng(1).normal(size=before.shape))
+        with self.assertRaisesRegex(tremolo.SolverError, "block: the step to t = 0.01 s could not be solved"):
+            w.step(3)
         self.assertTrue(b.failed and w.failed("block"))
-        w.step()  # the others go on
+        np.testing.assert_array_equal(b.points, before)
+        w.step()  # it is not stepped again
+        np.testing.assert_array_equal(b.points, before)
 
 
 class ScenesOfTetrahedra(unittest.TestCase):
@@ -166,12 +167,12 @@ class ScenesOfTetrahedra(unittest.TestCase):
         self.assertEqual((s.kind, s.names, len(s), s.duration, s.step_size), ("tets", ["block"], 1, 0.3, 0.01))
         s.step(30)
         self.assertEqual((s.steps, s.time), (30, 0.3))
-        known = report_of(self.scene())["bodies"][0]
+        known = report_of(self.scene())
         energy = s.energy
-        own = s["block"].energy
-        for key, name in (("kinetic", "kinetic_energy_final"), ("potential", "elastic_energy_final")):
-            if name in known:
-                self.assertEqual(own[key], known[name])
+        for key, name in (("kinetic", "kinetic"), ("potential", "elastic"), ("gravity", "gravity")):
+            self.assertEqual(energy[key], known["energies_final"][name])
+            self.assertEqual(s["block"].energy[key], energy[key])
+        np.testing.assert_array_equal(s["block"].linear_momentum, known["bodies"][0]["linear_momentum_final"])
         self.assertEqual(energy["total"], sum(energy[k] for k in ("kinetic", "potential", "gravity", "contact")))
         self.assertEqual(s.colliders[0]["shape"], "plane")
         np.testing.assert_array_equal(s.linear_momentum, s["block"].linear_momentum)
@@ -260,12 +261,14 @@ class ScenesOfCloths(unittest.TestCase):
         s = tremolo.load_scene(scene)
         s.step(50)
         known = report_of(scene)
-        self.assertEqual(s.time, known.get("reached", s.time))
+        for key, name in (("kinetic", "kinetic_final"), ("potential", "elastic_final"), ("gravity", "gravity_final")):
+            self.assertEqual(s.energy[key], known[name])
+        for key, name in (("contact_given", "contact"), ("damping", "damping"), ("pins", "support")):
+            self.assertEqual(s.energy[key], known["energy_by_cause"][name])
         ball, = s.balls
         self.assertEqual((ball["name"], ball["radius"]), ("ball", 0.1))
-        self.assertLess(ball["position"][2], 0.2)
-        found = json.dumps(known)
-        self.assertIn(json.dumps(s.energy["kinetic"])[:8], found)
+        for key in ("position", "velocity", "spin"):
+            np.testing.assert_array_equal(ball[key], known["balls"][0][key])
 
     def test_hold_a_grabbed_particle(self):
         s = tremolo.load_scene({"step": 0.01, "gravity": [0, 0, -G], "cloths": [sheet()]})

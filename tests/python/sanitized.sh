@@ -12,7 +12,7 @@ shift || true
 build=$top/build/asan-python
 cd "$top"
 cmake --preset asan-full -B "$build" -G Ninja -DTREMOLO_BUILD_PRECOMPUTE=OFF -DTREMOLO_BUILD_MESHER=OFF \
-  -DTREMOLO_BUILD_TESTS=OFF ${CMAKE_FLAGS:-} >/dev/null
+  -DTREMOLO_BUILD_TESTS=OFF -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=8 ${CMAKE_FLAGS:-} >/dev/null
 ninja -C "$build" -j"${JOBS:-2}" tremolo_python
 preload=
 for library in asan stdc++; do preload+=:$("${CXX:-g++}" -print-file-name=lib$library.so); done

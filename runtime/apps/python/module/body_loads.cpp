@@ -90,7 +90,7 @@ void apply_force(BodyHandle& self, py::handle at, py::handle force, int steps) {
 VertexId vertex_at(py::handle at, const Model& model) {
   std::vector<VertexId> ids;
   if (PyLong_Check(at.ptr()))
-    ids = vertex_ids(py::array::ensure(at), "at");
+    ids = vertex_ids(at, "at");
   else
     ids = vertices_at(at, model);
   if (ids.size() != 1)
@@ -174,7 +174,7 @@ BodyLoad load_of_tuple(const py::tuple& tuple) {
     load.force = Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(reduced.data(), reduced.size()));
   } else if (kind == "forces") {
     DefaultLoad forces;
-    forces.vertices = vertex_ids(py::array::ensure(force[1]), "a load of the pickle");
+    forces.vertices = vertex_ids(py::object(force[1]), "a load of the pickle");
     for (const py::handle f : force[2]) forces.forces.push_back(vector3(f, "a load of the pickle"));
     if (forces.forces.size() != forces.vertices.size()) raise_damaged_pickle();
     load.force = std::move(forces);

@@ -88,13 +88,18 @@ py::dict energy(const NodalHandle& self) {
   return dict;
 }
 
-std::size_t grab(const NodalHandle& self, std::int64_t vertex, std::optional<double> stiffness,
-                 std::optional<double> damping) {
+std::optional<double> number_or_none(py::handle given) {
+  return given.is_none() ? std::nullopt : std::optional(given.cast<double>());
+}
+
+std::size_t grab(const NodalHandle& self, std::int64_t vertex, py::handle stiffness,
+                 py::handle damping) {
   const Call call(self);
   if (vertex < 0 || std::cmp_greater_equal(vertex, self.source->drawn()))
     raise(usage_error("vertex " + std::to_string(vertex) + " does not exist: the surface has " +
                       std::to_string(self.source->drawn())));
-  const auto made = unwrap(self.source->grab(static_cast<std::size_t>(vertex), stiffness, damping));
+  const auto made = unwrap(self.source->grab(static_cast<std::size_t>(vertex),
+                                             number_or_none(stiffness), number_or_none(damping)));
   self.source->driven = true;
   return made;
 }

@@ -6,8 +6,8 @@
 // V on the segment is exact for a quartic V with two points of Gauss. For another V a vector along
 // d is added, as in Gonzalez's discrete gradient, so that F . d = V(q0 + d) - V(q0) holds for any
 // V. The vector is of fourth order in h, so that it does not change the order of either method. avf
-// has N = I; ep4 has N(h^2 K/4) of the engine, with K in the middle of the step of avf. Both are
-// symmetric in time.
+// has N = I; ep4 has N(h^2 K/4) of the engine, with K in the middle of the step, found by
+// repetition from that of avf. Both are symmetric in time.
 #include "runtime/apps/python/module/own_preserving.h"
 
 #include <cmath>
@@ -25,6 +25,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kShortenings = 10;  // of a correction that does not help
+constexpr int kMostFilters = 10;  // of a step: each is nearer to that of its own middle
 
 class Preserving final : public NodalIntegrator {
  public:
@@ -44,9 +45,11 @@ class Preserving final : public NodalIntegrator {
     VectorXd d = h * p_;
     report.made = solve(MatrixXd::Identity(r, r), d, report);
     MatrixXd n = MatrixXd::Identity(r, r);
-    if (report.made && fourth_) {
+    for (int k = 0; report.made && fourth_ && k < kMostFilters; ++k) {
       n = filter(q_ + 0.5 * d);
+      const int before = report.iterations;
       report.made = solve(n, d, report);
+      if (report.iterations == before) break;  // N is already that of the middle
     }
     if (!report.made) return report;
     state.x.head(r) = q_ + d;
