@@ -74,7 +74,7 @@ class WorldsWithTetrahedra(unittest.TestCase):
         scene = self.on_a_floor()
         w = tremolo.world(scene)
         w.step(50)
-        known = {body["name"]: body for body in report_of(scene)["bodies"]}["block"]
+        known = {body["body"]: body for body in report_of(scene)["bodies"]}["block"]
         account = w.account("block")
         self.assertEqual(account["at_start"], known["energy_initial"])
         self.assertEqual(account["total"], known["energy_final"])
