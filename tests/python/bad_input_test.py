@@ -1,5 +1,6 @@
 """Wrong arguments: every one an exception with words, never a crash."""
 
+import gc
 import unittest
 
 import numpy as np
@@ -53,6 +54,25 @@ class Results(unittest.TestCase):
                 b.boundary_positions(out=out)
         with self.assertRaises(TypeError):
             b.positions(dtype=np.int32)
+        good = np.zeros((s, 3))
+        for names in ({"into": good}, {"out": good, "into": good}, {"dtype": "text"}, {"dtype": 3}):
+            with self.assertRaises(TypeError):
+                b.positions(**names)
+        for arguments in ((good, good), (good, np.float64)):
+            with self.assertRaises(TypeError):
+                b.positions(*arguments)
+        with self.assertRaises(TypeError):
+            b.positions(good, out=good)
+        with self.assertRaises(TypeError):
+            tremolo.Body.positions(m)
+        for empty in (np.zeros((0, 3)), np.zeros(0), np.zeros((0, 0))):
+            with self.assertRaises(ValueError):
+                b.positions(out=empty)
+        locked = np.zeros((s, 3), dtype=np.float32)
+        locked.flags.writeable = False
+        with self.assertRaisesRegex(tremolo.UsageError, "read-only"):
+            b.positions(out=locked)
+        self.assertFalse(locked.any())
 
 
 class Indices(unittest.TestCase):
@@ -121,7 +141,8 @@ class Bodies(unittest.TestCase):
         self.assertEqual(b.steps, 0)
 
     def test_are_not_made_without_a_model(self):
-        for kind in (tremolo.Body, tremolo.Model, tremolo.World, tremolo.Recorder):
+        for kind in (tremolo.Body, tremolo.Model, tremolo.NodalBody, tremolo.NodalScene, tremolo.World,
+                     tremolo.Recorder):
             with self.assertRaisesRegex(TypeError, "has no constructor"):
                 kind()
             with self.assertRaises(TypeError):
@@ -163,6 +184,75 @@ class Files(unittest.TestCase):
             tremolo.load_bytes(data, modes=99)
         with self.assertRaises(TypeError):
             tremolo.load_bytes("text")
+
+
+    def test_whose_paths_are_no_text_are_refused(self):
+        recorder = tremolo.recorder()
+        recorder.add(support.clamped_bar().body(), "bar")
+        recorder.frame()
+        for path in (3, None, 1.5, ["a"], object(), b"a\0b", "a\0b"):
+            for call in (tremolo.load, tremolo.load_scene, tremolo.world, recorder.write,
+                         lambda p: tremolo.write_msh(p, support.bar_mesh())):
+                with self.assertRaises((TypeError, ValueError)):
+                    call(path)
+
+
+class Pickles(unittest.TestCase):
+    def things(self):
+        m = support.clamped_bar()
+        b = m.body()
+        b.add_load(signal=([0.0, 1.0], [0.0, 1.0]))
+        b.add_load([78, 79], [(0.0, 0.0, 1.0)] * 2, signal="sine", frequency=2.0)
+        yield m
+        yield b
+        yield tremolo.world({"step": 0.003, "bodies": [
+            {"name": "bar", "model": support.file_of(support.free_bar(), "free.tremolo"), "kind": "free"}]})
+
+    def replaced(self, value, junk):
+        """The value with one of its parts, at any depth, replaced by the junk; one after another."""
+        yield junk
+        if isinstance(value, (tuple, list)):
+            for i, part in enumerate(value):
+                for other in self.replaced(part, junk):
+                    yield type(value)([*value[:i], other, *value[i + 1:]])
+
+    def test_of_wrong_values_are_refused_or_harmless(self):
+        for thing in self.things():
+            make, (state,) = thing.__reduce__()
+            make(state)
+            for junk in (None, -1, 99, 2**40, "text", b"bytes", (), [1.0], [(), 1], float("nan"), object()):
+                for wrong in self.replaced(state, junk):
+                    try:
+                        made = make(wrong)
+                    except (ValueError, TypeError, OSError):
+                        continue
+                    try:
+                        if hasattr(made, "step"):
+                            made.step()
+                    except tremolo.SolverError:  # a load that is not finite
+                        pass
+
+    def test_of_another_version_name_both(self):
+        for thing in self.things():
+            make, (state,) = thing.__reduce__()
+            with self.assertRaisesRegex(tremolo.ContentError, "of version 2, not 1: make it again"):
+                make((state[0], 2, *state[2:]))
+
+
+class Views(unittest.TestCase):
+    def test_outlive_what_they_show(self):
+        scene = {"step": 0.003, "bodies": [
+            {"name": "bar", "model": support.file_of(support.free_bar(), "free.tremolo"), "kind": "free"}]}
+        views = [tremolo.world(scene)["bar"].q, tremolo.world(scene)["bar"].model.U,
+                 tremolo.load_bytes(support.clamped_bar().file_bytes()).Lambda, support.clamped_bar().body().p]
+        kept = [view.copy() for view in views]
+        gc.collect()
+        junk = [np.full(4096, np.nan) for _ in range(64)]
+        for view, copy in zip(views, kept):
+            np.testing.assert_array_equal(view, copy)
+        del junk
+        views[0][:] = 1.0  # it belongs to nothing any more
+        self.assertEqual(views[0].sum(), len(views[0]))
 
 
 class Meshes(unittest.TestCase):

@@ -19,7 +19,8 @@ class Steps(unittest.TestCase):
         truth = pendulum(integrator="rk4", step=1 / 4096)
         truth.step(4096)
         for name, order in (("explicit-euler", 1), ("symplectic-euler", 1), ("explicit-midpoint", 2), ("rk4", 4),
-                            ("implicit-euler", 1), ("midpoint", 2), ("newmark", 2), ("bdf2", 2), ("energy", 2)):
+                            ("implicit-euler", 1), ("midpoint", 2), ("newmark", 2), ("bdf2", 2), ("energy", 2),
+                            ("avf", 2), ("ep4", 4)):
             errors = []
             for count in (32, 64):
                 b = pendulum(integrator=name, step=1 / count)
@@ -28,10 +29,50 @@ class Steps(unittest.TestCase):
             self.assertAlmostEqual(np.log2(errors[0] / errors[1]), order, delta=0.25, msg=name)
 
     def test_of_energy_keep_it_in_long_steps(self):
-        b = pendulum(step=0.9)
-        b.step(300)
-        self.assertAlmostEqual(b.energy["total"], 1.0 - np.cos(1.0), delta=1e-6)  # of the solves' tolerance
-        self.assertEqual(b.steps, 300)
+        for name in ("energy", "avf", "ep4"):
+            b = pendulum(step=0.9, integrator=name)
+            b.step(300)
+            self.assertAlmostEqual(b.energy["total"], 1.0 - np.cos(1.0), delta=1e-6, msg=name)  # of the solves
+            self.assertEqual(b.steps, 300)
+
+    def test_of_fourth_order_keep_it_in_a_potential_that_is_no_polynomial(self):
+        # Two charges of one sign in a bowl, which come near each other.
+        def energy(q):
+            return 0.5 * q @ q + 1.0 / np.linalg.norm(q[:2] - q[2:])
+
+        def gradient(q):
+            d = q[:2] - q[2:]
+            pull = d / np.linalg.norm(d)**3
+            return q - np.concatenate((pull, -pull))
+
+        start = {"q": [1.0, 0.2, -0.9, 0.0], "v": [-0.4, 0.1, 0.3, -0.2], "mass": [1.0, 1.0, 2.0, 2.0]}
+        ends = []
+        for step in (0.1, 0.05, 0.025, 0.003125):
+            b = tremolo.own_body(energy, gradient, integrator="ep4", step=step, tolerance=1e-12, **start)
+            begin = b.energy["total"]
+            b.step(round(4.0 / step))
+            self.assertAlmostEqual(b.energy["total"], begin, delta=1e-9)  # of 1280 solves
+            ends.append(b.q)
+        errors = [np.abs(q - ends[-1]).max() for q in ends[:-1]]
+        self.assertAlmostEqual(np.log2(errors[1] / errors[2]), 4.0, delta=0.3)
+
+    def test_of_avf_are_those_of_the_engine_where_the_potential_is_a_models(self):
+        m = support.clamped_bar()
+        q = support.some_states(m, 1)[0]
+        b = m.body(integrator="avf", step=1e-3, tolerance=1e-12)
+        own = tremolo.own_body(m.energy, m.force, m.tangent, q=q, integrator="avf", step=1e-3, tolerance=1e-13)
+        b.q = q
+        b.step(100)
+        own.step(100)
+        np.testing.assert_allclose(own.q, b.q, rtol=0, atol=1e-8 * np.abs(q).max())  # of 100 solves
+
+    def test_of_the_symmetric_methods_return_when_time_does(self):
+        for name in ("avf", "ep4"):
+            b = pendulum(step=0.7, integrator=name, tolerance=1e-13)
+            b.step(20)
+            b.v = -b.v
+            b.step(20)
+            self.assertAlmostEqual(b.q[0], 1.0, delta=1e-9, msg=name)  # of 40 solves
 
     def test_without_a_tangent_are_nearly_the_same(self):
         one = pendulum(step=0.1)

@@ -83,7 +83,8 @@ class Documentation(unittest.TestCase):
             thing = getattr(tremolo, name)
             if name != "__version__":
                 self.assertTrue(thing.__doc__, name)
-        for kind in (tremolo.Model, tremolo.Body, tremolo.World, tremolo.OwnBody, tremolo.Recorder):
+        for kind in (tremolo.Model, tremolo.Body, tremolo.World, tremolo.NodalBody, tremolo.NodalScene,
+                     tremolo.OwnBody, tremolo.Recorder):
             for key, member in vars(kind).items():
                 if not key.startswith("_"):
                     self.assertTrue(member.__doc__, f"{kind.__name__}.{key}")

@@ -59,6 +59,24 @@ class Threads(unittest.TestCase):
         self.assertGreater(refused, 0)
         b.step()
 
+    def test_are_refused_a_world_that_another_steps(self):
+        w = tremolo.world({"step": 0.003, "bodies": [
+            {"name": "bar", "model": support.file_of(support.free_bar(), "free.tremolo"), "kind": "free"}]})
+        b = w["bar"]
+        worker = threading.Thread(target=w.step, args=(20000,))
+        refused = 0
+        worker.start()
+        while worker.is_alive():
+            for call in (w.step, w.save, b.positions, lambda: w.account("bar"), lambda: w.time):
+                try:
+                    call()
+                except tremolo.UsageError as error:
+                    self.assertIn("used by another call", str(error))
+                    refused += 1
+        worker.join()
+        self.assertGreater(refused, 0)
+        w.step()
+
     def test_evaluate_one_model_at_the_same_time(self):
         m = support.clamped_bar()
         q = support.some_states(m, 500)
@@ -94,6 +112,23 @@ class ControlC(unittest.TestCase):
         same.step(b.steps)
         np.testing.assert_array_equal(b.q, same.q)
         b.step()
+
+    def test_ends_long_steps_of_worlds_scenes_and_own_potentials(self):
+        bar = {"name": "bar", "model": support.file_of(support.free_bar(), "free.tremolo"), "kind": "free"}
+        cloth = {"name": "sheet", "columns": 4, "rows": 4, "pins": ["corners"]}
+        for moving in (tremolo.world({"step": 0.003, "bodies": [bar]}),
+                       tremolo.load_scene({"step": 0.01, "cloths": [cloth]}),
+                       tremolo.own_body(lambda q: 0.5 * q @ q, lambda q: q, lambda q: np.eye(1), q=[1.0])):
+            self.interrupt(lambda moving=moving: moving.step(10**9))
+            steps = moving.steps
+            self.assertGreater(steps, 0)
+            moving.step()
+            self.assertEqual(moving.steps, steps + 1)
+
+    def test_ends_a_response_curve(self):
+        m = support.clamped_bar()
+        self.interrupt(lambda: [m.response((1.0, 200.0), load=np.ones(m.modes), damping_ratio="0.1%")
+                                for _ in range(10**6)])
 
     def test_ends_a_long_evaluation(self):
         m = support.clamped_bar()

@@ -90,7 +90,7 @@ void apply_force(BodyHandle& self, py::handle at, py::handle force, int steps) {
 VertexId vertex_at(py::handle at, const Model& model) {
   std::vector<VertexId> ids;
   if (PyLong_Check(at.ptr()))
-    ids = vertex_ids(py::array::ensure(at), "at");
+    ids = vertex_ids(at, "at");
   else
     ids = vertices_at(at, model);
   if (ids.size() != 1)
@@ -153,7 +153,7 @@ py::tuple tuple_of_load(const BodyLoad& load) {
 
 BodyLoad load_of_tuple(const py::tuple& tuple) {
   BodyLoad load;
-  load.signal.kind = static_cast<SignalKind>(tuple[0].cast<int>());
+  load.signal.kind = choice_of<SignalKind>(tuple[0], 8);
   load.signal.start = tuple[1].cast<double>();
   load.signal.duration = tuple[2].cast<double>();
   load.signal.frequency = tuple[3].cast<double>();
@@ -163,8 +163,10 @@ BodyLoad load_of_tuple(const py::tuple& tuple) {
     auto table = std::make_shared<SignalTable>();
     for (const py::handle t : pair[0]) table->times.push_back(t.cast<double>());
     for (const py::handle v : pair[1]) table->values.push_back(v.cast<double>());
+    if (!table_problem(*table).empty()) raise_damaged_pickle();
     load.table = std::move(table);
   }
+  if ((load.signal.kind == SignalKind::kTable) != (load.table != nullptr)) raise_damaged_pickle();
   const auto force = tuple[6].cast<py::tuple>();
   const auto kind = force[0].cast<std::string>();
   if (kind == "reduced") {
@@ -172,8 +174,9 @@ BodyLoad load_of_tuple(const py::tuple& tuple) {
     load.force = Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(reduced.data(), reduced.size()));
   } else if (kind == "forces") {
     DefaultLoad forces;
-    forces.vertices = vertex_ids(py::array::ensure(force[1]), "a load of the pickle");
+    forces.vertices = vertex_ids(py::object(force[1]), "a load of the pickle");
     for (const py::handle f : force[2]) forces.forces.push_back(vector3(f, "a load of the pickle"));
+    if (forces.forces.size() != forces.vertices.size()) raise_damaged_pickle();
     load.force = std::move(forces);
   } else {
     load.force = force[1].cast<double>();

@@ -1,7 +1,7 @@
-#include "runtime/apps/python/module/convert.h"
-
 #include <cmath>
 #include <limits>
+
+#include "runtime/apps/python/module/surface_arrays.h"
 
 namespace tremolo::python {
 namespace {
@@ -78,6 +78,10 @@ void check_pickle(const py::tuple& state, std::size_t size, const char* name, in
     raise(content_error("the pickle is one of a " + std::string(name) + " of version " +
                         text_of(state[1]) + ", not " + std::to_string(version) +
                         ": make it again with this version of Tremolo"));
+}
+
+void raise_damaged_pickle() {
+  raise(content_error("the pickle is damaged: a value in it is not one that it can have"));
 }
 
 void refuse_construction(py::object type, const char* how) {
@@ -171,7 +175,7 @@ std::vector<Tetrahedron> tetrahedra(py::handle object, const char* name) {
 }
 
 template <class Number>
-void check_out(const py::array& out, const Shape& shape) {
+void check_out(const py::array& out, std::span<const py::ssize_t> shape) {
   // Read from the descriptor: comparing types takes as long as a small result.
   const auto* type = py::detail::array_descriptor_proxy(py::detail::array_proxy(out.ptr())->descr);
   if (type->type != (sizeof(Number) == 4 ? 'f' : 'd') || type->byteorder != '=')
@@ -189,8 +193,25 @@ void check_out(const py::array& out, const Shape& shape) {
   constexpr auto kAligned = py::detail::npy_api::NPY_ARRAY_ALIGNED_;
   if (!(out.flags() & kAligned)) raise(usage_error("out: the array is not aligned in memory"));
 }
-template void check_out<double>(const py::array& out, const Shape& shape);
-template void check_out<float>(const py::array& out, const Shape& shape);
+template void check_out<double>(const py::array& out, std::span<const py::ssize_t> shape);
+template void check_out<float>(const py::array& out, std::span<const py::ssize_t> shape);
+
+py::array places_array(std::size_t vertices, py::handle out, py::handle dtype) {
+  const std::array<py::ssize_t, 2> shape = {static_cast<py::ssize_t>(vertices), 3};
+  if (out.is_none()) {
+    const py::dtype type = py::dtype::from_args(py::reinterpret_borrow<py::object>(dtype));
+    if (type.equal(py::dtype::of<double>())) return py::array_t<double>(shape);
+    if (type.equal(py::dtype::of<float>())) return py::array_t<float>(shape);
+    raise_type("dtype: expected float64 or float32, found " + text_of(type));
+  }
+  if (!py::isinstance<py::array>(out)) raise_type("out: expected an array of numpy");
+  auto target = py::reinterpret_borrow<py::array>(out);
+  if (target.itemsize() == sizeof(float))
+    check_out<float>(target, shape);
+  else
+    check_out<double>(target, shape);
+  return target;
+}
 
 py::tuple tuple_of(const Pose& pose) {
   const Eigen::Vector4d rotation(pose.rotation.w(), pose.rotation.x(), pose.rotation.y(),

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -47,6 +48,30 @@ DampingRatios damping_ratios_of(py::handle object);
 // Raises ContentError unless the state of a pickle begins with this name and version.
 void check_pickle(const py::tuple& state, std::size_t size, const char* name, int version);
 
+// Raises ContentError: a value of a pickle is not one that a pickle has.
+[[noreturn]] void raise_damaged_pickle();
+// One of `count` choices by its number in a pickle.
+template <class Choice>
+Choice choice_of(py::handle number, int count) {
+  const int value = number.cast<int>();
+  if (value < 0 || value >= count) raise_damaged_pickle();
+  return static_cast<Choice>(value);
+}
+// make(state), whose errors for values of a wrong type are those of a damaged pickle.
+template <class Make>
+auto from_pickle(const Make& make) {
+  return [make](const py::tuple& state) {
+    try {
+      return make(state);
+    } catch (const py::cast_error&) {
+      raise_damaged_pickle();
+    } catch (py::error_already_set& error) {
+      if (error.matches(PyExc_IndexError) || error.matches(PyExc_TypeError)) raise_damaged_pickle();
+      throw;
+    }
+  };
+}
+
 // Refuses TYPE.__new__(TYPE) and TYPE(): an object without its contents. how: the call that makes
 // one. The class is not one that Python constructs.
 void refuse_construction(py::object type, const char* how);
@@ -74,7 +99,7 @@ std::vector<Tetrahedron> tetrahedra(py::handle object, const char* name);
 // Checks an array that results are written into: its type, C order, its shape, that it can be
 // written. Raises TypeError or ValueError otherwise.
 template <class Number>
-void check_out(const py::array& out, const Shape& shape);
+void check_out(const py::array& out, std::span<const py::ssize_t> shape);
 
 // A view without a copy that cannot be written and keeps `owner` alive.
 template <class Number>

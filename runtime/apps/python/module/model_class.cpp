@@ -399,7 +399,8 @@ void add_model(py::module_& module) {
   add_functions(c);
   add_curves(c);
   refuse_construction(c, "tremolo.load and tremolo.precompute make one");
-  module.def("_model_of", &unpickled, py::arg("state"), "A model of its pickle's state.");
+  module.def("_model_of", from_pickle(&unpickled), py::arg("state"),
+             "A model of its pickle's state.");
   module.def(
       "load",
       [](py::handle path, int modes, bool linear, bool hull) {

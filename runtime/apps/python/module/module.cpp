@@ -1,4 +1,5 @@
 // The module _tremolo: a thin face on the engine, which the package `tremolo` presents.
+#include "runtime/apps/python/module/nodal_handle.h"
 #include "runtime/apps/python/module/own_class.h"
 
 namespace tremolo::python {
@@ -19,7 +20,9 @@ PYBIND11_MODULE(_tremolo, module) {
              "The names of the integration methods, a list of str.");
   add_model(module);
   add_body(module);
+  add_nodal(module);
   add_world(module);
+  add_nodal_scene(module);
   add_recorder(module);
   add_matrices(module);
   add_own(module);

@@ -5,6 +5,7 @@
 // that no force moves. Masses are scaled away: y = sqrt(m) q has the mass 1.
 #include "runtime/apps/python/module/own_class.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -12,6 +13,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "runtime/apps/python/module/own_preserving.h"
 #include "runtime/step/nodal_integrator.h"
 
 namespace tremolo::python {
@@ -23,7 +25,7 @@ struct Callables {
   py::object tangent;  // None: by differences of the gradient
 };
 
-class OwnSystem : public NodalSystem {
+class OwnSystem : public NodalSystem, public OwnPotential {
  public:
   OwnSystem(Callables calls, Eigen::VectorXd roots, BlockPatternPointer pattern)
       : calls_(std::move(calls)),
@@ -32,7 +34,7 @@ class OwnSystem : public NodalSystem {
         mass_(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(pattern_->size()))),
         held_(pattern_->size(), 0) {}
 
-  Eigen::Index coordinates() const { return roots_.size(); }
+  Eigen::Index coordinates() const override { return roots_.size(); }
   const Eigen::VectorXd& roots() const { return roots_; }
 
   std::size_t size() const override { return pattern_->size(); }
@@ -46,6 +48,13 @@ class OwnSystem : public NodalSystem {
   double potential(const Eigen::VectorXd& y) const override {
     return calls_.energy(q_of(y)).cast<double>();
   }
+  double value(const Eigen::VectorXd& y) const override { return potential(y); }
+  Eigen::VectorXd slope(const Eigen::VectorXd& y) const override {
+    Eigen::VectorXd g = gradient(y);
+    note_force(g.norm());
+    return g;
+  }
+  double force_size() const override { return load_size(); }
   StepWork power(const Eigen::VectorXd&, const Eigen::VectorXd&) const override { return {}; }
 
   void force(const Eigen::VectorXd& y, const Eigen::VectorXd&, ForcePart part,
@@ -92,20 +101,7 @@ class OwnSystem : public NodalSystem {
     add_full_tangent(0.5 * (y0 + y1), y0, ForcePart::kAll, 0.5, 0.0, a);
   }
 
- private:
-  py::array_t<double> q_of(const Eigen::VectorXd& y) const {
-    const Eigen::VectorXd q = y.head(coordinates()).cwiseQuotient(roots_);
-    return array_of<Eigen::Dynamic>(q);
-  }
-  // By y.
-  Eigen::VectorXd gradient(const Eigen::VectorXd& y) const {
-    const Doubles g = numbers(calls_.gradient(q_of(y)), "the gradient's result");
-    if (g.ndim() != 1 || g.shape(0) != coordinates())
-      raise(usage_error("the gradient's result: expected the shape (" +
-                        std::to_string(coordinates()) + ",), found " + shape_text(g)));
-    return Eigen::Map<const Eigen::VectorXd>(g.data(), g.size()).cwiseQuotient(roots_);
-  }
-  Eigen::MatrixXd tangent(const Eigen::VectorXd& y) const {
+  Eigen::MatrixXd tangent(const Eigen::VectorXd& y) const override {
     const Eigen::Index r = coordinates();
     Eigen::MatrixXd k(r, r);
     if (calls_.tangent.is_none()) {
@@ -128,6 +124,20 @@ class OwnSystem : public NodalSystem {
     const Eigen::MatrixXd symmetric = 0.5 * (k + k.transpose());
     // A solver of eigenvalues does not end for numbers that are none.
     return symmetric.allFinite() ? symmetric : Eigen::MatrixXd::Zero(r, r);
+  }
+
+ private:
+  py::array_t<double> q_of(const Eigen::VectorXd& y) const {
+    const Eigen::VectorXd q = y.head(coordinates()).cwiseQuotient(roots_);
+    return array_of<Eigen::Dynamic>(q);
+  }
+  // By y.
+  Eigen::VectorXd gradient(const Eigen::VectorXd& y) const {
+    const Doubles g = numbers(calls_.gradient(q_of(y)), "the gradient's result");
+    if (g.ndim() != 1 || g.shape(0) != coordinates())
+      raise(usage_error("the gradient's result: expected the shape (" +
+                        std::to_string(coordinates()) + ",), found " + shape_text(g)));
+    return Eigen::Map<const Eigen::VectorXd>(g.data(), g.size()).cwiseQuotient(roots_);
   }
   static void add_dense(const Eigen::MatrixXd& dense, BlockMatrix& a) {
     const Eigen::Index r = dense.rows();
@@ -166,6 +176,13 @@ Eigen::VectorXd scaled(const OwnBody& self, py::handle values, const char* name)
   return y;
 }
 
+std::vector<std::string_view> method_names() {
+  const auto nodal = nodal_integrator_names();
+  std::vector<std::string_view> names(nodal.begin(), nodal.end());
+  names.insert(names.end(), {"avf", "ep4"});
+  return names;
+}
+
 std::unique_ptr<OwnBody> make_own(py::object energy, py::object gradient, py::object tangent,
                                   py::handle q, py::handle v, py::handle mass,
                                   const std::string& integrator, double step, double tolerance) {
@@ -200,7 +217,17 @@ std::unique_ptr<OwnBody> make_own(py::object energy, py::object gradient, py::ob
   options.tolerance = tolerance;
   options.solver = NodalSolver::kCholesky;
   options.account = false;
-  made->integrator = unwrap(make_nodal_integrator(integrator, *made->system, options));
+  const std::vector<std::string_view> known = method_names();
+  if (std::find(known.begin(), known.end(), integrator) == known.end()) {
+    std::string names;
+    for (const std::string_view each : known) names += " " + std::string(each);
+    raise(usage_error("unknown integrator '" + integrator + "'; known:" + names));
+  }
+  const bool preserving = integrator == "avf" || integrator == "ep4";
+  // The options are checked by the other methods.
+  made->integrator =
+      unwrap(make_nodal_integrator(preserving ? "energy" : integrator, *made->system, options));
+  if (preserving) made->integrator = make_preserving(integrator, *made->system, options);
   made->system->note_force(made->state.v.norm() / step);
   return made;
 }
@@ -281,13 +308,14 @@ void add_own(py::module_& module) {
              "Coordinates in a potential of your own: m q'' = -grad V(q). energy(q): V, a float; "
              "gradient(q): (r,); tangent(q): (r, r), or None: by differences of the gradient. q, "
              "v: (r,), the state at time 0. mass: (r,), by default 1. integrator: one of "
-             "own_integrators(); \"energy\" keeps the energy at any step. Each evaluation is a "
-             "call of Python: some microseconds, a hundred times as slow as a model's own.");
+             "own_integrators(). \"energy\", \"avf\" and \"ep4\" keep the energy at any step; "
+             "\"ep4\" is of fourth order. Each evaluation is a call of Python: some microseconds, "
+             "a hundred times as slow as a model's own.");
   module.def(
       "own_integrators",
       [] {
         py::list names;
-        for (const std::string_view name : nodal_integrator_names()) names.append(py::str(name));
+        for (const std::string_view name : method_names()) names.append(py::str(name));
         return names;
       },
       "The names of the methods of own_body, a list of str.");

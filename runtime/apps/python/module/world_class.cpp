@@ -4,9 +4,12 @@
 #include <set>
 #include <utility>
 
+#include "common/text.h"
 #include "runtime/apps/python/module/body_handle.h"
-#include "runtime/io/scenes/scene_reader.h"
-#include "runtime/world/scene_world.h"
+#include "runtime/apps/python/module/nodal_handle.h"
+#include "runtime/io/scenes/nodal_readers.h"
+#include "runtime/world/guest_bound.h"
+#include "runtime/world/world_guests.h"
 
 namespace tremolo::python {
 namespace {
@@ -20,9 +23,26 @@ struct TimedEvent {
   double time = 0.0;
 };
 
+// A body of another kind in the world, with its energies at the start.
+struct Guest {
+  NodalAccount at_start;
+  GuestBound bound;
+  bool over = false;  // it has failed, which was reported
+
+  explicit Guest(NodalSource& source) : at_start(*source.account()) { (void)look(source); }
+  bool look(NodalSource& source) {
+    const NodalAccount account = *source.account();
+    return bound.look(account.now.kinetic + account.now.potential, account.now.gravity,
+                      account.work);
+  }
+};
+
 struct WorldParts {
   std::string text, path;  // of the scene file, for copies and pickles
   SceneWorld world;
+  WorldGuests made;  // what the guests below are made of
+  NodalBodies guests;
+  std::vector<Guest> watched;                     // one for each guest
   std::vector<PyModelPointer> models;             // of each body
   std::vector<std::weak_ptr<BodyHandle>> bodies;  // handles that Python has
   std::vector<TimedEvent> events;                 // of the last call of step()
@@ -30,6 +50,25 @@ struct WorldParts {
 
   WorldParts(std::string scene_text, std::string scene_path, SceneWorld made)
       : text(std::move(scene_text)), path(std::move(scene_path)), world(std::move(made)) {}
+
+  // Bodies of the world come first, then guests, in the scene's order.
+  std::size_t size() const { return world.size() + guests.size(); }
+  std::string name(std::size_t i) const {
+    return is_guest(i) ? guests.source(i - world.size()).name() : world.name(i);
+  }
+  bool is_guest(std::size_t i) const { return i >= world.size(); }
+  NodalSource& guest(std::size_t i) { return guests.source(i - world.size()); }
+  std::optional<std::size_t> find(const std::string& text_of_name) const {
+    if (const auto found = world.find(text_of_name)) return found;
+    if (const auto found = guests.find(text_of_name)) return world.size() + *found;
+    return std::nullopt;
+  }
+  // The world's number of a body that is not a guest. Raises.
+  std::size_t own_body(std::size_t i, const char* what) {
+    if (is_guest(i))
+      raise(usage_error("body '" + name(i) + "' is of kind \"" + guest(i).kind() + "\": " + what));
+    return i;
+  }
 
   void push_states() {
     for (const std::weak_ptr<BodyHandle>& body : bodies)
@@ -56,19 +95,30 @@ class Call {
   InUse used_;
 };
 
-PyWorld make_world(std::string text, std::string path) {
-  struct Made {
-    Result<SceneWorld> world;
-    std::vector<PyModelPointer> models;
-  };
-  const SceneFile file = unwrap(parse_world(text, path));
-  Made made = [&]() -> Made {
+// Adds the bodies of other kinds of the scene.
+void make_guests(const MixedFile& mixed, WorldParts& parts) {
+  if (!mixed.has_guests()) return;
+  Result<WorldGuests> added = [&] {
     const py::gil_scoped_release unlocked;
-    return {SceneWorld::create(file.scene), {}};
+    return add_guests(mixed.tets, mixed.cloths, mixed.file.path, parts.world);
   }();
-  if (!made.world) raise(error_of_file(path, made.world.error()));
-  PyWorld world{
-      std::make_shared<WorldParts>(std::move(text), std::move(path), std::move(*made.world))};
+  parts.made = unwrap(std::move(added));
+  parts.guests =
+      NodalBodies(sources_of(*parts.made.guests, [&parts](std::size_t i) -> const TetsKind& {
+        return parts.made.kind(i);
+      }));
+  for (std::size_t i = 0; i < parts.guests.size(); ++i)
+    parts.watched.emplace_back(parts.guests.source(i));
+}
+
+PyWorld make_world(std::string text, std::string path) {
+  const MixedFile mixed = unwrap(parse_mixed(text, path));
+  Result<SceneWorld> made = [&] {
+    const py::gil_scoped_release unlocked;
+    return SceneWorld::create(mixed.file.scene, load_scene_model, mixed.has_guests());
+  }();
+  if (!made) raise(error_of_file(path, made.error()));
+  PyWorld world{std::make_shared<WorldParts>(std::move(text), std::move(path), std::move(*made))};
   WorldParts& parts = *world.parts;
   for (std::size_t i = 0; i < parts.world.size(); ++i) {
     auto model = std::make_shared<PyModel>();
@@ -78,36 +128,49 @@ PyWorld make_world(std::string text, std::string path) {
     parts.models.push_back(std::move(model));
   }
   parts.bodies.resize(parts.world.size());
+  make_guests(mixed, parts);
   return world;
 }
 
 std::size_t index_of(const PyWorld& self, py::handle name) {
-  const SceneWorld& world = self.parts->world;
-  if (PyLong_Check(name.ptr())) {
-    const auto i = name.cast<std::int64_t>();
-    if (i < 0 || std::cmp_greater_equal(i, world.size()))
-      raise(usage_error("there is no body " + std::to_string(i) + ": the world has " +
-                        std::to_string(world.size())));
-    return static_cast<std::size_t>(i);
-  }
-  if (!PyUnicode_Check(name.ptr())) raise_type("expected the name or the number of a body");
-  const auto text = name.cast<std::string>();
-  const std::optional<std::size_t> found = world.find(text);
-  if (found) return *found;
-  std::string known;
-  for (std::size_t i = 0; i < world.size() && i < 20; ++i) known += " " + world.name(i);
-  raise(usage_error("there is no body '" + text + "'; known:" + known));
+  const WorldParts& parts = *self.parts;
+  return number_of_body(
+      name, parts.size(), [&](const std::string& text) { return parts.find(text); },
+      [&](std::size_t i) { return parts.name(i); }, "world");
 }
 
-BodyPointer body_of(const PyWorld& self, py::handle name) {
+py::object body_of(const PyWorld& self, py::handle name) {
   const std::size_t i = index_of(self, name);
   WorldParts& parts = *self.parts;
-  if (BodyPointer known = parts.bodies[i].lock()) return known;
+  if (parts.is_guest(i))
+    return py::cast(parts.guests.handle(i - parts.world.size(), self.parts, parts.used));
+  if (BodyPointer known = parts.bodies[i].lock()) return py::cast(known);
   const Call call(self);
   auto made =
       std::make_shared<BodyHandle>(parts.models[i], self.parts, parts.world.body(i), parts.used);
   parts.bodies[i] = made;
-  return made;
+  return py::cast(made);
+}
+
+// Guests that failed in this step, or whose energy left its bound, each once: adds their sentences.
+void watch_guests(WorldParts& parts, std::string& failed, ErrorKind& kind) {
+  for (std::size_t i = 0; i < parts.guests.size(); ++i) {
+    NodalSource& source = parts.guests.source(i);
+    Guest& guest = parts.watched[i];
+    if (guest.over) continue;
+    const double time = parts.world.time();
+    std::string reason;
+    if (source.failed()) {
+      kind = ErrorKind::kSolver;
+      reason = "the step to t = " + number_text(time) + " s could not be solved";
+    } else if (!source.driven && !guest.look(source)) {
+      kind = ErrorKind::kBound;
+      reason = "at t = " + number_text(time) + " s the energy is more than " +
+               number_text(kEnergyBound) + " times all that was put in";
+    }
+    guest.over = !reason.empty();
+    if (guest.over) failed += (failed.empty() ? "" : "; ") + source.name() + ": " + reason;
+  }
 }
 
 void step(const PyWorld& self, std::int64_t count) {
@@ -127,6 +190,7 @@ void step(const PyWorld& self, std::int64_t count) {
       }
       for (const ContactEvent& event : world.events())
         parts.events.push_back({event, world.time()});
+      watch_guests(parts, failed, kind);
       return failed.empty();
     });
   } catch (...) {
@@ -168,8 +232,10 @@ std::optional<std::size_t> find_collider(const SceneWorld& world, const std::str
   return std::nullopt;
 }
 
+constexpr const char* kNoPoints = "the points of its contacts are not listed";
+
 py::list contact_points(const PyWorld& self, py::handle body, const std::string& other) {
-  const std::size_t i = index_of(self, body);
+  const std::size_t i = self.parts->own_body(index_of(self, body), kNoPoints);
   const Call call(self);
   const SceneWorld& world = self.parts->world;
   ContactEvent pair;
@@ -177,7 +243,7 @@ py::list contact_points(const PyWorld& self, py::handle body, const std::string&
   if (const auto collider = find_collider(world, other))
     pair.collider = *collider;
   else
-    pair.other = index_of(self, py::str(other));
+    pair.other = self.parts->own_body(index_of(self, py::str(other)), kNoPoints);
   py::list list;
   for (const ContactedPoint& point : world.points_of(pair)) {
     py::dict dict;
@@ -191,9 +257,33 @@ py::list contact_points(const PyWorld& self, py::handle body, const std::string&
   return list;
 }
 
+// The damping of such a body is part of what its method gives.
+py::dict account_of_guest(WorldParts& parts, std::size_t guest) {
+  const NodalAccount a = *parts.guests.source(guest).account();
+  const auto total = [](const NodalEnergy& e) {
+    return e.kinetic + e.potential + e.contact.value_or(0.0);
+  };
+  const NodalEnergy& start = parts.watched[guest].at_start.now;
+  const double gravity = start.gravity - a.now.gravity;
+  py::dict dict;
+  dict["kinetic"] = a.now.kinetic;
+  dict["potential"] = a.now.potential;
+  dict["contact"] = a.now.contact.value_or(0.0);
+  dict["at_start"] = total(start);
+  dict["gravity"] = gravity;
+  dict["contact_given"] = a.contact_given;
+  dict["restitution"] = a.restitution;
+  dict["friction"] = a.friction;
+  dict["method"] =
+      total(a.now) - total(start) - gravity - a.contact_given - a.restitution - a.friction;
+  dict["total"] = total(a.now);
+  return dict;
+}
+
 py::dict account(const PyWorld& self, py::handle body) {
   const std::size_t i = index_of(self, body);
   const Call call(self);
+  if (self.parts->is_guest(i)) return account_of_guest(*self.parts, i - self.parts->world.size());
   const EnergyAccount a = self.parts->world.account(i);
   py::dict dict;
   dict["kinetic"] = a.kinetic;
@@ -279,6 +369,8 @@ py::object pick(const PyWorld& self, py::handle origin, py::handle direction) {
 
 py::bytes save(const PyWorld& self) {
   const Call call(self);
+  if (self.parts->guests.size() > 0)
+    raise(usage_error("a world with bodies of other kinds cannot be saved, copied or pickled"));
   const std::vector<std::byte> bytes = self.parts->world.save();
   return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
@@ -304,13 +396,17 @@ PyWorld unpickled(const py::tuple& state) {
 
 py::list names(const PyWorld& self) {
   py::list list;
-  for (std::size_t i = 0; i < self.parts->world.size(); ++i) list.append(self.parts->world.name(i));
+  for (std::size_t i = 0; i < self.parts->size(); ++i) list.append(self.parts->name(i));
   return list;
 }
 
 std::string describe(const PyWorld& self) {
-  return "<tremolo.World: " + std::to_string(self.parts->world.size()) + " bodies, " +
+  return "<tremolo.World: " + std::to_string(self.parts->size()) + " bodies, " +
          std::to_string(self.parts->world.scene().colliders.size()) + " colliders>";
+}
+
+py::tuple momenta_tuple(const Momenta& m) {
+  return py::make_tuple(array_of<3>(m.linear), array_of<3>(m.angular));
 }
 
 using WorldClass = py::class_<PyWorld>;
@@ -326,14 +422,16 @@ void property(WorldClass& c, const char* name, const char* doc, const Get& get) 
       },
       doc);
 }
-template <class Get>
-void of_body(WorldClass& c, const char* name, const char* doc, const Get& get) {
+template <class Get, class OfGuest>
+void of_body(WorldClass& c, const char* name, const char* doc, const Get& get,
+             const OfGuest& of_guest) {
   c.def(
       name,
-      [get](const PyWorld& self, py::handle body) {
+      [get, of_guest](const PyWorld& self, py::handle body) {
         const std::size_t i = index_of(self, body);
         const Call call(self);
-        return get(self.parts->world, i);
+        WorldParts& parts = *self.parts;
+        return parts.is_guest(i) ? of_guest(parts.guest(i)) : get(parts.world, i);
       },
       py::arg("body"), doc);
 }
@@ -344,24 +442,33 @@ void add_queries(WorldClass& c) {
   property(c, "step_size", "h, s.", [](const SceneWorld& w) { return w.step_size(); });
   property(c, "duration", "Of the scene, s.",
            [](const SceneWorld& w) { return w.scene().duration; });
-  of_body(c, "failed", "True if a step of the body failed: it is not stepped again.",
-          [](const SceneWorld& w, std::size_t i) { return w.failed(i); });
-  of_body(c, "asleep", "True if the body is at rest and not stepped until something wakes it.",
-          [](const SceneWorld& w, std::size_t i) { return w.asleep(i); });
-  of_body(c, "contacts", "Number of contacts of the body that began.",
-          [](const SceneWorld& w, std::size_t i) { return w.contacts(i); });
-  of_body(c, "penetration",
-          "The largest depth of its contact points so far, as a fraction of its size.",
-          [](const SceneWorld& w, std::size_t i) { return w.penetration_max(i); });
-  of_body(c, "momenta", "(linear (3,), kg m/s; angular (3,) about the origin, N m s).",
-          [](const SceneWorld& w, std::size_t i) {
-            const Momenta m = w.momenta(i);
-            return py::make_tuple(array_of<3>(m.linear), array_of<3>(m.angular));
-          });
+  of_body(
+      c, "failed", "True if a step of the body failed: it is not stepped again.",
+      [](const SceneWorld& w, std::size_t i) { return w.failed(i); },
+      [](NodalSource& s) { return s.failed(); });
+  of_body(
+      c, "asleep", "True if the body is at rest and not stepped until something wakes it.",
+      [](const SceneWorld& w, std::size_t i) { return w.asleep(i); },
+      [](NodalSource& s) { return s.asleep(); });
+  of_body(
+      c, "contacts", "Number of contacts of the body that began.",
+      [](const SceneWorld& w, std::size_t i) { return w.contacts(i); },
+      [](NodalSource& s) { return s.contacts(); });
+  of_body(
+      c, "penetration",
+      "The largest depth of its contact points so far, as a fraction of its size.",
+      [](const SceneWorld& w, std::size_t i) { return w.penetration_max(i); },
+      [](NodalSource& s) { return s.penetration_max() / s.size(); });
+  of_body(
+      c, "momenta", "(linear (3,), kg m/s; angular (3,) about the origin, N m s).",
+      [](const SceneWorld& w, std::size_t i) { return momenta_tuple(w.momenta(i)); },
+      [](NodalSource& s) { return momenta_tuple(s.momenta()); });
   c.def("account", &account, py::arg("body"),
         "The energy balance of a body, J, a dict: kinetic, potential, contact, total; at_start; "
         "given since then by load, support, gravity, contact_given, restitution, friction, hand, "
-        "joint, damping; remainder, which has no known cause.");
+        "joint, damping; remainder, which has no known cause. Of tetrahedra: kinetic, potential, "
+        "contact, total; at_start; gravity, contact_given, restitution, friction; method, given by "
+        "the method and by damping.");
   c.def_property_readonly(
       "events", &events,
       "Contacts that began or ended in the last call of step(), a list of dicts: time (s), kind "
@@ -377,7 +484,8 @@ void add_queries(WorldClass& c) {
   c.def_property_readonly("hands", &hands,
                           "A list of dicts: body, vertex, holds, force on the body (3,), N.");
   c.def("pick", &pick, py::arg("origin"), py::arg("direction"),
-        "The first hit of a ray (m, world): a dict of body, vertex, distance, point; or None.");
+        "The first hit of a ray (m, world): a dict of body, vertex, distance, point; or None. It "
+        "passes through bodies of tetrahedra.");
 }
 
 }  // namespace
@@ -386,7 +494,7 @@ void add_world(py::module_& module) {
   WorldClass c(module, "World",
                "The bodies of a scene, stepped together: contact with colliders and with each "
                "other, hands, joints, gravity, sleep. tremolo.world() makes it of a dict or a "
-               "file. copy.copy and pickle keep the whole state.");
+               "file. copy.copy and pickle keep the whole state of a world without tetrahedra.");
   module.def(
       "world_of_text",
       [](std::string text, py::handle path) {
@@ -394,12 +502,12 @@ void add_world(py::module_& module) {
       },
       py::arg("text"), py::arg("path"),
       "A world of the text of a scene file (TOML). path: where it would be, for the paths inside.");
-  c.def_property_readonly("names", &names, "Names of the bodies, a list of str.");
+  c.def_property_readonly("names", &names, "Names of the bodies, a list of str, tetrahedra last.");
   c.def("body", &body_of, py::arg("name"),
-        "A body by its name or number: a tremolo.Body that the world steps. It keeps the world "
-        "alive.");
+        "A body by its name or number, in the order of `names`: a tremolo.Body, or of tetrahedra a "
+        "tremolo.NodalBody, that the world steps. It keeps the world alive.");
   c.def("__getitem__", &body_of, py::arg("name"));
-  c.def("__len__", [](const PyWorld& self) { return self.parts->world.size(); });
+  c.def("__len__", [](const PyWorld& self) { return self.parts->size(); });
   c.def(
       "step", &step, py::arg("n") = 1,
       "Takes n steps without the interpreter's lock. If a step of a body fails, SolverError or "
@@ -409,7 +517,8 @@ void add_world(py::module_& module) {
   c.def(
       "set_method",
       [](const PyWorld& self, py::handle body, const std::string& integrator) {
-        const std::size_t i = index_of(self, body);
+        const std::size_t i =
+            self.parts->own_body(index_of(self, body), "its method is the scene's");
         const Call call(self);
         check(self.parts->world.set_method(i, integrator));
       },
@@ -432,7 +541,8 @@ void add_world(py::module_& module) {
   c.def("restore", &restore, py::arg("bytes"), "Continues from save() of a world of this scene.");
   c.def("__reduce__", [](const PyWorld& self) { return reduced("world_of", pickled(self)); });
   refuse_construction(c, "tremolo.world() makes one");
-  module.def("_world_of", &unpickled, py::arg("state"), "A world of its pickle's state.");
+  module.def("_world_of", from_pickle(&unpickled), py::arg("state"),
+             "A world of its pickle's state.");
   c.def("__copy__", [](const PyWorld& self) { return unpickled(pickled(self)); });
   c.def("__deepcopy__",
         [](const PyWorld& self, const py::object&) { return unpickled(pickled(self)); });

@@ -7,17 +7,18 @@ Arrays are numpy's, float64 in C order. Views of a model are read-only and keep 
 subclasses of tremolo.Error with the engine's own words.
 """
 
-from ._tremolo import (Body, Model, OwnBody, Recorder, World, __version__, integrators, load, load_bytes, own_body,
-                       own_integrators, recorder)
+from ._tremolo import (Body, Model, NodalBody, NodalScene, OwnBody, Recorder, World, __version__, integrators, load,
+                       load_bytes, own_body, own_integrators, recorder)
 from .errors import BoundError, ContentError, CriterionError, Error, FileError, SolverError, UsageError
 from .meshes import Mesh, box, write_msh, write_ply
 from .make import Reference, precompute, reference
 from .programs import find_program, run_program
-from .scenes import scene_text, world
+from .scenes import load_scene, scene_text, world
 from .sparse import matrices
 
 __all__ = [
-    "Body", "BoundError", "ContentError", "CriterionError", "Error", "FileError", "Mesh", "Model", "OwnBody",
-    "Recorder", "Reference", "SolverError", "UsageError", "World", "__version__", "box", "find_program", "integrators", "load",
-    "load_bytes", "matrices", "own_body", "own_integrators", "precompute", "recorder", "reference", "run_program", "scene_text", "world", "write_msh", "write_ply",
+    "Body", "BoundError", "ContentError", "CriterionError", "Error", "FileError", "Mesh", "Model", "NodalBody",
+    "NodalScene", "OwnBody", "Recorder", "Reference", "SolverError", "UsageError", "World", "__version__", "box",
+    "find_program", "integrators", "load", "load_bytes", "load_scene", "matrices", "own_body", "own_integrators",
+    "precompute", "recorder", "reference", "run_program", "scene_text", "world", "write_msh", "write_ply",
 ]

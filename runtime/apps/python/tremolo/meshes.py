@@ -1,5 +1,6 @@
 """Meshes as arrays: reading them from their many forms, and writing files that the programs read."""
 
+import os
 from typing import Any, List, NamedTuple, Optional, Tuple
 
 import numpy as np
@@ -65,6 +66,11 @@ def mesh_of(first: Any, cells: Optional[Any] = None) -> Mesh:
     raise TypeError(f"expected arrays of vertices and cells or an object of meshio, found {type(first).__name__}")
 
 
+def _path(path: Any) -> str:
+    """A path as text. open() takes a number too, for a file that is open already."""
+    return os.fsdecode(os.fspath(path))
+
+
 def write_msh(path: str, mesh: Mesh) -> None:
     """Writes tetrahedra as Gmsh's MSH 2.2, binary: coordinates and indices arrive with all their bits."""
     count = len(mesh.vertices)
@@ -74,7 +80,7 @@ def write_msh(path: str, mesh: Mesh) -> None:
     cells = np.empty((len(mesh.cells), 5), dtype="<i4")
     cells[:, 0] = np.arange(1, len(mesh.cells) + 1)
     cells[:, 1:] = mesh.cells + 1
-    with open(path, "wb") as file:
+    with open(_path(path), "wb") as file:
         file.write(b"$MeshFormat\n2.2 1 8\n" + np.int32(1).tobytes() + b"\n$EndMeshFormat\n")
         file.write(b"$Nodes\n%d\n" % count + nodes.tobytes() + b"\n$EndNodes\n")
         header = np.array([4, len(cells), 0], dtype="<i4").tobytes()
@@ -86,7 +92,7 @@ def write_ply(path: str, mesh: Mesh) -> None:
     faces = np.empty(len(mesh.cells), dtype=[("count", "u1"), ("corners", "<i4", 3)])
     faces["count"] = 3
     faces["corners"] = mesh.cells
-    with open(path, "wb") as file:
+    with open(_path(path), "wb") as file:
         file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(mesh.vertices))
         file.write(b"property double x\nproperty double y\nproperty double z\n")
         file.write(b"element face %d\nproperty list uchar int vertex_indices\nend_header\n" % len(faces))

@@ -2,12 +2,12 @@
 
 import json
 import os
-from typing import Any, Mapping
+from typing import Any, Mapping, Tuple, Union
 
 import numpy as np
 
 from . import errors
-from ._tremolo import World, world_of_text
+from ._tremolo import NodalScene, World, kind_of_text, nodal_scene_of_text, world_of_text
 
 
 def _value(value: Any, key: str) -> str:
@@ -41,16 +41,10 @@ def scene_text(scene: Mapping[str, Any]) -> str:
     return "".join(f"{_key(key)} = {_value(value, key)}\n" for key, value in scene.items())
 
 
-def world(scene: Any, *, folder: Any = ".") -> World:
-    """A world of a scene: a path of a scene file with [[bodies]], or a dict with the same keys.
-
-    {"step": 0.003, "gravity": [0, 0, -9.81], "bodies": [{"name": "a", "model": "a.tremolo", ...}], "colliders": [...],
-    "hands": [...], "joints": [...]}; docs/reference.md, "Scenes", lists the keys. Units are SI. The `model` of a body
-    is a path, relative to the scene file or, for a dict, to `folder`.
-    """
+def _text_and_path(scene: Any, folder: Any) -> Tuple[str, str]:
+    """The text of a scene, and the path that the paths in it are relative to."""
     if isinstance(scene, Mapping):
-        place = os.path.join(os.path.abspath(os.fsdecode(folder)), "scene")
-        return world_of_text(scene_text(scene), place)
+        return scene_text(scene), os.path.join(os.path.abspath(os.fsdecode(folder)), "scene")
     if not isinstance(scene, (str, bytes, os.PathLike)):
         raise TypeError(f"expected a dict or a path, found {type(scene).__name__}")
     path = os.path.abspath(os.fsdecode(scene))
@@ -61,4 +55,28 @@ def world(scene: Any, *, folder: Any = ".") -> World:
         raise errors.FileError(f"{path}: {error.strerror}") from error
     except UnicodeDecodeError as error:
         raise errors.ContentError(f"{path}: the file is not UTF-8") from error
-    return world_of_text(text, path)
+    return text, path
+
+
+def world(scene: Any, *, folder: Any = ".") -> World:
+    """A world of a scene: a path of a scene file with [[bodies]], or a dict with the same keys.
+
+    {"step": 0.003, "gravity": [0, 0, -9.81], "bodies": [{"name": "a", "model": "a.tremolo", ...}], "colliders": [...],
+    "hands": [...], "joints": [...]}; docs/reference.md, "Scenes", lists the keys. Units are SI. The `model` of a body
+    is a path, relative to the scene file or, for a dict, to `folder`. Bodies of kind "tets" may be among the others.
+    """
+    return world_of_text(*_text_and_path(scene, folder))
+
+
+def load_scene(scene: Any, *, folder: Any = ".") -> Union[World, NodalScene]:
+    """A scene of any kind that moves, of a path or a dict as for world().
+
+    [[bodies]] of which one is not of kind "tets" make a World; [[bodies]] of kind "tets" alone, or [[cloths]], make a
+    NodalScene, which has the same step(n), names, body(name), time, steps, step_size and colliders.
+    """
+    text, path = _text_and_path(scene, folder)
+    kind = kind_of_text(text, path)
+    if kind == "body":
+        raise errors.ContentError(
+            f"{path}: a scene is a list of [[bodies]] or [[cloths]]; a file with a table for each body has none")
+    return world_of_text(text, path) if kind == "world" else nodal_scene_of_text(text, path)

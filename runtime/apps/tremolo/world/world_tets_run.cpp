@@ -38,24 +38,18 @@ void WorldTetsRun::watch(std::size_t i, bool first) {
                  tets_->guests->account(i).energy};
   watched.momenta_now = {body.momentum(), body.angular_momentum()};
   const double own = watched.now.kinetic + watched.now.elastic;
-  const double work = tets_->guests->sums(i).work;
   if (first) {
     watched.start = watched.now;
     watched.momenta_start = watched.momenta_now;
-    watched.bound.start(own);
-  } else {
-    watched.bound.put_in(work - watched.work_before + watched.gravity_before - watched.now.gravity,
-                         0.0);
   }
-  watched.work_before = work;
-  watched.gravity_before = watched.now.gravity;
+  const bool sound = watched.bound.look(own, watched.now.gravity, tets_->guests->sums(i).work);
   watched.energy_max = std::max(watched.energy_max, watched.now.total());
   if (watched.exit_code != 0) return;
   if (tets_->guests->failed(i)) {
     watched.exit_code = exit_code(ErrorKind::kSolver);
     watched.reason = fmt::format(
         "the step from t = {:.6g} s could not be solved: take a shorter step", body.time());
-  } else if (watched.bound.look(own, 0.0) != EnergyFound::kSound) {
+  } else if (!sound) {
     watched.exit_code = exit_code(ErrorKind::kBound);
     watched.reason = fmt::format(
         "at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that was put in",

@@ -9,7 +9,7 @@
 #include "common/result.h"
 #include "runtime/apps/tremolo/measure/tets_log.h"
 #include "runtime/apps/tremolo/world/scene_ending.h"
-#include "runtime/energy_bound.h"
+#include "runtime/world/guest_bound.h"
 #include "runtime/world/world_guests.h"
 
 namespace tremolo {
@@ -42,8 +42,7 @@ class WorldTetsRun {
   struct Watched {
     Account start, now;
     double energy_max = 0.0;
-    EnergyBound bound;
-    double work_before = 0.0, gravity_before = 0.0;
+    GuestBound bound;
     Momenta momenta_start, momenta_now;
     int exit_code = 0;
     std::string reason;
