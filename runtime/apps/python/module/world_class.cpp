@@ -466,8 +466,9 @@ void add_queries(WorldClass& c) {
   c.def("account", &account, py::arg("body"),
         "The energy balance of a body, J, a dict: kinetic, potential, contact, total; at_start; "
         "given since then by load, support, gravity, contact_given, restitution, friction, hand, "
-        "joint, damping; remainder, which has no known cause. Of tetrahedra: kinetic, potential, "
-        "contact, total; at_start; gravity, contact_given, restitution, friction; method, given by "
+        "joint, damping; remainder, which has no known cause. Of tetrahedra and cloth: kinetic, "
+        "potential, contact, total; at_start; gravity, contact_given, restitution, friction; "
+        "method, given by "
         "the method and by damping.");
   c.def_property_readonly(
       "events", &events,
@@ -485,16 +486,17 @@ void add_queries(WorldClass& c) {
                           "A list of dicts: body, vertex, holds, force on the body (3,), N.");
   c.def("pick", &pick, py::arg("origin"), py::arg("direction"),
         "The first hit of a ray (m, world): a dict of body, vertex, distance, point; or None. It "
-        "passes through bodies of tetrahedra.");
+        "passes through bodies of tetrahedra and cloths.");
 }
 
 }  // namespace
 
 void add_world(py::module_& module) {
-  WorldClass c(module, "World",
-               "The bodies of a scene, stepped together: contact with colliders and with each "
-               "other, hands, joints, gravity, sleep. tremolo.world() makes it of a dict or a "
-               "file. copy.copy and pickle keep the whole state of a world without tetrahedra.");
+  WorldClass c(
+      module, "World",
+      "The bodies of a scene, stepped together: contact with colliders and with each "
+      "other, hands, joints, gravity, sleep. tremolo.world() makes it of a dict or a "
+      "file. copy.copy and pickle keep the whole state of a world without tetrahedra or cloth.");
   module.def(
       "world_of_text",
       [](std::string text, py::handle path) {
@@ -502,10 +504,12 @@ void add_world(py::module_& module) {
       },
       py::arg("text"), py::arg("path"),
       "A world of the text of a scene file (TOML). path: where it would be, for the paths inside.");
-  c.def_property_readonly("names", &names, "Names of the bodies, a list of str, tetrahedra last.");
-  c.def("body", &body_of, py::arg("name"),
-        "A body by its name or number, in the order of `names`: a tremolo.Body, or of tetrahedra a "
-        "tremolo.NodalBody, that the world steps. It keeps the world alive.");
+  c.def_property_readonly("names", &names,
+                          "Names of the bodies, a list of str, tetrahedra and cloths last.");
+  c.def(
+      "body", &body_of, py::arg("name"),
+      "A body by its name or number, in the order of `names`: a tremolo.Body, or of tetrahedra or "
+      "cloth a tremolo.NodalBody, that the world steps. It keeps the world alive.");
   c.def("__getitem__", &body_of, py::arg("name"));
   c.def("__len__", [](const PyWorld& self) { return self.parts->size(); });
   c.def(
