@@ -59,12 +59,6 @@ Json bifurcation_json(const Bifurcation& found, const CurveContext& context) {
           {"multiplier", {found.multiplier.real(), found.multiplier.imag()}}};
 }
 
-const char* name_of(CurveEnd end) {
-  constexpr const char* kNames[] = {"done", "unbounded", "returned", "stuck",
-                                    "long", "stopped",   "joined"};
-  return kNames[static_cast<int>(end)];
-}
-
 const CurvePoint& peak_of(const MotionCurve& curve) {
   return *std::max_element(
       curve.points.begin(), curve.points.end(),
