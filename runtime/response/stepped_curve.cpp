@@ -14,7 +14,7 @@ namespace tremolo {
 namespace {
 
 constexpr double kSettled = 1e-4;   // of a settled motion, relative
-constexpr int kMostPeriods = 3000;  // of one point
+constexpr int kMostPeriods = 1000;  // of one point
 constexpr int kMostSteps = 2048;    // a period
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
@@ -79,13 +79,22 @@ Result<Settled> settle_at(const SteppedLoad& load, const CurvePoint& point, Stat
   return settled;
 }
 
-// The fewest steps a period, of powers of two, with which the largest stable point has the
-// amplitude of twice as many to kSettled.
-Result<int> steps_needed(const SteppedLoad& load, const MotionCurve& curve) {
+// The stable point with the largest amplitude whose transient decays by a twentieth a period or
+// faster: next to a fold it hardly decays, and a coarse step has its fold elsewhere. Null: none.
+const CurvePoint* largest_steady(const MotionCurve& curve) {
+  constexpr double kLeastDecay = 0.05;
   const CurvePoint* largest = nullptr;
   for (const CurvePoint& point : curve.points)
-    if (point.stable && (largest == nullptr || point.amplitude > largest->amplitude))
+    if (point.stable && std::abs(1.0 - point.multipliers[0]) >= kLeastDecay &&
+        (largest == nullptr || point.amplitude > largest->amplitude))
       largest = &point;
+  return largest;
+}
+
+// The fewest steps a period, of powers of two, with which that point has the amplitude of twice as
+// many to kSettled.
+Result<int> steps_needed(const SteppedLoad& load, const MotionCurve& curve) {
+  const CurvePoint* largest = largest_steady(curve);
   if (largest == nullptr)
     return Error{ErrorKind::kSolver, "the curve has no stable point to step to"};
   int steps = 16;

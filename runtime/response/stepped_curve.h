@@ -5,7 +5,7 @@
 // is 1e-4 of the motion. The transient decays by the curve's largest Floquet multiplier mu per
 // period, so that the rest is the change over the last period divided by |1 - mu|. Without the
 // curve a user does not know mu and steps longer. The step is the longest one, of a period over a
-// power of two, that gives the amplitude of the largest stable point to 1e-4.
+// power of two, that gives the amplitude of the largest stable point away from folds to 1e-4.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,7 +29,7 @@ struct SteppedLoad {
 struct SteppedCurve {
   double seconds = 0.0;     // processor time of the points, without the choice of the step
   int points = 0;           // stable ones
-  int elsewhere = 0;        // those that settled onto another motion, or not in 3000 periods
+  int elsewhere = 0;        // those that settled onto another motion, or not in 1000 periods
   double periods = 0.0;     // of all points
   int steps = 0;            // a period
   double difference = 0.0;  // largest, of amplitudes from the curve's, relative
