@@ -618,6 +618,134 @@ tremolo_status tremolo_world_update_surfaces(tremolo_world* world, size_t* updat
 tremolo_status tremolo_world_surface(const tremolo_world* world, uint32_t body,
                                      const float** positions, size_t* length, uint64_t* version);
 
+/* ---- periodic motion: response curves and backbones ----
+ *
+ * tremolo_response follows the periodic motions of a fixed body under a load sin(2 pi f t) over the
+ * frequency f, through folds; tremolo_backbone follows the free motions of one mode, without load
+ * and damping, over the amplitude. Both solve by harmonic balance, usually within a second, and
+ * give a curve: points, and bifurcations with folds among them. docs/response.md explains the
+ * terms.
+ *
+ *   tremolo_curve_options_init(&options);
+ *   options.damping_ratio = "2%";
+ *   tremolo_response(model, &options, 0.8, 1.3, &curve);
+ *   for (i = 0; i < tremolo_curve_points(curve); ++i) tremolo_curve_point_at(curve, i, &point);
+ *   tremolo_curve_destroy(curve);
+ */
+typedef struct tremolo_curve tremolo_curve;
+
+/* Instead of a vertex: the one that moves most in the mode. */
+#define TREMOLO_ANY_VERTEX UINT32_MAX
+
+/* Fill with tremolo_curve_options_init. `size` as in tremolo_body_options. */
+typedef struct tremolo_curve_options {
+  uint32_t size;            /* bytes of this struct as the caller knows it */
+  uint32_t probe;           /* the vertex whose largest displacement is the amplitude;
+                             * TREMOLO_ANY_VERTEX */
+  int32_t mode;             /* whose backbone it is, and in which a chosen probe moves; from 1; 1 */
+  int32_t harmonics;        /* of the motion at the start, 1 to 99; 5 */
+  int32_t most_harmonics;   /* more are added up to this number, to 99; 15 */
+  int32_t most_points;      /* a curve ends after so many, from 2 on; 4000 */
+  int32_t stability;        /* nonzero: stability and bifurcations are computed; 1 */
+  int32_t reserved;         /* 0 */
+  double harmonic_share;    /* harmonics are added where the two highest hold more; 0.001 */
+  double longest_step;      /* between two points, relative to the motion, in (0, 1]; 0.1 */
+  double largest_amplitude; /* m, a curve ends there as unbounded; 0: the body's size */
+  double gravity[3];        /* a constant acceleration, m/s^2; 0 */
+  /* Of responses alone: the load is load_scale times the forces (x, y, z of each vertex, N) on
+   * load_count vertices, or times the model's default load if load_vertices is NULL. */
+  double load_scale;   /* not 0; 1 */
+  double static_scale; /* the same forces also act constantly, times this; 0 */
+  const uint32_t* load_vertices;
+  const double* load_forces; /* 3 load_count */
+  size_t load_count;
+  double alpha;              /* damping as in tremolo_body_options; 0 */
+  double beta;               /* 0 */
+  const char* damping_ratio; /* NULL: alpha and beta */
+} tremolo_curve_options;
+
+void tremolo_curve_options_init(tremolo_curve_options* options);
+
+/* The end of a curve: at the requested frequency or amplitude; at the largest amplitude; back in
+ * the range where it had begun; where no further point was found; after most_points points; a
+ * backbone on that of a mode of twice the frequency. */
+typedef enum tremolo_curve_end {
+  TREMOLO_CURVE_DONE = 0,
+  TREMOLO_CURVE_UNBOUNDED = 1,
+  TREMOLO_CURVE_RETURNED = 2,
+  TREMOLO_CURVE_STUCK = 3,
+  TREMOLO_CURVE_LONG = 4,
+  TREMOLO_CURVE_JOINED = 6
+} tremolo_curve_end;
+
+/* One periodic motion. */
+typedef struct tremolo_curve_point {
+  double frequency_hz;
+  double amplitude;  /* largest distance of the probe from its place at rest over a period, m */
+  double energy;     /* mean over the period, J; of a free motion constant */
+  double last_share; /* of the two highest harmonics in the motion, 0 to 1 */
+  int32_t stable;    /* 1: stable, 0: unstable, -1: not computed */
+  int32_t harmonics; /* H */
+} tremolo_curve_point;
+
+/* A point where the curve turns over the frequency, another curve crosses, the period doubles, or
+ * the motion becomes a quasi-periodic one. */
+typedef enum tremolo_bifurcation_kind {
+  TREMOLO_FOLD = 0,
+  TREMOLO_BRANCH = 1,
+  TREMOLO_PERIOD_DOUBLING = 2,
+  TREMOLO_NEIMARK_SACKER = 3
+} tremolo_bifurcation_kind;
+
+typedef struct tremolo_bifurcation {
+  int32_t kind;         /* a tremolo_bifurcation_kind */
+  int32_t reserved;     /* 0 */
+  double multiplier[2]; /* real and imaginary part of the one that crosses the unit circle */
+  tremolo_curve_point point;
+} tremolo_bifurcation;
+
+/* From from_hz to to_hz, which may be lower. options: NULL for the defaults. A curve that ends
+ * early is TREMOLO_OK and keeps its points: tremolo_curve_reached. Without damping no stability is
+ * computed, no harmonics are added, and there are at most 500 points. TREMOLO_USAGE: alpha or beta
+ * with damping_ratio, or a vertex that does not exist. TREMOLO_CONTENT: frequencies that are not
+ * positive or equal, other options out of range, a model without a default load if load_vertices is
+ * NULL, a load or a probe that does not move, or constant forces beyond buckling. TREMOLO_SOLVER:
+ * no motion was found at from_hz. */
+tremolo_status tremolo_response(const tremolo_model* model, const tremolo_curve_options* options,
+                                double from_hz, double to_hz, tremolo_curve** curve);
+
+/* To an amplitude, m. options: NULL for mode 1. TREMOLO_CONTENT: the amplitude is not positive, the
+ * mode does not exist, or the options have a damping. */
+tremolo_status tremolo_backbone(const tremolo_model* model, const tremolo_curve_options* options,
+                                double to_amplitude, tremolo_curve** curve);
+
+void tremolo_curve_destroy(tremolo_curve* curve);
+
+size_t tremolo_curve_points(const tremolo_curve* curve);       /* 0 for NULL */
+size_t tremolo_curve_bifurcations(const tremolo_curve* curve); /* folds included; 0 for NULL */
+uint32_t tremolo_curve_probe(const tremolo_curve* curve);      /* TREMOLO_ANY_VERTEX for NULL */
+
+/* A tremolo_curve_end, and the reason in one sentence: empty where the end is as requested. The
+ * text is the curve's. */
+tremolo_curve_end tremolo_curve_reached(const tremolo_curve* curve);
+const char* tremolo_curve_reason(const tremolo_curve* curve);
+
+/* In the order of the curve. TREMOLO_USAGE if there is no such point or bifurcation. */
+tremolo_status tremolo_curve_point_at(const tremolo_curve* curve, size_t index,
+                                      tremolo_curve_point* point);
+tremolo_status tremolo_curve_bifurcation_at(const tremolo_curve* curve, size_t index,
+                                            tremolo_bifurcation* bifurcation);
+
+/* The motion of a point in the reduced coordinates, q(t) = c_0 + sum a_k cos 2 pi k f t + b_k sin
+ * 2 pi k f t: r numbers each of c_0, a_1, b_1, a_2, ..., b_H. length must be r (2 H + 1). */
+tremolo_status tremolo_curve_motion(const tremolo_curve* curve, size_t index, double* out,
+                                    size_t length);
+
+/* The state of a point's motion at a fraction of its period, for tremolo_body_set_state. length
+ * must be r; p may be NULL. */
+tremolo_status tremolo_curve_state(const tremolo_curve* curve, size_t index, double fraction,
+                                   double* q, double* p, size_t length);
+
 /* ---- recordings: motion in files for other programs ----
  *
  * Add tracks, then record them frame by frame; write as often as you like. Recording allocates: do

@@ -63,6 +63,12 @@ Status check(const VibratingSystem& system, const ResponseRequest& request,
 
 }  // namespace
 
+const char* name_of(CurveEnd end) {
+  constexpr const char* kNames[] = {"done", "unbounded", "returned", "stuck",
+                                    "long", "stopped",   "joined"};
+  return kNames[static_cast<int>(end)];
+}
+
 Result<FourierSeries> linear_motion(const VibratingSystem& system, const Eigen::VectorXd& q0,
                                     const FourierSeries& force, double omega,
                                     Eigen::Index harmonics) {

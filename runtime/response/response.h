@@ -61,6 +61,8 @@ struct Bifurcation {
 // twice the frequency.
 enum class CurveEnd { kDone, kUnbounded, kReturned, kStuck, kLong, kStopped, kJoined };
 
+const char* name_of(CurveEnd end);
+
 struct MotionCurve {
   std::vector<CurvePoint> points;
   std::vector<Bifurcation> bifurcations;  // folds too, in the order of the curve

@@ -1,6 +1,8 @@
 // `tremolo response` and `tremolo backbone` as a user starts them, on a small model in closed form.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -161,6 +163,76 @@ TEST_F(PeriodicProgram, AClampedBeamHardensAsWoinowskyKriegersDoes) {
     EXPECT_NEAR(point["frequency_hz"].get<double>() / linear, clamped_beam(to_height), 2e-3);
   }
   EXPECT_GT(json["points"].back()["frequency_hz"].get<double>(), 1.2 * linear);
+}
+
+TEST_F(PeriodicProgram, TimeSteppingSettlesOntoTheStablePoints) {
+  const Json json = json_of(kResponse + " --by-stepping");
+  const Json& stepped = json["by_stepping"];
+  std::size_t stable = 0;
+  for (const Json& point : json["points"]) stable += point["stable"].get<bool>() ? 1 : 0;
+  EXPECT_EQ(stepped["points"], stable);
+  EXPECT_EQ(stepped["points_elsewhere"], 0);
+  // Settled to 1e-4 with steps that are good for 1e-4; harmonics hold all but 1e-3 of a motion, of
+  // which the amplitude has the smaller part.
+  EXPECT_GT(stepped["largest_difference"].get<double>(), 0.0);
+  EXPECT_LE(stepped["largest_difference"].get<double>(), 1e-3);
+  EXPECT_GT(stepped["periods"].get<double>(), 10.0 * static_cast<double>(stable));
+  EXPECT_GT(stepped["ratio"].get<double>(), 0.0);
+}
+
+TEST_F(PeriodicProgram, AnOrbitIsAFileOfOnePeriod) {
+  const Json json = json_of(
+      "backbone small.tremolo --to-amplitude 5% --orbit o.glb --orbit o.pc2 --orbit s.ply "
+      "--orbit-at 3% --orbit-frames 16 --orbit-seconds 2");
+  const Json& orbit = json["orbit"];
+  EXPECT_NEAR(orbit["amplitude"].get<double>(), 0.03 * json["size"].get<double>(), 1e-12);
+  EXPECT_EQ(orbit["frames"], 17);
+  EXPECT_NEAR(orbit["period"].get<double>() * orbit["frequency_hz"].get<double>(), 1.0, 1e-12);
+  EXPECT_TRUE(slurp(folder_ + "/o.glb").starts_with("glTF"));
+  // A surface for each frame; the last is the first again, and the one between is another.
+  EXPECT_EQ(slurp(folder_ + "/s-0000.ply"), slurp(folder_ + "/s-0016.ply"));
+  EXPECT_NE(slurp(folder_ + "/s-0000.ply"), slurp(folder_ + "/s-0008.ply"));
+  // PC2: a head of 32 bytes with the number of vertices at 16, then x, y, z of every vertex.
+  const std::string cache = slurp(folder_ + "/o.pc2");
+  std::int32_t vertices = 0;
+  std::memcpy(&vertices, cache.data() + 16, sizeof(vertices));
+  ASSERT_EQ(cache.size(), 32U + 17U * 12U * static_cast<std::size_t>(vertices));
+  const auto at = [&](int frame, int number) {
+    float value = 0.0f;
+    std::memcpy(&value, cache.data() + 32 + 4 * (3 * frame * vertices + number), sizeof(value));
+    return static_cast<double>(value);
+  };
+  // The probe is among the vertices: no other one moves farther than its amplitude twice, and the
+  // turning points of the cosine are frames 0 and 8.
+  double most = 0.0;
+  for (int v = 0; v < vertices; ++v) {
+    double square = 0.0;
+    for (int axis = 0; axis < 3; ++axis)
+      square += std::pow(at(0, 3 * v + axis) - at(8, 3 * v + axis), 2);
+    most = std::max(most, std::sqrt(square));
+  }
+  EXPECT_GT(most, 1.5 * orbit["amplitude"].get<double>());
+  EXPECT_LT(most, 2.5 * orbit["amplitude"].get<double>());
+  // Of a response by its frequency, and its largest one.
+  const Json peak = json_of(kResponse + " --orbit p.html");
+  EXPECT_EQ(peak["orbit"]["amplitude"], peak["peak"]["amplitude"]);
+  const Json there = json_of(kResponse + " --orbit p.usda --orbit-at 0.8Hz");
+  EXPECT_NEAR(there["orbit"]["frequency_hz"].get<double>(), 0.8, 0.05);
+}
+
+TEST_F(PeriodicProgram, WrongOrbitsAreNamed) {
+  refused(kResponse + " --orbit o.stl", 2, ".stl");
+  refused(kResponse + " --orbit-at 0.8Hz", 2, "--orbit");
+  refused(kResponse + " --orbit o.glb --orbit-at soon", 2, "soon");
+  refused(kResponse + " --orbit o.glb --orbit-at -1Hz", 3, "positive");
+  refused(kResponse + " --orbit o.glb --orbit-frames 2", 3, "--orbit-frames");
+  refused(kResponse + " --orbit o.glb --orbit-seconds -1", 3, "--orbit-seconds");
+  refused(kResponse + " --orbit o.glb --orbit-at 9Hz", 3, "0.6 to 1.5");
+  refused(kResponse + " --orbit o.glb --orbit-at 90%", 3, "largest");
+  refused(kResponse + " --orbit nowhere/o.glb", 1, "nowhere");
+  refused(kResponse + " --by-stepping --no-stability", 2, "--no-stability");
+  refused(kResponse + " --by-stepping --load-harmonic 2:1", 2, "--load-harmonic");
+  refused("response small.tremolo --from 0.6 --to 0.8 --by-stepping", 2, "damping");
 }
 
 TEST_F(PeriodicProgram, WrongInputIsNamed) {

@@ -1,10 +1,12 @@
 # A block of NX x NY x NZ cells, each cut into six tetrahedra about its diagonal, as a VegaFEM .veg
 # file:
 #
-#   awk -v nx=16 -v ny=16 -v nz=1 -v size="1 1 0.01" [-v radius=R] -f block.awk
+#   awk -v nx=16 -v ny=16 -v nz=1 -v size="1 1 0.01" [-v radius=R] [-v mirrored=1] -f block.awk
 #
 # size: its edges, from the origin. With a radius it is a hoop: x runs once around the circle of that
 # radius and closes, y is the width along the axis, z the thickness, half of it inside the circle.
+# Mirrored: a cell is the mirror image of its neighbours, so that a block with even numbers of cells is
+# symmetric in x, y and z; without, the cut has one direction everywhere.
 BEGIN {
   split(size, s, " ")
   columns = radius ? nx : nx + 1
@@ -36,17 +38,20 @@ function vertex(a, b, c) { return 1 + (c * (ny + 1) + b) * columns + a % columns
 
 # From corner (i, j, k) to the opposite one along the axes in the order of `way`. The orders that are
 # odd, and all of a hoop, which turns x, y, z to the left hand, are turned over.
-function tetrahedron(way,    a, b, c, n, step, id, odd) {
-  a = i; b = j; c = k
+function tetrahedron(way,    a, b, c, n, step, id, odd, di, dj, dk) {
+  di = dj = dk = 1
+  if (mirrored) { di -= 2 * (i % 2); dj -= 2 * (j % 2); dk -= 2 * (k % 2) }
+  a = i + (di < 0); b = j + (dj < 0); c = k + (dk < 0)
   id[0] = vertex(a, b, c)
   for (n = 1; n <= 3; n++) {
     step = substr(way, n, 1)
-    if (step == "x") a++
-    if (step == "y") b++
-    if (step == "z") c++
+    if (step == "x") a += di
+    if (step == "y") b += dj
+    if (step == "z") c += dk
     id[n] = vertex(a, b, c)
   }
   odd = way == "xzy" || way == "yxz" || way == "zyx"
+  if (di * dj * dk < 0) odd = !odd
   if (odd != (radius > 0)) print ++e, id[0], id[2], id[1], id[3]
   else print ++e, id[0], id[1], id[2], id[3]
 }

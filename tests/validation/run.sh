@@ -8,7 +8,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 bin=$1 folder=$2 short=
 shift 2
 [ "${1-}" = --short ] && { short=--short; shift; }
-[ $# -gt 0 ] || set -- spectra csm1 csm3 built_in elastica shapes orders
+[ $# -gt 0 ] || set -- spectra csm1 csm3 built_in elastica shapes orders vibration
 failed=() tables=()
 for name in "$@"; do
   [ -x "$here/$name.sh" ] || { echo "run.sh: there is no case $name" >&2; exit 2; }

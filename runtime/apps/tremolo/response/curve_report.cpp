@@ -59,10 +59,20 @@ Json bifurcation_json(const Bifurcation& found, const CurveContext& context) {
           {"multiplier", {found.multiplier.real(), found.multiplier.imag()}}};
 }
 
-const char* name_of(CurveEnd end) {
-  constexpr const char* kNames[] = {"done", "unbounded", "returned", "stuck",
-                                    "long", "stopped",   "joined"};
-  return kNames[static_cast<int>(end)];
+// Time stepping over harmonic balance, of processor time.
+double cost_ratio(const CurveResult& result) {
+  return result.stepped->seconds / result.processor_seconds;
+}
+
+Json stepped_json(const CurveResult& result) {
+  const SteppedCurve& stepped = *result.stepped;
+  return {{"processor_seconds", stepped.seconds},
+          {"ratio", cost_ratio(result)},
+          {"points", stepped.points},
+          {"points_elsewhere", stepped.elsewhere},
+          {"periods", stepped.periods},
+          {"steps_per_period", stepped.steps},
+          {"largest_difference", stepped.difference}};
 }
 
 const CurvePoint& peak_of(const MotionCurve& curve) {
@@ -114,6 +124,8 @@ Json curve_json(const CurveResult& result, const CurveContext& context) {
   json["reason"] = result.reason.empty() ? Json(nullptr) : Json(result.reason);
   json["warnings"] = result.warnings;
   json["seconds"] = result.seconds;
+  json["processor_seconds"] = result.processor_seconds;
+  if (result.stepped) json["by_stepping"] = stepped_json(result);
   return json;
 }
 
@@ -152,6 +164,16 @@ void print_curve(const CurveResult& result, const CurveContext& context) {
         "Hz\n",
         result.label, curve.points.size(), result.seconds, peak.amplitude,
         100.0 * peak.amplitude / context.made.size, in_hertz(peak.omega));
+  }
+  if (result.stepped) {
+    const SteppedCurve& stepped = *result.stepped;
+    tell(
+        "  by time stepping its {} stable points take {:.3g} s of the processor, {:.3g} times the "
+        "{:.3g} s of the curve: {} steps a period, {:.0f} periods a point, amplitudes within {:.1e}"
+        "{}\n",
+        stepped.points, stepped.seconds, cost_ratio(result), result.processor_seconds,
+        stepped.steps, stepped.periods / stepped.points, stepped.difference,
+        stepped.elsewhere > 0 ? fmt::format("; {} settled elsewhere", stepped.elsewhere) : "");
   }
   for (const Bifurcation& found : curve.bifurcations)
     tell("  {} at {:.6g} Hz, amplitude {:.4g} m\n", name_of(found.kind),

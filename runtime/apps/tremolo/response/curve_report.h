@@ -1,6 +1,7 @@
 // Curves of periodic motions as JSON, CSV and a page.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "runtime/apps/tremolo/output/warnings.h"
 #include "runtime/apps/tremolo/response/periodic_model.h"
 #include "runtime/response/response.h"
+#include "runtime/response/stepped_curve.h"
 
 namespace tremolo {
 
@@ -22,6 +24,8 @@ struct CurveResult {
   CurveRole role = CurveRole::kMain;
   MotionCurve curve;
   double seconds = 0.0;  // of computing
+  double processor_seconds = 0.0;
+  std::optional<SteppedCurve> stepped;  // of --by-stepping
   int exit_code = 0;
   std::string reason;  // why exit_code is not 0
   Warnings warnings;

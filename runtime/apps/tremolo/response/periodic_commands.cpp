@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "common/damping_ratios.h"
+#include "common/processor.h"
 #include "common/text.h"
 #include "common/units.h"
 #include "formats/file/atomic_file.h"
@@ -16,6 +17,7 @@
 #include "runtime/apps/tremolo/output/run_progress.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/response/curve_report.h"
+#include "runtime/apps/tremolo/response/orbit_file.h"
 #include "runtime/apps/tremolo/response/periodic_model.h"
 #include "runtime/apps/tremolo/response/response_commands.h"
 #include "runtime/apps/tremolo/run/run_body.h"
@@ -23,6 +25,7 @@
 #include "runtime/bodies/reduced/integrators/solve/damping.h"
 #include "runtime/response/backbone.h"
 #include "runtime/response/branches.h"
+#include "runtime/response/probe.h"
 
 namespace tremolo {
 namespace {
@@ -36,9 +39,10 @@ double in_radians(double frequency) {
 
 // The files that a command writes. name: of those in --out, without ending.
 struct PeriodicFiles {
-  std::vector<std::string> tables, pages, reports;
+  std::vector<std::string> tables, pages, reports, orbits;
 
-  PeriodicFiles(const PeriodicOptions& options, const std::string& name) {
+  PeriodicFiles(const PeriodicOptions& options, const std::string& name)
+      : orbits(options.orbit_files) {
     if (!options.csv.empty()) tables.push_back(options.csv);
     if (!options.page.empty()) pages.push_back(options.page);
     if (options.out.empty()) return;
@@ -54,6 +58,7 @@ struct PeriodicFiles {
     std::vector<std::string> list = tables;
     list.insert(list.end(), pages.begin(), pages.end());
     list.insert(list.end(), reports.begin(), reports.end());
+    list.insert(list.end(), orbits.begin(), orbits.end());
     return list;
   }
 
@@ -62,8 +67,10 @@ struct PeriodicFiles {
     for (const std::string& page : pages)
       if (fs::path(page).extension() != ".html")
         return usage_error("--page " + page + ": curves are drawn on a page, .html");
+    if (Status s = check_orbit_flags(options); !s) return s;
     if (Status s = keep_apart(all(), inputs); !s) return s;
     if (Status s = check_writable({options.csv, options.page}); !s) return s;
+    if (Status s = check_writable(orbits); !s) return s;
     return options.out.empty() ? Status(Success{}) : check_writable(all(), true);
   }
 };
@@ -115,7 +122,10 @@ Json report_of(Json head, const std::vector<CurveResult>& results, const CurveCo
 int finish(const PeriodicOptions& options, const PeriodicFiles& files, const std::string& title,
            const std::string& subtitle, const std::vector<CurveResult>& results,
            const CurveContext& context, const Json& head) {
-  const Json report = report_of(head, results, context, files.all());
+  const Result<Json> orbit = write_orbit(options, results, context);
+  int code = orbit ? 0 : report_error(orbit.error());
+  Json report = report_of(head, results, context, files.all());
+  if (orbit && !orbit->is_null()) report["orbit"] = *orbit;
   if (!options.out.empty()) {
     std::error_code error;
     fs::create_directories(options.out, error);
@@ -131,7 +141,6 @@ int finish(const PeriodicOptions& options, const PeriodicFiles& files, const std
   }
   for (const std::string& path : files.reports)
     if (Status s = write_file(path, json_text(report)); !s) return report_error(s.error());
-  int code = 0;
   for (const CurveResult& result : results) {
     print_curve(result, context);
     if (result.exit_code == 0) continue;
@@ -222,15 +231,6 @@ Result<VibratingSystem> system_of(const PeriodicOptions& options, const Model& m
   return vibrating_system(model, alpha, beta, more);
 }
 
-// Without damping no motion attracts others and a curve need not end: no stability is computed, no
-// harmonics are added, and the points are limited.
-void limit_undamped(CurveOptions& options) {
-  constexpr int kMostPoints = 500;
-  options.stability = false;
-  options.most_harmonics = options.harmonics;
-  options.most_points = std::min(options.most_points, kMostPoints);
-}
-
 // True if the range of the sweep has a mode's frequency in it.
 bool crosses_mode(const ResponseOptions& options, const Model& model) {
   const double low = std::min(options.from, options.to), high = std::max(options.from, options.to);
@@ -244,8 +244,10 @@ template <class Trace>
 Result<CurveResult> timed(const Trace& trace) {
   CurveResult result;
   const auto start = std::chrono::steady_clock::now();
+  const double before = processor_time();
   if (Status s = take(result.curve, trace()); !s) return s.error();
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.processor_seconds = processor_time() - before;
   return result;
 }
 
@@ -257,6 +259,30 @@ struct Followed {
   const PeriodicModel& made;
   bool damped;
 };
+
+Status check_stepping(const ResponseOptions& options, const VibratingSystem& system) {
+  if (!options.by_stepping) return Success{};
+  if (!options.load_harmonics.empty())
+    return usage_error("--by-stepping steps under a sine alone: leave --load-harmonic out");
+  if (options.no_stability)
+    return usage_error("--by-stepping goes to the stable points: leave --no-stability out");
+  if (!system.damped())
+    return usage_error(
+        "--by-stepping needs a damping, such as --damping-ratio 2%: without it no "
+        "motion settles");
+  return Success{};
+}
+
+// The stable points of the curve by time stepping. The damping has been checked.
+Status step_points(const ResponseOptions& options, const PeriodicModel& made, CurveResult& result) {
+  SteppedLoad load{made.model, {}, result.load_scale * made.load, made.constant, made.probe_rows};
+  load.damping.alpha = options.alpha;
+  load.damping.beta = options.beta;
+  if (!options.damping_ratio.empty())
+    put_damping(*parse_damping(options.damping_ratio), load.damping);
+  return take(result.stepped.emplace(),
+              step_curve(load, result.curve, options.to > options.from ? 1.0 : -1.0));
+}
 
 // The curves that --folds-to and --branches ask for, from the first response curve.
 Status follow(const ResponseOptions& options, const Followed& by, const CurveResult& first,
@@ -315,6 +341,7 @@ int response_command(const ResponseOptions& options) {
   if (!curve) return report_error(curve.error());
   Result<VibratingSystem> system = system_of(options, *made->model);
   if (!system) return report_error(system.error());
+  if (Status s = check_stepping(options, *system); !s) return report_error(s.error());
   if (!system->damped()) limit_undamped(*curve);
   const Interruption interruption;
   curve->stopped = [&] { return interruption.signal() != 0; };
@@ -337,6 +364,8 @@ int response_command(const ResponseOptions& options) {
       result->curve.end = CurveEnd::kUnbounded;
     set_ending(*made, system->damped(), fmt::format("{:g} Hz", options.to), *curve, *result);
     note_signal(interruption, *result);
+    if (options.by_stepping && interruption.signal() == 0)
+      if (Status s = step_points(options, *made, *result); !s) return report_error(s.error());
     results.push_back(std::move(*result));
     if (interruption.signal() != 0) break;
     if (results.size() > 1) continue;

@@ -11,6 +11,7 @@
 #include "runtime/apps/tremolo/run/run_options.h"
 #include "runtime/apps/tremolo/start/start_state.h"
 #include "runtime/load.h"
+#include "runtime/response/probe.h"
 #include "runtime/scene/selection.h"
 
 namespace tremolo {
@@ -31,11 +32,6 @@ Result<BodyScene> scene_of(const PeriodicOptions& options) {
   run.at = options.at;
   run.force = options.force;
   return body_scene(run);
-}
-
-double size_of(const Model& model) {
-  const BoundingBox box = bounding_box(model.drawn().rest);
-  return (box.high - box.low).maxCoeff();
 }
 
 Status set_load(const PeriodicOptions& options, bool needed, PeriodicModel& made) {
@@ -79,19 +75,11 @@ Status set_probe(const PeriodicOptions& options, Eigen::Index mode, PeriodicMode
     if (!named) return Error{named.error().kind, "--probe: " + named.error().message};
     vertices = *named;
   }
-  double best = -1.0;
-  bool moves = false;
-  for (const VertexId vertex : vertices) {
-    const Result<VertexRows> rows = model.vertex(vertex);
-    if (!rows) return value_error(rows.error());
-    moves = moves || !rows->rows.isZero(0.0);
-    const double now = rows->rows.col(mode).norm();
-    if (now <= best) continue;
-    best = now;
-    made.probe = vertex;
-    made.probe_rows = rows->rows;
-  }
-  if (moves) return Success{};
+  Result<Probe> probe = moving_most(model, vertices, mode);
+  if (!probe) return value_error(probe.error());
+  made.probe = probe->vertex;
+  made.probe_rows = std::move(probe->rows);
+  if (probe->moves) return Success{};
   return content_error(
       "--probe " + options.probe +
       (vertices.size() == 1 ? ": the vertex is fixed" : ": all vertices are fixed") +
@@ -108,7 +96,7 @@ Result<PeriodicModel> periodic_model(const PeriodicOptions& options, bool needs_
   if (mode < 0 || mode >= made.model->modes())
     return content_error(
         fmt::format("--mode {}: the model has modes 1 to {}", mode + 1, made.model->modes()));
-  made.size = size_of(*made.model);
+  made.size = extent_of(*made.model);
   if (!(made.size > 0.0)) return content_error(options.model + ": the surface has no size");
   if (Status s = set_load(options, needs_load, made); !s) return s.error();
   if (Status s = set_constant(options, made); !s) return s.error();
@@ -137,9 +125,7 @@ Result<CurveOptions> curve_options(const PeriodicOptions& options, const Periodi
   curve.stability = !options.no_stability;
   curve.most_points = options.most_points;
   curve.longest_step = options.longest_step;
-  curve.amplitude = [rows = made.probe_rows](const FourierSeries& motion) {
-    return largest_over_period(rows, motion).value;
-  };
+  curve.amplitude = amplitude_of({made.probe, made.probe_rows, true});
   curve.largest_amplitude = kLargestAmplitude * made.size;
   return curve;
 }

@@ -27,8 +27,12 @@ struct PeriodicOptions {
   bool no_stability = false;
   std::string probe;  // vertex or selector; empty: the vertex that moves most in the mode
   double alpha = 0.0, beta = 0.0;
-  std::string damping_ratio;   // common/damping_ratios.h; empty: alpha and beta
-  std::string csv, page, out;  // outputs; empty: none
+  std::string damping_ratio;             // common/damping_ratios.h; empty: alpha and beta
+  std::string csv, page, out;            // outputs; empty: none
+  std::vector<std::string> orbit_files;  // a period of one motion, by their endings
+  std::string orbit_at = "peak";         // orbit_file.h
+  int orbit_frames = 32;                 // of a period
+  double orbit_seconds = 0.0;            // that a period lasts in the files; 0: its own
   bool json = false;
 };
 
@@ -38,6 +42,7 @@ struct ResponseOptions : PeriodicOptions {
   double from = 0.0, to = 0.0;              // Hz
   double folds_to = 0.0;                    // the folds are followed to this load scale; 0: not
   bool branches = false;                    // branches at branch points are followed
+  bool by_stepping = false;                 // the stable points by time stepping too
 };
 
 struct BackboneOptions : PeriodicOptions {

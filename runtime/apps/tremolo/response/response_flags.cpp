@@ -34,6 +34,17 @@ void add_common_flags(CLI::App& app, PeriodicOptions& o) {
   app.add_option("--csv", o.csv, "write the points as a table, .csv");
   app.add_option("--page", o.page, "draw the curves on a page, .html; it needs no other file");
   app.add_option("--out", o.out, "directory for all three: table, page and JSON");
+  app.add_option("--orbit", o.orbit_files,
+                 "write a period of one motion for other programs: .glb, .usda, .pvd, .pc2, .mdd, "
+                 "surfaces as .ply or .obj, or .html; may be repeated");
+  app.add_option("--orbit-at", o.orbit_at,
+                 "which motion of the first curve: peak, last, a frequency as in 1.2Hz, or an "
+                 "amplitude as in 8% of the size or 0.02m")
+      ->capture_default_str();
+  app.add_option("--orbit-frames", o.orbit_frames, "frames of the period")->capture_default_str();
+  app.add_option("--orbit-seconds", o.orbit_seconds,
+                 "seconds that the period lasts in the files (0: as long as it is)")
+      ->capture_default_str();
   app.add_flag("--json", o.json, "print one JSON object on stdout");
 }
 
@@ -71,6 +82,8 @@ void add_response_flags(CLI::App& app, ResponseOptions& o) {
   app.add_option("--to", o.to, "the last frequency, Hz; may be lower")->required();
   app.add_option("--folds-to", o.folds_to,
                  "also follow the folds of the first curve while the load changes to this scale");
+  app.add_flag("--by-stepping", o.by_stepping,
+               "also find the stable points by time stepping, and print what both cost");
   app.add_flag("--branches", o.branches,
                "also follow the branches that cross the first curve at its branch points");
 }
