@@ -15,13 +15,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kMomentaTolerance = 1e-10;  // of the forces in a step
-constexpr std::size_t kMostFactorBytes = std::size_t{1} << 30;
-
-Index row_of(std::size_t point) {
-  return static_cast<Index>(3 * point);
-}
-
 PointAreas areas_of(const ClothBody& body) {
   PointAreas areas;
   const VectorXd& mass = body.model().mass();
@@ -46,9 +39,7 @@ ContactLaw law_of_cloth(const ClothBody& body, const PointAreas& areas, ContactO
 
 std::optional<BlockCholesky> make_factor(const ClothBody& body) {
   if (body.options().solver == NodalSolver::kConjugateGradients) return std::nullopt;
-  Result<BlockCholesky> made = BlockCholesky::create(body.model().pattern(), kMostFactorBytes);
-  if (!made) return std::nullopt;
-  return std::move(*made);
+  return make_guest_factor(body.model().pattern());
 }
 
 }  // namespace
@@ -177,7 +168,7 @@ double ClothStep::enough() const {
   const double rounding = std::numeric_limits<double>::epsilon() * stiffest_ *
                           x1_.lpNorm<Eigen::Infinity>() *
                           std::sqrt(static_cast<double>(x1_.size()));
-  return kMomentaTolerance *
+  return kGuestTolerance *
              ((force_ + pushed_).norm() + inertia_.norm() + body_->model().load_size()) +
          rounding;
 }

@@ -3,6 +3,13 @@
 #include <algorithm>
 
 namespace tremolo {
+
+std::optional<BlockCholesky> make_guest_factor(const BlockPatternPointer& pattern) {
+  constexpr std::size_t kMostBytes = std::size_t{1} << 30;
+  Result<BlockCholesky> made = BlockCholesky::create(pattern, kMostBytes);
+  if (!made) return std::nullopt;
+  return std::move(*made);
+}
 namespace {
 
 bool is_before(const ContactMemory& x, const ContactMemory& y) {

@@ -2,12 +2,25 @@
 // any kind: what bodies of tetrahedra and cloths have in common.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "runtime/math/sparse/block_cholesky.h"
 #include "runtime/mixed/step_body.h"
 
 namespace tremolo {
+
+// A residual below this fraction of the forces in a step is small.
+inline constexpr double kGuestTolerance = 1e-10;
+
+// The first row of a control point or particle.
+inline Eigen::Index row_of(std::size_t point) {
+  return static_cast<Eigen::Index>(3 * point);
+}
+
+// Room for a decomposition of matrices of that pattern; empty if it would take more than 1 GiB.
+std::optional<BlockCholesky> make_guest_factor(const BlockPatternPointer& pattern);
 
 class GuestStep : public StepBody {
  public:

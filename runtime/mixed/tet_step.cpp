@@ -13,13 +13,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kMomentaTolerance = 1e-10;  // of the forces in a step
-constexpr std::size_t kMostFactorBytes = std::size_t{1} << 30;
-
-Index row_of(std::size_t node) {
-  return static_cast<Index>(3 * node);
-}
-
 Vector3d sum_of(std::span<const std::uint32_t> nodes, const std::array<double, kMostNodes>& shares,
                 StepBody::In x) {
   Vector3d sum = Vector3d::Zero();
@@ -33,12 +26,6 @@ void add_shares(std::span<const std::uint32_t> nodes, const std::array<double, k
     rows.segment<3>(row_of(nodes[i])) += shares[i] * value;
 }
 
-std::optional<BlockCholesky> make_factor(const BlockPatternPointer& pattern) {
-  Result<BlockCholesky> made = BlockCholesky::create(pattern, kMostFactorBytes);
-  if (!made) return std::nullopt;
-  return std::move(*made);
-}
-
 }  // namespace
 
 TetStep::TetStep(TetBody& body, std::shared_ptr<const TetPoints> points,
@@ -47,7 +34,7 @@ TetStep::TetStep(TetBody& body, std::shared_ptr<const TetPoints> points,
       points_(std::move(points)),
       law_(tremolo::area_law(*points_, body.model().mass(), options)),
       hull_(std::move(hull)),
-      factor_(make_factor(body.model().pattern())) {
+      factor_(make_guest_factor(body.model().pattern())) {
   const Index n = body.model().rest().size();
   for (VectorXd* v : {&known_way_, &own_, &pushed_, &kept_, &in_, &out_, &end_, &middle_})
     v->setZero(n);
@@ -149,7 +136,7 @@ double TetStep::close() {
 }
 
 double TetStep::enough() const {
-  return body_->stop_size(kMomentaTolerance);
+  return body_->stop_size(kGuestTolerance);
 }
 
 void TetStep::residual(Out rows) const {
