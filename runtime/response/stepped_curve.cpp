@@ -30,10 +30,11 @@ struct Settled {
   bool done = false;  // false: not within kMostPeriods
 };
 
-// Three distances at equal times give the largest one by a parabola.
+// Three distances at equal times give the largest one by a parabola, where it is between them.
 double peak_of(double before, double at, double after) {
   const double bend = before - 2.0 * at + after;
-  return bend < 0.0 ? at - 0.125 * (after - before) * (after - before) / bend : at;
+  if (!(at >= before && at >= after && bend < 0.0)) return at;
+  return at - 0.125 * (after - before) * (after - before) / bend;
 }
 
 Result<Body> body_at(const SteppedLoad& load, double omega, int steps) {
