@@ -11,6 +11,7 @@
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/run/run_options.h"
 #include "runtime/apps/view/cloth/cloth_scenes.h"
+#include "runtime/apps/view/live/mode_orbits.h"
 #include "runtime/apps/view/live/viewed_scene.h"
 #include "runtime/apps/view/setup/viewer_options.h"
 #include "runtime/apps/view/tets/tets_scenes.h"
@@ -38,6 +39,9 @@ void add_picture_flags(CLI::App& app, ViewerOptions& o) {
   app.add_option("--texture", o.textures,
                  "[MATERIAL=]FILE.png for bodies with texture coordinates; may be repeated");
   app.add_option("--beside", o.beside, "of cloth: a second scene, shown beside the first");
+  app.add_option("--orbit", o.orbit,
+                 "MODE:AMPLITUDE, as in 1:8% of the size: a body's periodic motion of this mode "
+                 "in place of its own");
   app.add_flag("--wire", o.wire, "show the triangles");
   app.add_flag("--no-colliders", o.no_colliders, "do not show colliders, except the ground");
   app.add_option("--lights", o.lights,
@@ -99,6 +103,12 @@ int view(int count, char** words) {
   if (const std::optional<int> code = read_words(parser.app, count, words)) return *code;
   const ViewFlags flags{options.body,
                         [&parser](const char* flag) { return is_given(parser.app, flag); }};
+  if (!options.orbit.empty()) {
+    if (const auto orbit = parse_orbit_request(options.orbit); !orbit)
+      return report_error(orbit.error());
+    if (is_scene_of(SceneKind::kCloth, options.file) || is_scene_of(SceneKind::kTets, options.file))
+      return report_error(usage_error("--orbit applies only to a body with a basis file"));
+  }
   if (is_scene_of(SceneKind::kCloth, options.file)) return view_cloth_command(options, flags);
   if (!options.beside.empty())
     return report_error(usage_error("--beside applies only to scenes of cloth"));

@@ -2,18 +2,24 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <numbers>
+#include <optional>
+#include <utility>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "runtime/apps/tremolo/output/run_progress.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/view/draw/renderer.h"
 #include "runtime/apps/view/live/live_world.h"
+#include "runtime/apps/view/live/mode_orbits.h"
 #include "runtime/apps/view/offscreen/egl_context.h"
 #include "runtime/apps/view/picture/picture_series.h"
 #include "runtime/apps/view/setup/frame_times.h"
 #include "runtime/apps/view/setup/view_setup.h"
 #include "runtime/apps/view/setup/viewer_options.h"
+#include "runtime/response/orbit.h"
 
 namespace tremolo {
 namespace {
@@ -61,6 +67,8 @@ class Photographer {
     stage_look_ = {colour_by(options.colour), !options.no_colliders};
   }
 
+  std::optional<CurvePoint> orbit;  // shown in place of the body's own motion
+
   Status run(PictureSeries& series, ShotList& shots) {
     const Interruption interruption;
     Picture picture;
@@ -81,9 +89,20 @@ class Photographer {
   }
 
  private:
+  // The state at t, or the orbit's.
+  void pose_at(double t) {
+    live_.at(t, moment_);
+    if (orbit) {
+      moment_.time = t;
+      moment_.bodies[0].q = orbit_state(*orbit, orbit->omega * t).q;
+    }
+    studio_.stage->pose(moment_);
+  }
+
   // Steps to t unless a signal arrives.
   Status go_to(double t, const Interruption& interruption) {
     // Within a billionth of a step of a node it is that node.
+    if (orbit) return Success{};
     const double slack = 1e-9 * live_.world().step_size();
     while (live_.now().time < t - slack && interruption.signal() == 0)
       if (Status s = live_.step(); !s) return s;
@@ -91,8 +110,7 @@ class Photographer {
   }
 
   Camera first_camera_at(double t) {
-    live_.at(t, moment_);
-    studio_.stage->pose(moment_);
+    pose_at(t);
     return first_camera(setup_, *studio_.stage);
   }
 
@@ -107,9 +125,8 @@ class Photographer {
 
   Status shoot(double t, ShotList& shots, Picture& picture) {
     shots.times.begin();
-    live_.at(t, moment_);
+    pose_at(t);
     Stage& stage = *studio_.stage;
-    stage.pose(moment_);
     if (options_.follow) follow(shots.camera);
     look_.ground = stage.ground();
     shots.times.prepared();
@@ -152,7 +169,7 @@ Json three(const Eigen::Vector3d& v) {
 }
 
 Json json_of(const ViewerOptions& options, const ViewSetup& setup, const ShotList& shots,
-             const LiveWorld& live, bool software) {
+             const LiveWorld& live, const std::optional<CurvePoint>& orbit, bool software) {
   const Camera& camera = shots.camera;
   Json json;
   json["file"] = options.file;
@@ -167,11 +184,30 @@ Json json_of(const ViewerOptions& options, const ViewSetup& setup, const ShotLis
   json["software"] = software;
   json["steps"] = live.world().steps();
   json["largest_stress"] = options.colour == "stress" ? Json(shots.most_stressed) : Json(nullptr);
+  if (orbit)
+    json["orbit"] = {{"frequency_hz", orbit->omega / (2.0 * std::numbers::pi)},
+                     {"amplitude", orbit->amplitude}};
   json["frames"] = shots.frames;
   json["video"] = options.video.empty() ? Json(nullptr) : Json(options.video);
   json["reason"] = live.trouble().empty() ? Json(nullptr) : Json(live.trouble());
   json["exit_code"] = shots.signal != 0 ? 128 + shots.signal : live.trouble_code();
   return json;
+}
+
+// The motion of --orbit. Errors: check_orbit_world's and mode_orbits'; kSolver if the backbone ends
+// before the amplitude.
+Result<CurvePoint> orbit_of(const ViewerOptions& options, const SceneWorld& world) {
+  if (Status s = check_orbit_world(world); !s) return s.error();
+  const Result<OrbitRequest> request = parse_orbit_request(options.orbit);
+  if (!request) return request.error();
+  const Result<ModeOrbits> orbits = mode_orbits(world.body(0).model(), request->mode);
+  if (!orbits) return Error{orbits.error().kind, "--orbit: " + orbits.error().message};
+  if (request->share > orbits->largest() * (1.0 + 1e-9))
+    return Error{ErrorKind::kSolver,
+                 fmt::format("--orbit {}: the orbits of this mode were found up to {:.3g} % of the "
+                             "size only",
+                             options.orbit, 100.0 * orbits->largest())};
+  return orbits->at(request->share);
 }
 
 Result<int> photograph(const ViewerOptions& options, const ViewedScene& viewed) {
@@ -189,6 +225,11 @@ Result<int> photograph(const ViewerOptions& options, const ViewedScene& viewed) 
   if (!series) return series.error();
   ShotList shots;
   Photographer photographer(options, *setup, *live, *studio);
+  if (!options.orbit.empty()) {
+    Result<CurvePoint> orbit = orbit_of(options, live->world());
+    if (!orbit) return orbit.error();
+    photographer.orbit = std::move(*orbit);
+  }
   if (Status s = photographer.run(*series, shots); !s) return s.error();
   if (Status s = series->finish(); !s) return s.error();
   tell("{}: {} pictures of {}x{}, {:.1f} ms each to pose them and {:.0f} ms to draw{}; {}\n",
@@ -198,7 +239,8 @@ Result<int> photograph(const ViewerOptions& options, const ViewedScene& viewed) 
        series->files().empty() ? "" : series->files().back());
   if (!live->trouble().empty()) tell("tremolo: {}\n", live->trouble());
   if (options.json)
-    print_json(json_of(options, *setup, shots, *live, studio->renderer->is_software()));
+    print_json(json_of(options, *setup, shots, *live, photographer.orbit,
+                       studio->renderer->is_software()));
   return shots.signal != 0 ? 128 + shots.signal : live->trouble_code();
 }
 

@@ -5,8 +5,11 @@
 #include <cmath>
 #include <cstdio>
 #include <imgui.h>
+#include <numbers>
+#include <utility>
 
 #include "runtime/integrator.h"
+#include "runtime/response/orbit.h"
 
 namespace tremolo {
 namespace {
@@ -17,15 +20,22 @@ double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+// Of the orbit that is shown, rad.
+double orbit_angle(const OrbitShow& orbit) {
+  return 2.0 * std::numbers::pi * (seconds_now() - orbit.began) / kOrbitSeconds;
+}
+
 void build_time(PanelState& state, Runner& runner, const RunnerReport& report) {
   ImGui::Text("t = %.3f s   step %lld", report.time, static_cast<long long>(report.steps));
   if (ImGui::Button(report.paused ? "Go on" : "Pause")) {
     state.swing.reset();
+    state.orbit.plays = false;
     runner.set_paused(!report.paused);
   }
   ImGui::SameLine();
   if (ImGui::Button("One step")) {
     state.swing.reset();
+    state.orbit.plays = false;
     runner.step_once();
   }
   ImGui::SameLine();
@@ -165,6 +175,7 @@ void build_swing(PanelState& state, Runner& runner, std::size_t k) {
   state.swing.reset();
   if (swings) return;
   runner.set_paused(true);
+  state.orbit.plays = false;
   state.swing = Swing{state.body, static_cast<int>(k), 0.7, seconds_now()};
 }
 
@@ -182,6 +193,7 @@ void build_modes(PanelState& state, Runner& runner, const std::vector<ModeFacts>
     if (ImGui::SliderFloat(label, &share, -1.0f, 1.0f, "%.2f")) {
       const double value = static_cast<double>(share) * facts.full[k];
       state.swing.reset();
+      state.orbit.plays = false;
       runner.post([&runner, body, k, value](LiveWorld& live) {
         Body& moved = live.world().body(body);
         Eigen::VectorXd q = moved.state().q;
@@ -193,6 +205,54 @@ void build_modes(PanelState& state, Runner& runner, const std::vector<ModeFacts>
     build_swing(state, runner, k);
     ImGui::PopID();
   }
+}
+
+// The orbit's amplitude, its frequency, and the buttons that play it or let the body go on from it.
+void build_orbit_slider(PanelState& state, Runner& runner) {
+  OrbitShow& orbit = state.orbit;
+  const auto most = static_cast<float>(100.0 * orbit.orbits->largest());
+  const bool moved =
+      ImGui::SliderFloat("amplitude, % of size", &orbit.percent, 0.01f * most, most, "%.2f");
+  const CurvePoint point = orbit.orbits->at(0.01 * static_cast<double>(orbit.percent));
+  const double hz = point.omega / (2.0 * std::numbers::pi);
+  ImGui::Text("%.5g Hz, %+.2f %% of %.5g Hz", hz, 100.0 * (hz / orbit.orbits->linear_hz - 1.0),
+              orbit.orbits->linear_hz);
+  ImGui::Text("amplitude %.4g m", point.amplitude);
+  const bool pressed = ImGui::Button(orbit.plays ? "stop it" : "play it");
+  if (pressed || (moved && !orbit.plays)) {
+    orbit.plays = !orbit.plays || moved;
+    orbit.began = seconds_now();
+    state.swing.reset();
+    if (orbit.plays) runner.set_paused(true);
+  }
+  ImGui::SameLine();
+  if (!ImGui::Button("go on from it")) return;
+  orbit.plays = false;
+  const double theta = orbit_angle(orbit);
+  runner.post([&runner, body = orbit.body, start = orbit_state(point, theta)](LiveWorld& live) {
+    tell_if_refused(runner, live.world().body(body).set_state(start.q, start.p));
+  });
+  runner.set_paused(false);
+}
+
+void build_orbits(PanelState& state, Runner& runner, OrbitFinder& finder,
+                  const std::vector<ModeFacts>& modes) {
+  OrbitShow& orbit = state.orbit;
+  if (orbit.opens) ImGui::SetNextItemOpen(true, ImGuiCond_Once);
+  if (!ImGui::CollapsingHeader("Orbits of a mode")) return;
+  const int count = static_cast<int>(modes[state.body].hz.size());
+  if (ImGui::InputInt("of mode", &orbit.mode)) orbit.mode = std::clamp(orbit.mode, 1, count);
+  if (finder.searches()) {
+    ImGui::TextDisabled("the orbits are being found");
+  } else if (ImGui::Button("find")) {
+    orbit.orbits.reset();
+    orbit.plays = false;
+    orbit.trouble.clear();
+    orbit.body = state.body;
+    finder.find(*modes[state.body].model, orbit.mode - 1);
+  }
+  if (!orbit.trouble.empty()) ImGui::TextWrapped("%s", orbit.trouble.c_str());
+  if (orbit.orbits) build_orbit_slider(state, runner);
 }
 
 void build_record(PanelState& state) {
@@ -216,7 +276,7 @@ std::vector<ModeFacts> mode_facts(const SceneWorld& world) {
       low = low.cwiseMin(x);
       high = high.cwiseMax(x);
     }
-    ModeFacts facts{world.name(i), {}, {}};
+    ModeFacts facts{world.name(i), {}, {}, &model};
     const Eigen::VectorXd hz = model.frequencies_hz();
     for (Eigen::Index k = 0; k < model.modes(); ++k) {
       double most = 0.0;
@@ -249,8 +309,29 @@ PanelState first_panel(const LiveWorld& live, double rate) {
   return state;
 }
 
-void build_panel(PanelState& state, Runner& runner, const std::vector<ModeFacts>& modes,
-                 const WorldMoment& moment, const PictureCosts& costs) {
+void receive_orbits(OrbitFinder& finder, OrbitShow& orbit) {
+  std::optional<Result<ModeOrbits>> found = finder.take_found();
+  if (!found) return;
+  if (*found) {
+    orbit.orbits = std::move(**found);
+    const double most = orbit.orbits->largest();
+    orbit.percent = std::min(orbit.percent, static_cast<float>(100.0 * most));
+    orbit.began = seconds_now();
+  } else {
+    orbit.trouble = found->error().message;
+    orbit.plays = false;
+  }
+}
+
+std::optional<Eigen::VectorXd> shown_orbit(const OrbitShow& orbit) {
+  if (!orbit.plays || !orbit.orbits) return std::nullopt;
+  const CurvePoint point = orbit.orbits->at(0.01 * static_cast<double>(orbit.percent));
+  return orbit_state(point, orbit_angle(orbit)).q;
+}
+
+void build_panel(PanelState& state, Runner& runner, OrbitFinder& finder,
+                 const std::vector<ModeFacts>& modes, const WorldMoment& moment,
+                 const PictureCosts& costs) {
   if (!state.panel) return;
   const float height = ImGui::GetIO().DisplaySize.y;
   ImGui::SetNextWindowPos(ImVec2(8.0f, 8.0f), ImGuiCond_Once);
@@ -261,6 +342,7 @@ void build_panel(PanelState& state, Runner& runner, const std::vector<ModeFacts>
     const RunnerReport report = runner.report();
     build_time(state, runner, report);
     build_method(state, runner, modes);
+    build_orbits(state, runner, finder, modes);
     build_look(state, costs);
     build_energy(report);
     build_modes(state, runner, modes, moment);

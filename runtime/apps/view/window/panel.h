@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/apps/view/live/mode_orbits.h"
 #include "runtime/apps/view/live/runner.h"
 #include "runtime/apps/view/stage/stage.h"
 
@@ -18,7 +19,8 @@ struct ModeFacts {
   std::string name;
   // Amount of each coordinate that moves the drawn surface by a sixth of its size, kg^1/2 m.
   std::vector<double> full;
-  std::vector<double> hz;  // frequencies
+  std::vector<double> hz;        // frequencies
+  const Model* model = nullptr;  // not owned
 };
 std::vector<ModeFacts> mode_facts(const SceneWorld& world);
 
@@ -28,6 +30,18 @@ struct Swing {
   int mode = 0;
   double share = 0.7;  // of ModeFacts::full
   double began = 0.0;  // s
+};
+
+// A mode's periodic motion of any amplitude, shown in place of a body's state.
+struct OrbitShow {
+  std::size_t body = 0;  // whose orbits they are
+  int mode = 1;          // from 1
+  float percent = 5.0f;  // amplitude, of the body's size
+  bool plays = false;
+  double began = 0.0;                // s
+  std::optional<ModeOrbits> orbits;  // empty: not found yet
+  std::string trouble;
+  bool opens = false;  // the section is open at the start
 };
 
 // Settings of the panel. Whoever draws the panel fulfils the `wants_` requests and clears them.
@@ -46,6 +60,7 @@ struct PanelState {
   int lights = 8, coarser = 1;
   std::string shown_by;  // the card
   std::optional<Swing> swing;
+  OrbitShow orbit;
   std::array<char, 200> record_to{};
   bool recording = false, records_hand = false;
   std::string record_trouble;
@@ -62,8 +77,14 @@ struct PictureCosts {
 PanelState first_panel(const LiveWorld& live, double rate);
 
 // Builds one frame, between ImGui's NewFrame and Render. moment: the state shown.
-void build_panel(PanelState& state, Runner& runner, const std::vector<ModeFacts>& modes,
-                 const WorldMoment& moment, const PictureCosts& costs);
+void build_panel(PanelState& state, Runner& runner, OrbitFinder& finder,
+                 const std::vector<ModeFacts>& modes, const WorldMoment& moment,
+                 const PictureCosts& costs);
+
+// Takes orbits that have been found.
+void receive_orbits(OrbitFinder& finder, OrbitShow& orbit);
+// The coordinates of the shown orbit now; empty: none is played.
+std::optional<Eigen::VectorXd> shown_orbit(const OrbitShow& orbit);
 
 // Mouse control of the camera and of pulled bodies. The left button on a body pulls it, in the
 // plane through the grabbed point that faces the camera. The left button elsewhere and the right

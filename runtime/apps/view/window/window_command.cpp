@@ -110,6 +110,7 @@ class Viewer {
     runner_.emplace(std::move(live), options_.slow, options_.paused, panel_.records_hand);
     mouse_.emplace(*runner_, camera_);
     listen();
+    if (Status s = begin_orbit(); !s) return s;
     if (options_.out.empty() && options_.video.empty()) return Success{};
     return recording_.begin(options_.out, options_.video, options_.rate, window_->pixels());
   }
@@ -157,6 +158,23 @@ class Viewer {
     return size.height > 0 ? size.aspect() : 1.0;
   }
 
+  // Shows the motion of --orbit from the start.
+  Status begin_orbit() {
+    if (options_.orbit.empty()) return Success{};
+    const Result<OrbitRequest> request = parse_orbit_request(options_.orbit);
+    if (!request) return request.error();
+    const ModeFacts& facts = modes_.front();
+    if (request->mode >= facts.model->modes())
+      return content_error("--orbit " + options_.orbit + ": the model has modes 1 to " +
+                           std::to_string(facts.model->modes()));
+    panel_.orbit.mode = static_cast<int>(request->mode) + 1;
+    panel_.orbit.percent = static_cast<float>(100.0 * request->share);
+    panel_.orbit.plays = panel_.orbit.opens = true;
+    runner_->set_paused(true);
+    finder_.find(*facts.model, request->mode);
+    return Success{};
+  }
+
   // The panel hides the left of the window.
   void leave_room() {
     const double width = std::max(1, window_->pixels().width), hidden = kPanelWidth;
@@ -185,6 +203,7 @@ class Viewer {
     }
     if (key != GLFW_KEY_SPACE && key != GLFW_KEY_PERIOD) return;
     panel_.swing.reset();
+    panel_.orbit.plays = false;
     if (key == GLFW_KEY_SPACE)
       runner_->set_paused(!runner_->report().paused);
     else
@@ -221,8 +240,10 @@ class Viewer {
     panel_.record_trouble = s ? "" : s.error().message;
   }
 
-  // Shows an oscillating mode instead of the body's state.
+  // Shows an oscillating mode or an orbit instead of the body's state.
   void apply_swing() {
+    if (std::optional<Eigen::VectorXd> orbit = shown_orbit(panel_.orbit))
+      moment_.bodies[panel_.orbit.body].q = std::move(*orbit);
     if (!panel_.swing) return;
     const Swing& swing = *panel_.swing;
     const double now = std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
@@ -249,13 +270,14 @@ class Viewer {
   Status show_picture(const PictureSize& size) {
     mouse_->update(aspect());
     grant_wishes();
+    receive_orbits(finder_, panel_.orbit);
     times_.begin();
     runner_->look(moment_);
     apply_swing();
     stage_->pose(moment_);
     const double posed = times_.so_far();
     window_->begin_panel();
-    build_panel(panel_, *runner_, modes_, moment_, costs_);
+    build_panel(panel_, *runner_, finder_, modes_, moment_, costs_);
     ImGui::Render();
     costs_.panel_ms += 0.1 * (times_.so_far() - posed - costs_.panel_ms);
     times_.prepared();
@@ -337,6 +359,7 @@ class Viewer {
   std::unique_ptr<Stage> stage_;
   std::optional<Runner> runner_;
   std::optional<Mouse> mouse_;
+  OrbitFinder finder_;
   Camera camera_;
   WorldMoment moment_;
   std::vector<ModeFacts> modes_;
@@ -359,6 +382,8 @@ Result<int> show(const ViewerOptions& options, const ViewedScene& viewed) {
   ModelCache models;
   Result<LiveWorld> live = LiveWorld::create(viewed, models);
   if (!live) return live.error();
+  if (!options.orbit.empty())
+    if (Status s = check_orbit_world(live->world()); !s) return s.error();
   Viewer viewer(options, *setup, models);
   if (Status s = viewer.open(std::move(*live)); !s) return s.error();
   if (Status s = viewer.run(); !s) return s.error();
