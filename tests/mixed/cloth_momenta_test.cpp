@@ -69,8 +69,9 @@ TEST(ClothAndAReducedBody, KeepBothMomentaAndTheEnergyOfThePair) {
       EXPECT_GT(worst.touched, 50);
       // Sums of 0.3 kg m/s and 0.01 N m s: solved to 1e-10 of the forces in each step.
       EXPECT_LT(worst.linear, 1e-10) << integrator;
-      if (std::string(integrator) != "implicit-euler")  // which damps it in any case
+      if (std::string(integrator) != "implicit-euler") {  // which damps it in any case
         EXPECT_LT(worst.angular, 1e-11) << integrator;
+      }
       EXPECT_LT(worst.energy, 1e-6 * worst.start) << integrator;
     }
 }
