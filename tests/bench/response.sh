@@ -29,10 +29,10 @@ for model in "$@"; do
     --harmonics 5 --most-harmonics 5
   # The last point of the ridge, or of what there is of it, and the range about it.
   read -r load from to <<<"$(awk '
-    /"linear_frequency_hz"/ { gsub(/[^-+0-9.e]/, "", $2); first = $2 }
-    /"frequency_hz"/ { gsub(/[^-+0-9.e]/, "", $2); f = $2 }
-    /"amplitude"/ { gsub(/[^-+0-9.e]/, "", $2); a = $2 }
-    /"load_scale"/ { gsub(/[^-+0-9.e]/, "", $2); if (a > most) { most = a; load = $2; peak = f } }
+    /"linear_frequency_hz"/ { gsub(/[^-+0-9.e]/, "", $2); first = $2 + 0 }
+    /"frequency_hz"/ { gsub(/[^-+0-9.e]/, "", $2); f = $2 + 0 }
+    /"amplitude"/ { gsub(/[^-+0-9.e]/, "", $2); a = $2 + 0 }
+    /"load_scale"/ { gsub(/[^-+0-9.e]/, "", $2); if (a > most) { most = a; load = $2 + 0; peak = f } }
     END { from = 0.8 * first; to = 1.2 * first
           if (0.85 * peak < from) from = 0.85 * peak
           if (1.1 * peak > to) to = 1.1 * peak
