@@ -14,9 +14,9 @@ using testing::MixedKind;
 using testing::MixedWorld;
 using testing::Sheet;
 
-constexpr double kGravity = 9.81;
+constexpr double kSheetGravity = 9.81;
 
-PlacedCollider plane(double friction, double restitution = 0.5) {
+PlacedCollider sheet_plane(double friction, double restitution = 0.5) {
   PlacedCollider floor;
   floor.shape = PlaneShape{};
   floor.friction = friction;
@@ -25,14 +25,14 @@ PlacedCollider plane(double friction, double restitution = 0.5) {
 }
 
 MixedKind at_rest() {
-  return {.step = 2e-3, .restitution = 0.0, .friction = 0.5, .gravity = {0, 0, -kGravity}};
+  return {.step = 2e-3, .restitution = 0.0, .friction = 0.5, .gravity = {0, 0, -kSheetGravity}};
 }
 
 TEST(ClothOnATable, CarriesItsWeightOnAColliderAndOnABody) {
   const MixedKind kind = at_rest();
   for (const bool on_body : {false, true}) {
     MixedWorld world(kind.step);
-    const PlacedCollider floor = plane(0.5, 0.0);
+    const PlacedCollider floor = sheet_plane(0.5, 0.0);
     world.set_colliders({&floor, 1});
     Sheet sheet{.middle = {0, 0, 0.004}};
     if (on_body) {
@@ -48,7 +48,7 @@ TEST(ClothOnATable, CarriesItsWeightOnAColliderAndOnABody) {
       const Status made = world.step();
       ASSERT_TRUE(made) << i << made.error().message;
     }
-    const double weight = kGravity * sheet.density * sheet.width * sheet.width;
+    const double weight = kSheetGravity * sheet.density * sheet.width * sheet.width;
     const Vector3d force = world.account(*number).impulse_vector / kind.step;
     EXPECT_NEAR(force.z(), weight, 1e-3 * weight) << on_body;
     EXPECT_LT(force.head<2>().norm(), 1e-3 * weight);
@@ -58,15 +58,16 @@ TEST(ClothOnATable, CarriesItsWeightOnAColliderAndOnABody) {
 }
 
 // Gravity is tilted instead of the floor. Returns the mean velocity, m/s.
-Vector3d speed_on_slope(double friction, double slope, double seconds, double step = 1e-3) {
+Vector3d sheet_speed_on_slope(double friction, double slope, double seconds, double step = 1e-3) {
   const double angle = std::atan(0.3) * slope;
-  const MixedKind kind{.step = step,
-                       .restitution = 0.0,
-                       .friction = friction,
-                       .gravity = {kGravity * std::sin(angle), 0, -kGravity * std::cos(angle)}};
+  const MixedKind kind{
+      .step = step,
+      .restitution = 0.0,
+      .friction = friction,
+      .gravity = {kSheetGravity * std::sin(angle), 0, -kSheetGravity * std::cos(angle)}};
   MixedWorld world(kind.step);
   EXPECT_TRUE(world.add(testing::sheet_body({.middle = {0, 0, 0.004}}, kind)));
-  const PlacedCollider floor = plane(friction, 0.0);
+  const PlacedCollider floor = sheet_plane(friction, 0.0);
   world.set_colliders({&floor, 1});
   for (int i = 0; i < static_cast<int>(std::lround(seconds / kind.step)); ++i) {
     const Status made = world.step();
@@ -77,18 +78,18 @@ Vector3d speed_on_slope(double friction, double slope, double seconds, double st
 }
 
 TEST(ClothOnASlope, SticksBelowTheAngleOfFrictionAndSlidesAboveIt) {
-  EXPECT_LT(speed_on_slope(0.3, 0.95, 0.6).norm(), 1e-6);  // m/s; the end of the elastic ring
+  EXPECT_LT(sheet_speed_on_slope(0.3, 0.95, 0.6).norm(), 1e-6);  // m/s; the end of the elastic ring
   const double angle = 1.5 * std::atan(0.3);
-  const double slide = kGravity * (std::sin(angle) - 0.3 * std::cos(angle));
+  const double slide = kSheetGravity * (std::sin(angle) - 0.3 * std::cos(angle));
   for (const double step : {2e-3, 1e-3}) {
-    const double early = speed_on_slope(0.3, 1.5, 0.2, step).x();
-    const double late = speed_on_slope(0.3, 1.5, 0.5, step).x();
+    const double early = sheet_speed_on_slope(0.3, 1.5, 0.2, step).x();
+    const double late = sheet_speed_on_slope(0.3, 1.5, 0.5, step).x();
     EXPECT_NEAR((late - early) / 0.3, slide, 5e-3 * slide) << step;
   }
 }
 
 TEST(ClothAmongBodies, ThatTouchesNothingStepsToTheSameBitsAsInItsOwnScene) {
-  const MixedKind kind{.step = 4e-3, .friction = 0.3, .gravity = {0, 0, -kGravity}};
+  const MixedKind kind{.step = 4e-3, .friction = 0.3, .gravity = {0, 0, -kSheetGravity}};
   for (const char* method : {"implicit-euler", "midpoint", "energy"}) {
     ClothScene scene = testing::sheet_scene({.integrator = method}, kind);
     scene.wind = {2, 1, 0};

@@ -95,7 +95,7 @@ TEST(ClothAndTetrahedra, KeepBothMomentaAndTheEnergyOfThePair) {
 }
 
 // Velocity of a cube after a sheet has fallen on it, m/s.
-double speed_after_blow(double step) {
+double sheet_speed_after_blow(double step) {
   const MixedKind kind{.step = step};
   MixedWorld world(step);
   EXPECT_TRUE(
@@ -118,8 +118,8 @@ double speed_after_blow(double step) {
 }
 
 TEST(ClothAndAReducedBody, SettleAsTheStepIsHalved) {
-  const double whole = speed_after_blow(4e-4), half = speed_after_blow(2e-4),
-               quarter = speed_after_blow(1e-4), eighth = speed_after_blow(5e-5);
+  const double whole = sheet_speed_after_blow(4e-4), half = sheet_speed_after_blow(2e-4),
+               quarter = sheet_speed_after_blow(1e-4), eighth = sheet_speed_after_blow(5e-5);
   RecordProperty("speeds", ::testing::PrintToString(std::vector{whole, half, quarter, eighth}));
   const double first = std::abs(whole - quarter), second = std::abs(half - eighth);
   EXPECT_GT(first, 2.0 * second);
