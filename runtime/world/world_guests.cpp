@@ -45,6 +45,12 @@ Status check_apart(const MixedGuests& guests, std::size_t i, const Solids& solid
   return Success{};
 }
 
+// A value out of range is an error of the scene, which has it.
+Error of_scene(Error error) {
+  if (error.kind == ErrorKind::kUsage) error.kind = ErrorKind::kContent;
+  return error;
+}
+
 }  // namespace
 
 Result<WorldGuests> add_guests(std::span<const TetSceneBody> tets,
@@ -64,9 +70,9 @@ Result<WorldGuests> add_guests(std::span<const TetSceneBody> tets,
   }
   for (const ClothSceneBody& cloth : cloths) {
     Result<ClothBody> body = ClothBody::create(cloth.scene, cloth.velocity);
-    if (!body) return error_of_file(path, body.error());
+    if (!body) return error_of_file(path, of_scene(body.error()));
     const Result<std::size_t> added = guests->add(std::move(*body), cloth.contact);
-    if (!added) return error_of_file(path, added.error());
+    if (!added) return error_of_file(path, of_scene(added.error()));
     if (Status s = check_apart(*guests, *added, solids, "thickness"); !s)
       return error_of_file(path, s.error());
   }
