@@ -147,6 +147,12 @@ void ColliderContact::settle(ContactAccount& first_account, ContactAccount& seco
 
 void ColliderContact::remember() {
   for (const Touch& touch : touches_) {
+    if (touch.now.pressure != 0.0)
+      points_->note({.vertex = points_->number_of(touch.point),
+                     .obstacle = obstacle_,
+                     .position = touch.motion.end,
+                     .normal = collider_->end.rotation * touch.held.normal.normalized(),
+                     .impulse = h_ * touch.now.force});
     if (!(touch.now.distance < touch.law.margin)) continue;
     const double length = touch.held.normal.norm();
     points_->remember({.obstacle = obstacle_,
@@ -156,12 +162,6 @@ void ColliderContact::remember() {
                        .slip = touch.now.slip,
                        .normal = length > 0.0 ? Vector3d(touch.held.normal / length)
                                               : Vector3d(Vector3d::UnitZ())});
-    if (touch.now.pressure != 0.0)
-      points_->note({.vertex = points_->number_of(touch.point),
-                     .obstacle = obstacle_,
-                     .position = touch.motion.end,
-                     .normal = collider_->end.rotation * touch.held.normal.normalized(),
-                     .impulse = h_ * touch.now.force});
   }
 }
 
