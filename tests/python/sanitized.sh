@@ -29,7 +29,7 @@ for file in tests/python/*_test.py; do
   [ $# = 0 ] || [[ " $* " == *" $name "* ]] || continue
   echo "== $name"
   env LD_PRELOAD="${preload#:}" ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 \
-    PYTHONPATH="$build/python" PYTHONDONTWRITEBYTECODE=1 MPLBACKEND=Agg TREMOLO_BIN="$programs" \
+    PYTHONPATH="$top/$build/python" PYTHONDONTWRITEBYTECODE=1 MPLBACKEND=Agg TREMOLO_BIN="$programs" \
     /usr/bin/python3 -X faulthandler "$file" || failed=1
 done
 exit $failed
