@@ -11,7 +11,7 @@
 #include "common/processor.h"
 #include "formats/file/atomic_file.h"
 #include "runtime/apps/tremolo/cloth/cloth_commands.h"
-#include "runtime/apps/tremolo/cloth/cloth_log.h"
+#include "runtime/apps/tremolo/measure/cloth_log.h"
 #include "runtime/apps/tremolo/output/plot.h"
 #include "runtime/apps/tremolo/output/run_progress.h"
 #include "runtime/apps/tremolo/output/statistics.h"

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "runtime/apps/tremolo/cloth/cloth_log.h"
+#include "runtime/apps/tremolo/measure/cloth_log.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/output/text_values.h"
 #include "runtime/apps/tremolo/world/guest_report.h"

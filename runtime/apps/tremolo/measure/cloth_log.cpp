@@ -1,4 +1,4 @@
-#include "runtime/apps/tremolo/cloth/cloth_log.h"
+#include "runtime/apps/tremolo/measure/cloth_log.h"
 
 #include <algorithm>
 #include <cmath>
