@@ -1,8 +1,8 @@
 // The check of linear momentum over the run of a world.
 //
 // For the bodies that nothing holds (free, rigid, guests without fixed vertices and drag) every
-// change of momentum must have a cause: gravity, hands, joints, colliders, and bodies that are held. The
-// forces between such bodies must cancel. The check sums, over bodies and steps,
+// change of momentum must have a cause: gravity, hands, joints, colliders, and bodies that are
+// held. The forces between such bodies must cancel. The check sums, over bodies and steps,
 //
 //     R = change of momentum - h (mass g + forces of hands, joints, colliders)
 //         + h (contact forces of other bodies on those that are held)
@@ -48,7 +48,7 @@ class WorldMomentum {
            const Eigen::Vector3d& gravity);
   void add_joints(const SceneWorld& world);
 
-  std::vector<Known> known_;  // bodies of the world, then guests
+  std::vector<Known> known_;                        // bodies of the world, then guests
   Eigen::Vector3d rest_ = Eigen::Vector3d::Zero();  // R, kg m/s
   double largest_ = 0.0, exchanged_ = 0.0;          // kg m/s
   double step_ = 0.0;                               // s

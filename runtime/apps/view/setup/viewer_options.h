@@ -37,7 +37,7 @@ struct ViewerOptions {
   bool wire = false;
   bool follow = false;
   bool no_colliders = false;
-  int lights = 0;  // 0: as many as suit
+  int lights = 0;     // 0: as many as suit
   std::string orbit;  // MODE:AMPLITUDE (live/mode_orbits.h), in place of the state; empty: none
   double slow = 1.0;
   std::string record_hand;
