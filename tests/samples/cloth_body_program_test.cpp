@@ -58,6 +58,7 @@ TEST_F(ClothBodyProgram, ASheetRestsWithItsWeightOnARigidBox) {
   EXPECT_NEAR(cloth["contact_force_final"][2].get<double>(), weight, 1e-3 * weight);
   EXPECT_EQ(cloth["penetration_max"].get<double>(), 0.0);
   EXPECT_EQ(cloth["contact_points_final"].get<int>(), 81);
+  EXPECT_LE(report["momentum_error"].get<double>(), 1e-10);
   EXPECT_LE(report["energy_balance_error"].get<double>(), 1e-8);
 }
 
@@ -79,6 +80,7 @@ TEST_F(ClothBodyProgram, ASheetThatHitsARigidBoxKeepsBothMomentaAndTheEnergy) {
       // Of momenta of 0.2 kg m/s and 0.01 N m s.
       EXPECT_LE(std::abs(change), 1e-10) << which << axis;
     }
+  EXPECT_LE(report["momentum_error"].get<double>(), 1e-10);
   double contact = 0.0;
   for (const json& body : report["bodies"])
     contact += body["energy_by_cause"]["contact"].get<double>();

@@ -304,6 +304,7 @@ TEST_F(WorldProgram, DucksAndBallsFallOnATrampoline) {
     EXPECT_NE(contact, 0.0) << body["body"];
     given += contact;
   }
+  EXPECT_LE(report["momentum_error"].get<double>(), 1e-10);
   // All contact is between these bodies: of about 1 J that they exchange nothing is left over.
   EXPECT_LE(std::abs(given), 1e-8);
 }
