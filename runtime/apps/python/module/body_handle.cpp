@@ -1,5 +1,6 @@
 #include "runtime/apps/python/module/body_handle.h"
 
+#include <algorithm>
 #include <cstring>
 #include <utility>
 
@@ -32,6 +33,7 @@ void BodyHandle::refuse_in_world(const char* what) const {
 void BodyHandle::push_state() {
   const State& state = body_->state();
   const Eigen::Index r = state.q.size();
+  if (r == 0) return;  // a rigid body: there is nothing to compare
   const double* q = state_.data();
   const double* p = q + r;
   const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(r);
@@ -46,10 +48,9 @@ void BodyHandle::push_state() {
 
 void BodyHandle::pull_state() {
   const State& state = body_->state();
-  const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(state.q.size());
   double* q = state_.mutable_data();
-  std::memcpy(q, state.q.data(), bytes);
-  std::memcpy(q + state.q.size(), state.p.data(), bytes);
+  std::copy_n(state.q.data(), state.q.size(), q);
+  std::copy_n(state.p.data(), state.p.size(), q + state.q.size());
 }
 
 py::array BodyHandle::view_of(py::ssize_t row) {
