@@ -1,4 +1,4 @@
-"""Tetrahedra in worlds, and scenes of tetrahedra or of cloths alone."""
+"""Tetrahedra and cloths in worlds, and scenes of tetrahedra or of cloths alone."""
 
 import copy
 import functools
@@ -154,6 +154,37 @@ class WorldsWithTetrahedra(unittest.TestCase):
         np.testing.assert_array_equal(b.points, before)
         w.step()  # it is not stepped again
         np.testing.assert_array_equal(b.points, before)
+
+
+class WorldsWithCloth(unittest.TestCase):
+    def on_a_box(self):
+        return {"step": 0.002, "duration": 0.4, "gravity": [0, 0, -G],
+                "bodies": [{"name": "table", "kind": "rigid", "mass": 1, "shape": "box", "half-extents": [0.1, 0.1, 0.1],
+                            "position": [0, 0, 0.1003]},
+                           sheet(kind="cloth", corner=[-0.25, -0.2, 0.206])],
+                "colliders": [{"name": "floor", "shape": "plane"}]}
+
+    def test_are_those_of_the_program(self):
+        w = tremolo.load_scene(self.on_a_box())
+        self.assertIsInstance(w, tremolo.World)
+        self.assertEqual(w.names, ["table", "sheet"])
+        w.step(200)
+        told = report_of(self.on_a_box())["bodies"][1]
+        account = w.account("sheet")
+        self.assertEqual(account["total"], told["energy_final"])
+        for cause, key in (("contact_given", "contact"), ("friction", "friction"), ("restitution", "restitution")):
+            self.assertEqual(account[cause], told["energy_by_cause"][key])
+        self.assertEqual(w["sheet"].kind, "cloth")
+        self.assertEqual(w["sheet"].positions().shape, (30, 3))
+        self.assertGreater(w.contacts("sheet"), 0)
+        # Its middle lies on the box, its corners hang beside it.
+        self.assertGreater(w["sheet"].positions()[:, 2].max(), 0.2)
+        self.assertLess(w["sheet"].positions()[:, 2].min(), 0.2)
+
+    def test_refuse_a_grab_of_the_cloth(self):
+        w = tremolo.load_scene(self.on_a_box())
+        with self.assertRaisesRegex(tremolo.UsageError, "cloth"):
+            w["sheet"].grab(0)
 
 
 class ScenesOfTetrahedra(unittest.TestCase):
