@@ -202,8 +202,7 @@ TEST_F(MixedProgram, AFilmHasBodiesOfEveryKindWhereTheyFall) {
     ASSERT_EQ(heights.size(), 6U) << name;
     for (std::size_t f = 0; f < heights.size(); ++f) {
       const double t = 0.02 * static_cast<double>(f);
-      EXPECT_NEAR(heights[f], 1.0 - 0.5 * 9.81 * t * t, 1e-6)
-          << name << " " << t;  // floats
+      EXPECT_NEAR(heights[f], 1.0 - 0.5 * 9.81 * t * t, 1e-6) << name << " " << t;  // floats
     }
   }
 }
