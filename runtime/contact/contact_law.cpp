@@ -44,7 +44,9 @@ MeanForce mean_force(const ContactLaw& law, double a, double b) {
   return {law.stiffness * value / length, law.stiffness * fall / (length * length)};
 }
 
-// c, and 1/(|p|^2 + |w|^2), 0 where the change of distance is rounding.
+// c, and 1/(|p|^2 + |w|^2) in its derivative. That is 0 on a path shorter than way.apart: c is then
+// nearly half a curvature. Its derivative is the difference of two normals divided by the path, and
+// for normals of places farther apart than the path that quotient could exceed the stiffness.
 struct Correction {
   double c = 0.0;
   double shorter2 = 0.0;
@@ -54,10 +56,9 @@ Correction correct(const ContactLaw& law, const ContactGap& gap, const ContactWa
                    const Vector3d& normal) {
   const double length2 = way.path.squaredNorm() + way.bend.squaredNorm();
   if (!(length2 > 1e-18 * law.margin * law.margin)) return {};
-  const double shorter2 = 1.0 / length2;
   double missed = gap.d1 - gap.d0 - normal.dot(way.path - way.bend);
   if (law.rounding > 0.0) missed -= std::clamp(missed, -law.rounding, law.rounding);
-  return {missed * shorter2, shorter2};
+  return {missed / length2, length2 > way.apart * way.apart ? 1.0 / length2 : 0.0};
 }
 
 // The fraction of restitution by the point's own rate, and the fraction of rebound_speed from which

@@ -183,6 +183,8 @@ struct ContactWay {
   Eigen::Vector3d bend = Eigen::Vector3d::Zero();
   // Of a round point: theta, the rotation of the body relative to the obstacle, rad.
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
+  // The gradient of d1 in derivatives may be that of a place so far away, m.
+  double apart = 0.0;
 };
 
 // -rho n: from the centre of a round point to the surface, m.

@@ -64,7 +64,7 @@ ClothStep::ClothStep(ClothBody& body, const ContactOptions& options)
       ledger_(body.model(), true) {
   const Index n = body.state().x.size();
   for (VectorXd* v : {&way_, &known_way_, &kept_, &x1_, &v1_, &middle_, &speed_, &force_, &inertia_,
-                      &pushed_, &residual_, &in_, &out_})
+                      &pushed_, &residual_, &in_, &out_, &missing_})
     v->setZero(n);
   slopes_.reserve(points());
   if (!factor_) inverse_.resize(points());
@@ -200,8 +200,8 @@ void ClothStep::assemble(bool full, bool with_contact) {
 }
 
 void ClothStep::make_tangent(double heavier, bool follows) {
-  (void)follows;
   heavier_ = heavier;
+  exact_ = follows;
   slopes_.clear();
 }
 
@@ -223,21 +223,41 @@ bool ClothStep::factor(bool fresh) {
   if (!factor_) {
     assemble(false, true);
     invert_diagonal();
+    exact_ = false;
     return true;
   }
   assemble(true, true);
   if (!fresh && full_) return true;
   full_ = static_cast<bool>(factor_->factor(matrix_));
   if (full_) return true;
+  exact_ = false;
   assemble(false, true);
   if (factor_->factor(matrix_)) return true;
   assemble(false, false);
   return static_cast<bool>(factor_->factor(matrix_));
 }
 
+// Adds the terms that are not symmetric to the product out_ of the matrix and in_. Fixed particles
+// have no motion in in_, and no rows of their own.
+void ClothStep::add_missing_terms() const {
+  const ClothModel& model = body_->model();
+  const double h = body_->options().step;
+  for (std::size_t i = 0; i < points(); ++i)
+    if (is_held(i)) in_.segment<3>(row_of(i)).setZero();
+  missing_.setZero();
+  if (method_ == Method::kEnergy)
+    model.add_missing_step_product(body_->state().x, x1_, h, in_, missing_);
+  else
+    model.add_missing_product(middle_, speed_, method_ == Method::kMidpoint ? 0.5 : 1.0, in_,
+                              missing_);
+  for (std::size_t i = 0; i < points(); ++i)
+    if (!is_held(i)) out_.segment<3>(row_of(i)) += missing_.segment<3>(row_of(i));
+}
+
 void ClothStep::multiply(In x, Out rows) const {
   in_ = x;
   matrix_.multiply(in_, out_);
+  if (exact_) add_missing_terms();
   rows = out_;
   for (const Slope& slope : slopes_) {
     const Matrix3d rest = contact_in_matrix_

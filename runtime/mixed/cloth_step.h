@@ -89,6 +89,7 @@ class ClothStep final : public GuestStep {
   double mass_factor() const;
   void assemble(bool full, bool with_contact);
   void invert_diagonal();
+  void add_missing_terms() const;
 
   ClothBody* body_;
   Method method_;
@@ -101,13 +102,14 @@ class ClothStep final : public GuestStep {
   StepLedger ledger_;
   double heavier_ = 0.0;
   bool full_ = false;                // the last factor is that of the derivative with all its terms
+  bool exact_ = false;               // products have the terms that are not symmetric
   bool contact_in_matrix_ = false;   // the symmetric part of contact is in the matrix
   bool known_ = false;               // forces are those at known_way_
   Eigen::VectorXd way_, known_way_;  // z
   Eigen::VectorXd kept_, x1_, v1_, middle_, speed_;
   Eigen::VectorXd force_, inertia_, pushed_, residual_;  // N
   StepWork work_;                                        // of step_force(), J
-  mutable Eigen::VectorXd in_, out_;
+  mutable Eigen::VectorXd in_, out_, missing_;
   std::vector<Slope> slopes_;
 };
 

@@ -250,4 +250,18 @@ void ClothModel::add_full_step_tangent(const Eigen::VectorXd& x0, const Eigen::V
   drag_.add_step_tangent(wind_, x0, x1, h, a);
 }
 
+void ClothModel::add_missing_product(const Eigen::VectorXd& x, const Eigen::VectorXd& v,
+                                     double position, const Eigen::VectorXd& u,
+                                     Eigen::VectorXd& y) const {
+  for (const SpringSet* set : {&structural_, &shear_, &bend_})
+    set->add_missing_product(x, v, position, u, y);
+}
+
+void ClothModel::add_missing_step_product(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1,
+                                          double h, const Eigen::VectorXd& u,
+                                          Eigen::VectorXd& y) const {
+  for (const SpringSet* set : {&structural_, &shear_, &bend_})
+    set->add_missing_step_product(x0, x1, h, u, y);
+}
+
 }  // namespace tremolo

@@ -83,6 +83,12 @@ class ClothModel : public NodalSystem {
                         double position, double velocity, BlockMatrix& a) const override;
   void add_full_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
                              BlockMatrix& a) const override;
+  // y += the product with u of the springs' terms that the full tangents do not have, because they
+  // are not symmetric (spring_set.h).
+  void add_missing_product(const Eigen::VectorXd& x, const Eigen::VectorXd& v, double position,
+                           const Eigen::VectorXd& u, Eigen::VectorXd& y) const;
+  void add_missing_step_product(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
+                                const Eigen::VectorXd& u, Eigen::VectorXd& y) const;
   NodalContact* contact() const override { return contact_; }
 
  private:

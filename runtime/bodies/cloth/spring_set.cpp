@@ -12,6 +12,7 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using Eigen::VectorXd;
 
 constexpr std::uint32_t kChunk = 64;
 // Shorter runs do not get a chunk of their own.
@@ -346,8 +347,7 @@ void SpringSet::add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorX
                                  bool full, BlockMatrix& a) const {
   const double k = law_.stiffness, d = law_.damping;
   for (std::size_t i = 0; i < size(); ++i) {
-    const Vector3d r0 = x0.segment<3>(3 * a_[i]) - x0.segment<3>(3 * b_[i]);
-    const Vector3d r1 = x1.segment<3>(3 * a_[i]) - x1.segment<3>(3 * b_[i]);
+    const Vector3d r0 = between(x0, i), r1 = between(x1, i);
     const double l1 = std::max(r1.norm(), kNoLength);
     const double both = std::max(r0.norm() + l1, kNoLength);
     const Vector3d m = r0 + r1;
@@ -363,6 +363,39 @@ void SpringSet::add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorX
     if (d != 0.0) block += (d / h * u) * u.transpose();
     block.diagonal().array() += across;
     add_block(i, block, a);
+  }
+}
+
+void SpringSet::add_missing_product(const VectorXd& x, const VectorXd& v, double position,
+                                    const VectorXd& u, VectorXd& y) const {
+  if (law_.damping == 0.0) return;
+  for (std::size_t i = 0; i < size(); ++i) {
+    const Vector3d r = between(x, i), w = between(v, i);
+    const double square = std::max(r.squaredNorm(), kNoSquare);
+    const Vector3d aside = w - (w.dot(r) / square) * r;
+    const Vector3d change = (position * law_.damping / square * aside.dot(between(u, i))) * r;
+    y.segment<3>(3 * a_[i]) += change;
+    y.segment<3>(3 * b_[i]) -= change;
+  }
+}
+
+// The force on a is -c m with c = k/2 (1 - 2 L/s) + (d/h) m.w/|m|^2 and w = r1 - r0. Missing are
+// the part of m (dc/dr1)^T that is not symmetric, and all of the damper's but u u^T.
+void SpringSet::add_missing_step_product(const VectorXd& x0, const VectorXd& x1, double h,
+                                         const VectorXd& u, VectorXd& y) const {
+  for (std::size_t i = 0; i < size(); ++i) {
+    const Vector3d r0 = between(x0, i), r1 = between(x1, i), way = between(u, i);
+    const double l1 = std::max(r1.norm(), kNoLength);
+    const double both = std::max(r0.norm() + l1, kNoLength);
+    const Vector3d m = r0 + r1, w = r1 - r0, e1 = r1 / l1;
+    const double square = std::max(m.squaredNorm(), kNoSquare);
+    const double turn = 0.5 * law_.stiffness * rest_[i] / (both * both);
+    const double along = m.dot(w) / square, over = m.dot(way) / square;
+    Vector3d change = turn * (e1.dot(way) * m - m.dot(way) * e1);
+    change +=
+        (law_.damping / h) * (along * (way - over * m) + ((w - along * m).dot(way) / square) * m);
+    y.segment<3>(3 * a_[i]) += change;
+    y.segment<3>(3 * b_[i]) -= change;
   }
 }
 

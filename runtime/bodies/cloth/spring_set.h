@@ -76,7 +76,18 @@ class SpringSet {
   void add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h, bool full,
                         BlockMatrix& a) const;
 
+  // y += the product with u of the terms that are missing in the two full tangents: position times
+  // (d/l) e (P w)^T of a spring, and those of -df/dx1 of the force over a step. Vectors have three
+  // numbers a particle.
+  void add_missing_product(const Eigen::VectorXd& x, const Eigen::VectorXd& v, double position,
+                           const Eigen::VectorXd& u, Eigen::VectorXd& y) const;
+  void add_missing_step_product(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
+                                const Eigen::VectorXd& u, Eigen::VectorXd& y) const;
+
  private:
+  Eigen::Vector3d between(const Eigen::VectorXd& x, std::size_t spring) const {
+    return x.segment<3>(3 * a_[spring]) - x.segment<3>(3 * b_[spring]);
+  }
   void add_block(std::size_t spring, const Eigen::Matrix3d& block, BlockMatrix& a) const;
 
   SpringLaw law_;

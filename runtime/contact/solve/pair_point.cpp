@@ -46,6 +46,7 @@ void find_changes(PairPoint& pair, const Way& first_way, ContactEquations& secon
     pair.slope_place = pair.place;
     pair.sloped = true;
   }
+  pair.way.apart = near;
   const Vector3d gradient = second.motion.turn_out_at_end(pair.slope);
   const Eigen::Matrix3Xd& way = second.lever.change_of_way(second.motion, pair.touch_b, pair.rows);
   const auto find = [&](const ContactSlope& slope, Eigen::Matrix3Xd& by_a, Eigen::Matrix3Xd& by_b) {
