@@ -16,10 +16,6 @@ constexpr int kMostIterations = 60;
 constexpr double kConverged = 0.02;  // fraction of the small size at which a residual is converged
 // A body's small size, as a momentum, is at least this fraction of the largest in the island.
 constexpr double kLeastOfLargest = 0.01;
-// A move of descent that raises the residual to this multiple climbs out of a saddle; one that
-// lowers it to that fraction ends the climb.
-constexpr double kClimbs = 2.0;
-constexpr double kSettles = 0.1;
 constexpr double kLinearTolerance = 1e-4;
 constexpr int kMoreLinear = 8;  // of needs_factor()
 constexpr int kMostLinear = 400;
@@ -133,12 +129,9 @@ bool MixedIsland::try_following(int iteration, double size) {
   return false;
 }
 
-// climb: moves that are judged by the residual alone, which may return to a saddle again and again,
-// are left out while moves of descent climb out of it.
-bool MixedIsland::solve(double heavier, bool hold, bool climb) {
+bool MixedIsland::solve(double heavier, bool hold) {
   evaluate({});
   measure();
-  bool climbs = false;
   for (int i = 0; i < kMostIterations; ++i) {
     evaluate(renewal(i, measure(), hold));
     double size = measure();
@@ -146,9 +139,7 @@ bool MixedIsland::solve(double heavier, bool hold, bool climb) {
     if (size <= kConverged) return true;
     ++report_.iterations;
     for (StepBody* body : bodies_) body->keep();
-    const bool near = size <= near_rounding(hold);
-    climbs = climbs && !near;
-    if (!climbs && limits_follow(i, size, hold) && try_following(i, size)) continue;
+    if (limits_follow(i, size, hold) && try_following(i, size)) continue;
     const auto trial = [this](double length) {
       const double next = go(length, {});
       for (std::size_t k = 0; k < bodies_.size(); ++k) bodies_[k]->residual(part(residual_, k));
@@ -156,8 +147,8 @@ bool MixedIsland::solve(double heavier, bool hold, bool climb) {
     };
     const auto find = [this](double added) { return find_move(added, false) ? slope() : 0.0; };
     LineTrial reached;
+    const bool near = size <= near_rounding(hold);
     if (!newton_move(find, trial, size, near, heavier, reached)) return near;
-    climbs = climb && reached.size > (climbs ? kSettles : kClimbs) * size;
     // At rounding level no move lowers the residual.
     if (!(reached.size < 0.9 * size) && near) {
       if (reached.size > size) go(0.0, {});
@@ -196,11 +187,9 @@ MixedReport MixedIsland::step(std::span<StepBody* const> bodies,
   struct Attempt {
     double heavier;
     bool hold;
-    bool climb;
   };
-  for (const auto [heavier, hold, climb] :
-       {Attempt{0.0, false, false}, Attempt{0.0, false, true}, Attempt{10.0, false, true},
-        Attempt{1000.0, false, true}, Attempt{10.0, true, true}}) {
+  for (const auto [heavier, hold] :
+       {Attempt{0.0, false}, Attempt{10.0, false}, Attempt{1000.0, false}, Attempt{10.0, true}}) {
     for (StepBody* body : bodies_) body->begin();
     for (PairForces* coupling : couplings_) coupling->begin();
     factored_ = -1.0;
@@ -211,7 +200,7 @@ MixedReport MixedIsland::step(std::span<StepBody* const> bodies,
     sizes_.assign(bodies_.size(), 0.0);
     enough_.assign(bodies_.size(), 1.0);
     do {
-      report_.converged = solve(heavier, hold, climb);
+      report_.converged = solve(heavier, hold);
     } while (report_.converged && add_missed());
     if (report_.converged) break;
   }

@@ -33,7 +33,7 @@ class MixedIsland {
   MixedReport step(std::span<StepBody* const> bodies, std::span<PairForces* const> couplings);
 
  private:
-  bool solve(double heavier, bool hold, bool climb);
+  bool solve(double heavier, bool hold);
   double evaluate(const ContactRenewal& renewal);
   double measure();
   bool find_move(double heavier, bool follows);
