@@ -272,7 +272,6 @@ bool is_scene(const std::string& path) {
 RunOptions body_of_model(const std::string& path) {
   RunOptions options;
   options.model = path;
-  options.name = std::filesystem::path(path).stem().string();
   return options;
 }
 

@@ -19,7 +19,7 @@
 #include "runtime/apps/tremolo/output/text_values.h"
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/run/run_files.h"
-#include "runtime/apps/tremolo/world/scene_ending.h"
+#include "runtime/apps/tremolo/run/scene_ending.h"
 #include "runtime/bodies/cloth/cloth_model.h"
 
 namespace tremolo {

@@ -54,7 +54,7 @@ namespace {
 // A body during its run, with everything that it refers to.
 struct StartedBody {
   RunInput input;
-  Body body;
+  SceneWorld world;
 
   const std::string& name() const { return input.scene.body().name; }
 };
@@ -75,22 +75,15 @@ Result<std::vector<StartedBody>> start_bodies(const std::vector<BodyScene>& bodi
   for (const BodyScene& scene : bodies) {
     Result<RunInput> input = prepare_run(scene);
     if (!input) return input.error();
-    Result<Body> body = make_body(*input);
-    if (!body) return body.error();
-    started.push_back({std::move(*input), std::move(*body)});
+    Result<SceneWorld> world = world_of_one(*input);
+    if (!world) return world.error();
+    started.push_back({std::move(*input), std::move(*world)});
   }
   return started;
 }
 
 Error step_error(const std::string& name, const StepReport& report, double time) {
   return {error_kind(report.failure), "body '" + name + "': " + failure_message(report, time)};
-}
-
-Status step_to(StartedBody& one, std::int64_t step) {
-  while (one.body.counts().steps < step)
-    if (const StepReport report = one.body.step(); !report.converged)
-      return step_error(one.name(), report, one.body.time());
-  return Success{};
 }
 
 // guests: null: the world has none.
@@ -184,15 +177,16 @@ Result<RecordedMotion> animate_bodies(const std::vector<BodyScene>& bodies,
   if (!started) return started.error();
   Recording recording(range.rate);
   for (const StartedBody& one : *started)
-    if (const auto added = recording.add(one.body, one.name()); !added) return added.error();
+    if (const auto added = recording.add(one.world.body(0), one.name()); !added)
+      return added.error();
   ToldProgress progress(bodies.front().body().name, duration);
   for (const std::int64_t step : frames->steps) {
     const double time = static_cast<double>(step) * h;
     for (StartedBody& one : *started)
-      if (Status s = step_to(one, step); !s) return s.error();
+      if (Status s = step_to(one.world, nullptr, step); !s) return s.error();
     if (Status s = recording.begin_frame(time); !s) return s.error();
     for (std::size_t i = 0; i < started->size(); ++i)
-      if (Status s = recording.record(i, (*started)[i].body); !s) return s.error();
+      if (Status s = recording.record(i, (*started)[i].world.body(0)); !s) return s.error();
     progress.reached(time);
   }
   RecordedMotion motion;

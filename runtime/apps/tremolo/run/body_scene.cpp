@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <utility>
 
@@ -128,7 +129,8 @@ IntegratorOptions BodyScene::settings() const {
 Result<BodyScene> body_scene(const RunOptions& options) {
   if (Status s = check_values(options); !s) return s.error();
   SceneBody body;
-  body.name = options.name;
+  body.name =
+      options.name.empty() ? std::filesystem::path(options.model).stem().string() : options.name;
   body.model = options.model;
   body.model_options = {options.modes, options.linear, options.hull};
   body.integrator = options.integrator;

@@ -17,7 +17,7 @@ namespace tremolo {
 
 // One body. The names are those of the flags; units SI.
 struct RunOptions {
-  std::string name;   // the scene's table; the file's stem without a scene
+  std::string name;   // the scene's table; empty: the stem of the model's file
   std::string model;  // path of the basis file
   std::string scene;  // path of the scene; empty: none
   std::string integrator{kDefaultIntegrator};

@@ -6,7 +6,7 @@
 #include "runtime/apps/tremolo/output/scene_places.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/run/run_body.h"
-#include "runtime/apps/tremolo/world/scene_ending.h"
+#include "runtime/apps/tremolo/run/scene_ending.h"
 
 namespace tremolo {
 namespace {

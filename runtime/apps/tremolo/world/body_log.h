@@ -69,9 +69,9 @@ class BodyLog {
   static Result<BodyLog> create(const SceneFile& file, const SceneWorld& world, std::size_t body,
                                 SharedLooks& shared);
 
-  // Takes the start and then every step. False: the orbit has left its energy bound, and the report
-  // says so.
-  Result<bool> observe(const SceneWorld& world);
+  // Takes the start and then every step. The report says whether the orbit has left its energy
+  // bound.
+  Status observe(const SceneWorld& world);
   void give_up(const StepReport& step, double time) { report_.give_up(step, time); }
   // Renames the files from their temporary names.
   Status finish(const SceneWorld& world);

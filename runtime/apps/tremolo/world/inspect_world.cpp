@@ -86,9 +86,9 @@ Result<ScenePlaces> places_of(const std::vector<BodyScene>& bodies) {
     const SceneBody& wanted = scene.body();
     const Result<RunInput> input = load_body(scene);
     if (!input) return input.error();
-    const Result<Body> made = make_body(*input);
+    const Result<SceneWorld> made = world_of_one(*input);
     if (!made) return made.error();
-    Result<PlacedBody> body = placed(wanted.name, "fixed", wanted.model, *made);
+    Result<PlacedBody> body = placed(wanted.name, "fixed", wanted.model, made->body(0));
     if (!body) return body.error();
     warn_of_step(*body, scene.step(), places);
     places.bodies.push_back(std::move(*body));

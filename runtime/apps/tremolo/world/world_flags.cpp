@@ -5,8 +5,8 @@
 #include <fmt/ranges.h>
 
 #include "common/damping_ratios.h"
+#include "runtime/apps/tremolo/run/scene_ending.h"
 #include "runtime/apps/tremolo/run/sound.h"
-#include "runtime/apps/tremolo/world/scene_ending.h"
 #include "runtime/apps/tremolo/world/world_commands.h"
 #include "runtime/integrator.h"
 #include "runtime/split.h"

@@ -77,7 +77,6 @@ Result<ViewedScene> single_bodies(const std::string& text, const std::string& fi
 Result<ViewedScene> basis_file(const std::string& file, const ViewFlags& flags) {
   RunOptions options = flags.flags;
   options.model = file;
-  options.name = fs::path(file).stem().string();
   Result<BodyScene> body = body_scene(options);
   if (!body) return body.error();
   if (options.at.empty() && !flags.given("--load") && options.signal.empty()) {

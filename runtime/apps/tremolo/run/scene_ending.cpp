@@ -1,4 +1,4 @@
-#include "runtime/apps/tremolo/world/scene_ending.h"
+#include "runtime/apps/tremolo/run/scene_ending.h"
 
 #include <cmath>
 #include <csignal>
