@@ -65,9 +65,9 @@ int run_scene(const std::vector<NamedFile>& inputs, const RunOutputs& files,
     const std::string path = (std::filesystem::path(outputs.out) / kReportName).string();
     if (Status s = write_file(path, json_text(json)); !s) return report_error(s.error());
     written.push_back(path);
-    if (Status s = files.remove_earlier(written); !s) return report_error(s.error());
   }
-  if (ending.exit_code != 0) tell("tremolo: {}\n", ending.reason);
+  if (Status s = files.remove_earlier(written); !s) return report_error(s.error());
+  if (!ending.reason.empty()) tell("tremolo: {}\n", ending.reason);
   if (print) print_json(json);
   const Status printed = flush_standard_output();
   if (ending.signal != 0) ::raise(ending.signal);

@@ -37,17 +37,18 @@ struct SceneEnding {
 // Adds exit_code and reason.
 void add_ending(const SceneEnding& ending, nlohmann::ordered_json& json);
 
-// The result of a run. written: the paths of all files but the report.
+// The result of a run. written: the paths of all files but the report of all. ending.reason: empty
+// if it has been printed.
 struct SceneRun {
   nlohmann::ordered_json json;
   SceneEnding ending;
   std::vector<std::string> written;
 };
 
-// Runs a scene by `run`, once all files are known to be writable. Writes report.json into the run's
-// folder, removes files of earlier runs there, prints why the run ended early, prints the JSON if
-// requested, and raises the signal again. Returns the program's exit code; errors are printed on
-// stderr.
+// Runs a scene by `run`, once all files are known to be writable. Writes report.json into
+// outputs.out, if there is one, removes files of earlier runs there, prints why the run ended
+// early, prints the JSON if requested, and raises the signal again. Returns the program's exit
+// code; errors are printed on stderr.
 int run_scene(const std::vector<NamedFile>& inputs, const RunOutputs& files,
               const SceneOutputs& outputs, bool print,
               const std::function<Result<SceneRun>()>& run);
