@@ -1,6 +1,7 @@
 // One body by itself, as a scene of one body.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "common/result.h"
@@ -27,6 +28,11 @@ struct BodyScene {
   // The integrator's options with this step.
   IntegratorOptions settings() const;
 };
+
+// Puts the flags of a model, a method and columns that are `given` on a body. Errors: kUsage for a
+// text of the wrong form.
+Status apply_to_body(const RunOptions& flags, const std::function<bool(const char*)>& given,
+                     SceneBody& body);
 
 // Flags and keys become a scene; reads the CSV of --signal. Errors: kUsage for a name or a text of
 // the wrong form and for options that exclude each other; kContent for a value out of range; those

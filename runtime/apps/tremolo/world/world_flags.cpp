@@ -4,57 +4,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "common/damping_ratios.h"
 #include "runtime/apps/tremolo/run/scene_ending.h"
 #include "runtime/apps/tremolo/run/sound.h"
 #include "runtime/apps/tremolo/world/world_commands.h"
 #include "runtime/integrator.h"
-#include "runtime/split.h"
 
 namespace tremolo {
-namespace {
-
-Status apply_to_body(const RunOptions& flags, const std::function<bool(const char*)>& given,
-                     SceneBody& body) {
-  IntegratorOptions& options = body.options;
-  if (given("--integrator")) body.integrator = flags.integrator;
-  if (given("--modes")) body.model_options.modes = flags.modes;
-  if (given("--linear")) body.model_options.linear = flags.linear;
-  if (given("--hull")) body.model_options.hull = flags.hull;
-  if (given("--alpha") || given("--beta")) options.ratios = {};
-  if (given("--alpha")) {
-    options.alpha = flags.alpha;
-    body.alphas.clear();
-  }
-  if (given("--beta")) {
-    options.beta = flags.beta;
-    body.betas.clear();
-  }
-  if (given("--damping-ratio")) {
-    const Result<DampingRatios> damping = parse_damping(flags.damping_ratio);
-    if (!damping) return damping.error();
-    put_damping(*damping, options);
-    body.alphas.clear();
-    body.betas.clear();
-  }
-  if (given("--newmark-beta")) options.newmark_beta = flags.newmark_beta;
-  if (given("--newmark-gamma")) options.newmark_gamma = flags.newmark_gamma;
-  if (given("--tolerance")) options.tolerance = flags.tolerance;
-  if (given("--max-iterations")) options.max_iterations = flags.max_iterations;
-  if (given("--probe")) body.columns.probes = flags.probes;
-  if (given("--coordinate")) body.columns.coordinates = flags.coordinates;
-  if (given("--velocities")) body.columns.velocities = flags.velocities;
-  if (given("--split")) {
-    const double safety = options.split.safety;
-    if (Status s = take(options.split, parse_split(flags.split)); !s) return s;
-    options.split.safety = safety;
-  }
-  if (given("--safety")) options.split.safety = flags.safety;
-  return Success{};
-}
-
-}  // namespace
-
 Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
                    SceneFile& file) {
   for (const char* flag : {"--load", "--signal", "--at", "--force", "--scale", "--deflect",
