@@ -268,38 +268,6 @@ bool is_scene(const std::string& path) {
   return std::filesystem::path(path).extension() == ".toml";
 }
 
-// The body of a basis file.
-RunOptions body_of_model(const std::string& path) {
-  RunOptions options;
-  options.model = path;
-  return options;
-}
-
-// The bodies with the flags over their keys. path: of the scene or the model, for errors.
-Result<std::vector<BodyScene>> body_scenes(std::vector<RunOptions> bodies,
-                                           const SceneCommand& command) {
-  std::vector<BodyScene> scenes;
-  for (RunOptions& body : bodies) {
-    put_over(command.flags, command.given, body);
-    if (!body.wav.empty() && bodies.size() > 1)
-      return usage_error("--wav applies only to one body, and " + command.file + " has several");
-    // Several bodies have a folder each.
-    if (bodies.size() > 1 && !body.out.empty())
-      body.out = (std::filesystem::path(body.out) / body.name).string();
-    Result<BodyScene> scene = body_scene(body);
-    if (!scene) return scene.error();
-    scenes.push_back(std::move(*scene));
-  }
-  return scenes;
-}
-
-// text: of a scene with one table per body.
-Result<std::vector<BodyScene>> tables_of(const std::string& text, const SceneCommand& command) {
-  Result<std::vector<RunOptions>> bodies = parse_scene(text, command.file);
-  if (!bodies) return bodies.error();
-  return body_scenes(std::move(*bodies), command);
-}
-
 int run_bodies(const Result<std::vector<BodyScene>>& bodies, bool json) {
   return bodies ? run_command(*bodies, json) : report_error(bodies.error());
 }
@@ -311,7 +279,8 @@ int run_scene(const Request& request, const SceneCommand& command) {
   if (!kind) return report_error(kind.error());
   if (*kind == SceneKind::kBodies) {
     if (Status s = check_not_saved(request); !s) return report_error(s.error());
-    return run_bodies(tables_of(*text, command), request.json);
+    return run_bodies(body_scenes(*text, {command.flags, command.given}, command.file),
+                      request.json);
   }
   if (*kind == SceneKind::kWorld) return run_world_scene(*text, request, command);
   return *kind == SceneKind::kCloth ? run_cloth_scene(*text, command)
@@ -340,14 +309,15 @@ Result<MotionSource> scene_motion(const SceneCommand& command) {
     table.surfaces = 0;
     table.plot = false;
   }
-  Result<std::vector<BodyScene>> bodies = body_scenes(std::move(*tables), command);
+  Result<std::vector<BodyScene>> bodies =
+      body_scenes(std::move(*tables), {command.flags, command.given}, command.file);
   if (!bodies) return bodies.error();
   return bodies_motion(std::move(*bodies));
 }
 
 Result<MotionSource> model_motion(const SceneCommand& command) {
   if (!command.beside.empty()) return usage_error("--beside applies only to scenes of cloth");
-  Result<std::vector<BodyScene>> bodies = body_scenes({body_of_model(command.file)}, command);
+  Result<std::vector<BodyScene>> bodies = model_scene(command.file, {command.flags, command.given});
   if (!bodies) return bodies.error();
   return bodies_motion(std::move(*bodies));
 }
@@ -389,7 +359,8 @@ int inspect_scene(const Request& request) {
     const Result<MixedFile> file = parse_mixed(*text, request.file);
     return file ? inspect_world_command(*file, request.json) : report_error(file.error());
   }
-  const Result<std::vector<BodyScene>> bodies = tables_of(*text, command);
+  const Result<std::vector<BodyScene>> bodies =
+      body_scenes(*text, {command.flags, command.given}, command.file);
   return bodies ? inspect_bodies_command(*bodies, request.json) : report_error(bodies.error());
 }
 
@@ -410,7 +381,7 @@ int run_program(int count, char** words) {
                                 request.json};
   if (is_scene(request.file)) return run_scene(request, command);
   if (Status s = check_not_saved(request); !s) return report_error(s.error());
-  return run_bodies(body_scenes({body_of_model(request.file)}, command), request.json);
+  return run_bodies(model_scene(command.file, {command.flags, command.given}), request.json);
 }
 
 }  // namespace

@@ -165,4 +165,33 @@ Result<BodyScene> body_scene(const RunOptions& options) {
   return scene;
 }
 
+Result<std::vector<BodyScene>> body_scenes(std::vector<RunOptions> tables, const GivenFlags& flags,
+                                           const std::string& path) {
+  std::vector<BodyScene> scenes;
+  for (RunOptions& body : tables) {
+    put_over(flags.values, flags.given, body);
+    if (!body.wav.empty() && tables.size() > 1)
+      return usage_error("--wav applies only to one body, and " + path + " has several");
+    if (tables.size() > 1 && !body.out.empty())
+      body.out = (std::filesystem::path(body.out) / body.name).string();
+    Result<BodyScene> scene = body_scene(body);
+    if (!scene) return scene.error();
+    scenes.push_back(std::move(*scene));
+  }
+  return scenes;
+}
+
+Result<std::vector<BodyScene>> body_scenes(const std::string& text, const GivenFlags& flags,
+                                           const std::string& path) {
+  Result<std::vector<RunOptions>> tables = parse_scene(text, path);
+  if (!tables) return tables.error();
+  return body_scenes(std::move(*tables), flags, path);
+}
+
+Result<std::vector<BodyScene>> model_scene(const std::string& path, const GivenFlags& flags) {
+  RunOptions body;
+  body.model = path;
+  return body_scenes({std::move(body)}, flags, path);
+}
+
 }  // namespace tremolo

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "common/result.h"
 #include "runtime/apps/tremolo/run/run_options.h"
@@ -10,6 +11,12 @@
 #include "runtime/io/scenes/scene_reader.h"
 
 namespace tremolo {
+
+// The flags of a command line, as parsed, and whether one, such as "--step", was given.
+struct GivenFlags {
+  const RunOptions& values;
+  const std::function<bool(const char*)>& given;
+};
 
 // A scene of one body with one load, and the options that scenes with [[bodies]] do not have.
 struct BodyScene {
@@ -38,5 +45,16 @@ Status apply_to_body(const RunOptions& flags, const std::function<bool(const cha
 // the wrong form and for options that exclude each other; kContent for a value out of range; those
 // of read_signal().
 Result<BodyScene> body_scene(const RunOptions& options);
+
+// The bodies of a scene with one table per body, with the flags over their keys; several bodies
+// have a folder each in --out. path: of the scene, for errors. Errors also kUsage for --wav with
+// several.
+Result<std::vector<BodyScene>> body_scenes(std::vector<RunOptions> tables, const GivenFlags& flags,
+                                           const std::string& path);
+// The same for the scene's text; errors of parse_scene().
+Result<std::vector<BodyScene>> body_scenes(const std::string& text, const GivenFlags& flags,
+                                           const std::string& path);
+// The body of a basis file.
+Result<std::vector<BodyScene>> model_scene(const std::string& path, const GivenFlags& flags);
 
 }  // namespace tremolo

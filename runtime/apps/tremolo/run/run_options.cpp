@@ -6,7 +6,6 @@
 
 #include <toml++/toml.h>
 
-#include "formats/file/input_file.h"
 #include "runtime/apps/tremolo/run/sound.h"
 #include "runtime/apps/tremolo/start/start_state.h"
 #include "runtime/io/scenes/toml_keys.h"
@@ -172,12 +171,6 @@ Status read_body(const std::string& path, const toml::table& table, RunOptions& 
 }
 
 }  // namespace
-
-Result<std::vector<RunOptions>> read_scene(const std::string& path) {
-  const Result<std::string> text = read_whole_file(path);
-  if (!text) return text.error();
-  return parse_scene(*text, path);
-}
 
 Result<std::vector<RunOptions>> parse_scene(std::string_view text, const std::string& path) {
   const Result<toml::table> scene = parse_toml(text, path);

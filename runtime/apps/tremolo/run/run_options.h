@@ -55,11 +55,9 @@ struct RunOptions {
   bool hull = false;                   // of the solid's boundary, not of a render surface
 };
 
-// A scene: one table a body, keys as the long flags; `model`, the path of the basis file, `signal`
-// and a file of `start` are relative to the scene file. Errors: kSystem if unreadable; kContent
-// with file, line and the wrong key or type.
-Result<std::vector<RunOptions>> read_scene(const std::string& path);
-// The same for the file's contents; `path` is for errors, and `model` is relative to it.
+// The contents of a scene file: one table a body, keys as the long flags; `model`, the path of the
+// basis file, `signal` and a file of `start` are relative to the scene file. Errors: kContent with
+// file, line and the wrong key or type.
 Result<std::vector<RunOptions>> parse_scene(std::string_view text, const std::string& path);
 
 // Flags that are `given`, such as "--step", replace the options of the same quantity. --wav without

@@ -61,30 +61,22 @@ Result<ViewedScene> scene_of(const std::vector<BodyScene>& bodies, const std::st
 
 Result<ViewedScene> single_bodies(const std::string& text, const std::string& file,
                                   const ViewFlags& flags) {
-  Result<std::vector<RunOptions>> tables = parse_scene(text, file);
-  if (!tables) return tables.error();
-  std::vector<BodyScene> bodies;
-  for (RunOptions& table : *tables) {
-    put_over(flags.flags, flags.given, table);
-    Result<BodyScene> body = body_scene(table);
-    if (!body) return body.error();
-    bodies.push_back(std::move(*body));
-  }
-  return scene_of(bodies, file);
+  const Result<std::vector<BodyScene>> bodies = body_scenes(text, {flags.flags, flags.given}, file);
+  if (!bodies) return bodies.error();
+  return scene_of(*bodies, file);
 }
 
 // The default load is dropped for a model without one.
 Result<ViewedScene> basis_file(const std::string& file, const ViewFlags& flags) {
-  RunOptions options = flags.flags;
-  options.model = file;
-  Result<BodyScene> body = body_scene(options);
-  if (!body) return body.error();
-  if (options.at.empty() && !flags.given("--load") && options.signal.empty()) {
-    const Result<Model::Pointer> model = load_model(*body);
+  Result<std::vector<BodyScene>> bodies = model_scene(file, {flags.flags, flags.given});
+  if (!bodies) return bodies.error();
+  SceneLoad& load = bodies->front().load();
+  if (load.at.empty() && !load.table && !flags.given("--load")) {
+    const Result<Model::Pointer> model = load_model(bodies->front());
     if (!model) return model.error();
-    if ((*model)->default_load().vertices.empty()) body->load().signal.kind = SignalKind::kNone;
+    if ((*model)->default_load().vertices.empty()) load.signal.kind = SignalKind::kNone;
   }
-  return scene_of({std::move(*body)}, file);
+  return scene_of(*bodies, file);
 }
 
 }  // namespace
