@@ -221,8 +221,7 @@ RunOptions put_over_table(const RunOptions& flags, const std::set<std::string>& 
   const auto tables = parse_scene("[a]\nmodel = \"m\"\n" + keys, "s.toml");
   EXPECT_TRUE(tables) << (tables ? "" : tables.error().message);
   RunOptions options = tables->front();
-  put_over(
-      flags, [&given](const char* flag) { return given.contains(flag); }, options);
+  put_over({flags, [&given](const char* flag) { return given.contains(flag); }}, options);
   return options;
 }
 

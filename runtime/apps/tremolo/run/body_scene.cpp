@@ -88,42 +88,41 @@ Result<SceneLoad> load_of(const RunOptions& options) {
 
 }  // namespace
 
-Status apply_to_body(const RunOptions& flags, const std::function<bool(const char*)>& given,
-                     SceneBody& body) {
+Status apply_to_body(const GivenFlags& flags, SceneBody& body) {
   IntegratorOptions& options = body.options;
-  if (given("--integrator")) body.integrator = flags.integrator;
-  if (given("--modes")) body.model_options.modes = flags.modes;
-  if (given("--linear")) body.model_options.linear = flags.linear;
-  if (given("--hull")) body.model_options.hull = flags.hull;
-  if (given("--alpha") || given("--beta")) options.ratios = {};
-  if (given("--alpha")) {
-    options.alpha = flags.alpha;
+  if (flags.given("--integrator")) body.integrator = flags.values.integrator;
+  if (flags.given("--modes")) body.model_options.modes = flags.values.modes;
+  if (flags.given("--linear")) body.model_options.linear = flags.values.linear;
+  if (flags.given("--hull")) body.model_options.hull = flags.values.hull;
+  if (flags.given("--alpha") || flags.given("--beta")) options.ratios = {};
+  if (flags.given("--alpha")) {
+    options.alpha = flags.values.alpha;
     body.alphas.clear();
   }
-  if (given("--beta")) {
-    options.beta = flags.beta;
+  if (flags.given("--beta")) {
+    options.beta = flags.values.beta;
     body.betas.clear();
   }
-  if (given("--damping-ratio")) {
-    const Result<DampingRatios> damping = parse_damping(flags.damping_ratio);
+  if (flags.given("--damping-ratio")) {
+    const Result<DampingRatios> damping = parse_damping(flags.values.damping_ratio);
     if (!damping) return damping.error();
     put_damping(*damping, options);
     body.alphas.clear();
     body.betas.clear();
   }
-  if (given("--newmark-beta")) options.newmark_beta = flags.newmark_beta;
-  if (given("--newmark-gamma")) options.newmark_gamma = flags.newmark_gamma;
-  if (given("--tolerance")) options.tolerance = flags.tolerance;
-  if (given("--max-iterations")) options.max_iterations = flags.max_iterations;
-  if (given("--probe")) body.columns.probes = flags.probes;
-  if (given("--coordinate")) body.columns.coordinates = flags.coordinates;
-  if (given("--velocities")) body.columns.velocities = flags.velocities;
-  if (given("--split")) {
+  if (flags.given("--newmark-beta")) options.newmark_beta = flags.values.newmark_beta;
+  if (flags.given("--newmark-gamma")) options.newmark_gamma = flags.values.newmark_gamma;
+  if (flags.given("--tolerance")) options.tolerance = flags.values.tolerance;
+  if (flags.given("--max-iterations")) options.max_iterations = flags.values.max_iterations;
+  if (flags.given("--probe")) body.columns.probes = flags.values.probes;
+  if (flags.given("--coordinate")) body.columns.coordinates = flags.values.coordinates;
+  if (flags.given("--velocities")) body.columns.velocities = flags.values.velocities;
+  if (flags.given("--split")) {
     const double safety = options.split.safety;
-    if (Status s = take(options.split, parse_split(flags.split)); !s) return s;
+    if (Status s = take(options.split, parse_split(flags.values.split)); !s) return s;
     options.split.safety = safety;
   }
-  if (given("--safety")) options.split.safety = flags.safety;
+  if (flags.given("--safety")) options.split.safety = flags.values.safety;
   return Success{};
 }
 
@@ -150,15 +149,15 @@ Result<BodyScene> body_scene(const RunOptions& options) {
   if (Status s = check_values(options); !s) return s.error();
   // Each of them has a value, be it the usual one; a text of damping ratios replaces alpha and
   // beta.
-  const auto given = [&options](std::string_view flag) {
-    return flag != "--damping-ratio" || !options.damping_ratio.empty();
-  };
-  if (Status s = apply_output_flags(options, given, outputs); !s) return s.error();
+  const GivenFlags flags{options, [&options](std::string_view flag) {
+                           return flag != "--damping-ratio" || !options.damping_ratio.empty();
+                         }};
+  if (Status s = apply_output_flags(flags, outputs); !s) return s.error();
   SceneBody& body = scene.file.scene.bodies.emplace_back();
   body.name =
       options.name.empty() ? std::filesystem::path(options.model).stem().string() : options.name;
   body.model = options.model;
-  if (Status s = apply_to_body(options, given, body); !s) return s.error();
+  if (Status s = apply_to_body(flags, body); !s) return s.error();
   Result<SceneLoad> load = load_of(options);
   if (!load) return load.error();
   body.loads.push_back(std::move(*load));
@@ -169,7 +168,7 @@ Result<std::vector<BodyScene>> body_scenes(std::vector<RunOptions> tables, const
                                            const std::string& path) {
   std::vector<BodyScene> scenes;
   for (RunOptions& body : tables) {
-    put_over(flags.values, flags.given, body);
+    put_over(flags, body);
     if (!body.wav.empty() && tables.size() > 1)
       return usage_error("--wav applies only to one body, and " + path + " has several");
     if (tables.size() > 1 && !body.out.empty())

@@ -1,7 +1,6 @@
 // One body by itself, as a scene of one body.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -11,12 +10,6 @@
 #include "runtime/io/scenes/scene_reader.h"
 
 namespace tremolo {
-
-// The flags of a command line, as parsed, and whether one, such as "--step", was given.
-struct GivenFlags {
-  const RunOptions& values;
-  const std::function<bool(const char*)>& given;
-};
 
 // A scene of one body with one load, and the options that scenes with [[bodies]] do not have.
 struct BodyScene {
@@ -36,10 +29,9 @@ struct BodyScene {
   IntegratorOptions settings() const;
 };
 
-// Puts the flags of a model, a method and columns that are `given` on a body. Errors: kUsage for a
+// Puts the flags of a model, a method and columns on a body. Errors: kUsage for a
 // text of the wrong form.
-Status apply_to_body(const RunOptions& flags, const std::function<bool(const char*)>& given,
-                     SceneBody& body);
+Status apply_to_body(const GivenFlags& flags, SceneBody& body);
 
 // Flags and keys become a scene; reads the CSV of --signal. Errors: kUsage for a name or a text of
 // the wrong form and for options that exclude each other; kContent for a value out of range; those

@@ -196,19 +196,18 @@ Result<std::vector<RunOptions>> parse_scene(std::string_view text, const std::st
   return bodies;
 }
 
-void put_over(const RunOptions& flags, const std::function<bool(const char*)>& given,
-              RunOptions& options) {
+void put_over(const GivenFlags& flags, RunOptions& options) {
   for (const Option& option : kOptions)
-    if (given(("--" + std::string(option.name)).c_str())) option.copy(flags, options);
-  if (given("--load")) {
+    if (flags.given(("--" + std::string(option.name)).c_str())) option.copy(flags.values, options);
+  if (flags.given("--load")) {
     options.signal.clear();
-    if (!given("--frequency")) options.shape.frequency.reset();
-    if (!given("--sweep")) options.shape.sweep.clear();
+    if (!flags.given("--frequency")) options.shape.frequency.reset();
+    if (!flags.given("--sweep")) options.shape.sweep.clear();
   }
-  if (given("--alpha") || given("--beta")) options.damping_ratio.clear();
-  if (given("--scale")) options.deflect.clear();
-  if (given("--deflect")) options.scale = 1.0;
-  if (!options.wav.empty() && !given("--step")) take_sound_step(options);
+  if (flags.given("--alpha") || flags.given("--beta")) options.damping_ratio.clear();
+  if (flags.given("--scale")) options.deflect.clear();
+  if (flags.given("--deflect")) options.scale = 1.0;
+  if (!options.wav.empty() && !flags.given("--step")) take_sound_step(options);
 }
 
 }  // namespace tremolo

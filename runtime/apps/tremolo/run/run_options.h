@@ -60,10 +60,15 @@ struct RunOptions {
 // file, line and the wrong key or type.
 Result<std::vector<RunOptions>> parse_scene(std::string_view text, const std::string& path);
 
-// Flags that are `given`, such as "--step", replace the options of the same quantity. --wav without
+// The flags of a command line, as parsed, and whether one, such as "--step", was given.
+struct GivenFlags {
+  RunOptions values;
+  std::function<bool(const char*)> given;
+};
+
+// Flags that are given replace the options of the same quantity. --wav without
 // --step chooses the step.
-void put_over(const RunOptions& flags, const std::function<bool(const char*)>& given,
-              RunOptions& options);
+void put_over(const GivenFlags& flags, RunOptions& options);
 
 }  // namespace tremolo
 

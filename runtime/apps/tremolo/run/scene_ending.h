@@ -15,14 +15,13 @@
 
 namespace tremolo {
 
-// Flags that are `given` override the scene's outputs. Errors (kUsage, kContent): surfaces or a
+// Flags that are given override the scene's outputs. Errors (kUsage, kContent): surfaces or a
 // plot without a folder, counts out of range.
-Status apply_output_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
-                          SceneOutputs& outputs);
+Status apply_output_flags(const GivenFlags& flags, SceneOutputs& outputs);
 
 // Errors (kContent): --step or --duration (s), where given, is not positive and finite; the
 // duration is shorter than half a step.
-Status check_times(const std::function<bool(const char*)>& given, double step, double duration);
+Status check_times(const GivenFlags& flags, double step, double duration);
 
 // The end of the run of a scene. signal: the one that interrupted it; 0: none.
 struct SceneEnding {
