@@ -11,9 +11,9 @@
 #include <fmt/ranges.h>
 
 #include "common/damping_ratios.h"
+#include "runtime/apps/tremolo/output/sound.h"
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/run/scene_ending.h"
-#include "runtime/apps/tremolo/run/sound.h"
 #include "runtime/apps/tremolo/start/start_state.h"
 #include "runtime/io/scenes/csv_rows.h"
 #include "runtime/split.h"

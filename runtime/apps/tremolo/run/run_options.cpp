@@ -6,7 +6,7 @@
 
 #include <toml++/toml.h>
 
-#include "runtime/apps/tremolo/run/sound.h"
+#include "runtime/apps/tremolo/output/sound.h"
 #include "runtime/apps/tremolo/start/start_state.h"
 #include "runtime/io/scenes/toml_keys.h"
 
@@ -207,7 +207,9 @@ void put_over(const GivenFlags& flags, RunOptions& options) {
   if (flags.given("--alpha") || flags.given("--beta")) options.damping_ratio.clear();
   if (flags.given("--scale")) options.deflect.clear();
   if (flags.given("--deflect")) options.scale = 1.0;
-  if (!options.wav.empty() && !flags.given("--step")) take_sound_step(options);
+  if (options.wav.empty() || flags.given("--step")) return;
+  options.step = kSoundStep;
+  options.sound_steps = 0;
 }
 
 }  // namespace tremolo

@@ -9,8 +9,8 @@
 namespace tremolo {
 namespace {
 
-constexpr std::chrono::seconds kFlushEvery{
-    1};  // the CSV's temporary file can be followed so closely
+// The CSV's temporary file can be followed so closely.
+constexpr std::chrono::seconds kFlushEvery{1};
 
 // Steps between two measurements of the shape: it moves by the slow modes, and a measurement costs
 // more than a step. With a fortieth of the slowest mode's period it misses 0.3 % of the amplitude

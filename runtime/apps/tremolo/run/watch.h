@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "common/energy.h"
+#include "runtime/apps/tremolo/output/sound.h"
+#include "runtime/apps/tremolo/output/stretch.h"
 #include "runtime/apps/tremolo/run/body_files.h"
 #include "runtime/apps/tremolo/run/follow.h"
 #include "runtime/apps/tremolo/run/simulate.h"
-#include "runtime/apps/tremolo/run/sound.h"
-#include "runtime/apps/tremolo/run/stretch.h"
 #include "runtime/energy.h"
 
 namespace tremolo {
@@ -28,7 +28,7 @@ class Watch : public WorldWatch {
                               RunReport& report);
 
   void note(const SceneWorld& world) override;
-  // The last error of a failed step or an orbit beyond its energy bound is also in the report.
+  // A failed step or an orbit beyond its energy bound ends the run, and the report says why.
   Status look(const SceneWorld& world, std::span<const SceneWorld::Failure> failures,
               WorldEnding& ending) override;
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "runtime/apps/tremolo/output/stretch.h"
 #include "runtime/apps/tremolo/run/body_files.h"
 #include "runtime/apps/tremolo/run/body_report.h"
-#include "runtime/apps/tremolo/run/stretch.h"
 #include "runtime/apps/tremolo/world/surface_depth.h"
 #include "runtime/io/scenes/scene_reader.h"
 #include "runtime/world/scene_world.h"

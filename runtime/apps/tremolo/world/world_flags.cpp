@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "runtime/apps/tremolo/output/sound.h"
 #include "runtime/apps/tremolo/run/scene_ending.h"
-#include "runtime/apps/tremolo/run/sound.h"
 #include "runtime/apps/tremolo/world/world_commands.h"
 #include "runtime/integrator.h"
 
