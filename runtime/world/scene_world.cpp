@@ -373,6 +373,22 @@ Status SceneWorld::set_step(double step) {
 std::span<const SceneWorld::Failure> SceneWorld::step() {
   failures_.clear();
   events_.clear();
+  // One body that nothing touches, moves or holds steps by itself: groups cost it a fifth of a
+  // microsecond.
+  if (actors_.size() == 1 && !guests_ && !gravity_changes_ && !actors_[0].failed &&
+      colliders_.placed().empty()) {
+    Actor& only = actors_[0];
+    const SceneBody& wanted = scene_.bodies[0];
+    if (only.body.contact() == nullptr && only.path.still() && !only.bones &&
+        wanted.alphas.empty() && wanted.betas.empty()) {
+      ++steps_;
+      const StepReport report = only.body.step({});
+      if (report.converged) return failures_;
+      only.failed = true;
+      failures_.push_back({0, report});
+      return failures_;
+    }
+  }
   colliders_.move(steps_, scene_.step);
   move_hands();
   for (std::size_t i = 0; i < joints_.size(); ++i)

@@ -2,13 +2,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "common/processor.h"
 #include "runtime/apps/tremolo/output/run_progress.h"
+#include "runtime/apps/tremolo/run/follow.h"
 #include "runtime/apps/tremolo/run/recorder.h"
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/run/simulate.h"
@@ -31,58 +36,106 @@ Model::Pointer make_model() {
   return *model;
 }
 
-TEST(March, ItsMomentsAreThoseOfTheSameBodyStepByStep) {
+// The world of one body of the model.
+SceneWorld make_world(const Model::Pointer& model, const std::string& method,
+                      const IntegratorOptions& options) {
+  SceneBody body;
+  body.name = "body";
+  body.model = "known";
+  body.integrator = method;
+  body.options = options;
+  Scene scene;
+  scene.step = options.step;
+  scene.bodies.push_back(std::move(body));
+  Result<SceneWorld> world =
+      SceneWorld::create(scene, [&](const SceneBody&) { return Result<Model::Pointer>(model); });
+  EXPECT_TRUE(world);
+  return std::move(*world);
+}
+
+// Keeps the moments of a world's first body, and how many there were at each look.
+struct Keeper : WorldWatch {
+  std::vector<Moment> moments;
+  std::vector<std::size_t> looks;
+  std::optional<StepReport> failed;
+
+  void note(const SceneWorld& world) override {
+    if (world.failed(0)) return;
+    moments.emplace_back();
+    look_at(world.body(0), moments.back());
+  }
+  Status look(const SceneWorld&, std::span<const SceneWorld::Failure> failures,
+              WorldEnding& ending) override {
+    looks.push_back(moments.size());
+    if (failures.empty()) return Success{};
+    failed = failures.front().report;
+    ending.exit_code = exit_code(ErrorKind::kSolver);
+    return Success{};
+  }
+};
+
+WorldEnding follow_by(SceneWorld& world, std::int64_t steps, std::int64_t block, Keeper& keeper) {
+  ToldProgress progress("body", 1.0);
+  const Result<WorldEnding> ending = follow(
+      world,
+      {static_cast<double>(steps) * world.step_size(), block, processor_time, &progress, nullptr},
+      keeper);
+  EXPECT_TRUE(ending);
+  return *ending;
+}
+
+TEST(Follow, ABodyInItsWorldMovesAsByItself) {
   const Model::Pointer model = make_model();
   for (const char* method : {"ep4", "imexv-thesis", "verlet", "imexv-adaptive"}) {
     IntegratorOptions options;
     options.step = 2e-3;
-    Result<Body> one = Body::create(model, method, options);
+    SceneWorld one = make_world(model, method, options);
     Result<Body> other = Body::create(model, method, options);
-    ASSERT_TRUE(one && other);
+    ASSERT_TRUE(other);
     const Load load{{.kind = SignalKind::kSquare, .duration = 0.05}, Eigen::Vector4d(3, 2, 1, 5)};
-    ASSERT_TRUE(one->add_load(load) && other->add_load(load));
-    March march(*one, 7);
+    ASSERT_TRUE(one.body(0).add_load(load) && other->add_load(load));
+    Keeper keeper;
+    const WorldEnding ending = follow_by(one, 100, 7, keeper);
+    ASSERT_EQ(keeper.moments.size(), 101U);  // and the start
     Eigen::VectorXd momentum(4);
-    std::int64_t seen = 0;
-    while (one->counts().steps < 100)
-      for (const Moment& moment : march.advance(100)) {
-        ASSERT_TRUE(other->step().converged);
-        other->integrator().synchronized_momentum(other->state(), momentum);
-        EXPECT_EQ(moment.steps, ++seen);
-        EXPECT_EQ(moment.time, other->time());
-        EXPECT_EQ(moment.state.q, other->state().q) << method;
-        EXPECT_EQ(moment.state.p, momentum) << method;
-        EXPECT_EQ(moment.work, other->sums().work);
-        EXPECT_EQ(moment.loaded, other->load_to_come());
-      }
-    EXPECT_EQ(seen, 100);
-    EXPECT_GT(march.microseconds_per_step(), 0.0);
+    for (std::int64_t k = 1; k <= 100; ++k) {
+      const Moment& moment = keeper.moments[static_cast<std::size_t>(k)];
+      ASSERT_TRUE(other->step().converged);
+      other->integrator().synchronized_momentum(other->state(), momentum);
+      EXPECT_EQ(moment.steps, k);
+      EXPECT_EQ(moment.time, other->time());
+      EXPECT_EQ(moment.state.q, other->state().q) << method;
+      EXPECT_EQ(moment.state.p, momentum) << method;
+      EXPECT_EQ(moment.work, other->sums().work);
+      EXPECT_EQ(moment.loaded, other->load_to_come());
+    }
+    EXPECT_EQ(ending.steps, 100);
+    EXPECT_GT(ending.seconds, 0.0);
   }
 }
 
-TEST(March, ABlockIsAsLongAsAskedForAndOnlyTheLastOneIsShorter) {
-  Result<Body> body = Body::create(make_model(), "verlet", {});
-  ASSERT_TRUE(body);
-  March march(*body, 7);
-  for (const std::size_t length : {7u, 7u, 6u, 0u}) EXPECT_EQ(march.advance(20).size(), length);
-  EXPECT_EQ(body->counts().steps, 20);
+TEST(Follow, ABlockIsAsLongAsAskedForAndOnlyTheLastOneIsShorter) {
+  SceneWorld world = make_world(make_model(), "verlet", {});
+  Keeper keeper;
+  follow_by(world, 20, 7, keeper);
+  EXPECT_EQ(keeper.looks, (std::vector<std::size_t>{1, 8, 15, 21}));
+  EXPECT_EQ(world.steps(), 20);
 }
 
-TEST(March, StopsAtAStepThatDoesNotConvergeWithTheMomentsBeforeIt) {
-  const Model::Pointer model = make_model();
+TEST(Follow, StopsAtAStepThatDoesNotConvergeWithTheMomentsBeforeIt) {
   IntegratorOptions options;
   options.max_iterations = 1;
   options.halvings = 0;
-  Result<Body> body = Body::create(model, "midpoint", options);
-  ASSERT_TRUE(body);
+  SceneWorld world = make_world(make_model(), "midpoint", options);
   const Load load{{.kind = SignalKind::kConstant, .start = 0.03}, 1e5 * Eigen::Vector4d::Ones()};
-  ASSERT_TRUE(body->add_load(load));
-  March march(*body, 64);
-  const auto moments = march.advance(1000);
-  ASSERT_TRUE(march.failed());
-  EXPECT_FALSE(march.failed()->converged);
-  ASSERT_EQ(static_cast<std::int64_t>(moments.size()), body->counts().steps);
-  EXPECT_GE(moments.size(), 10u);
+  ASSERT_TRUE(world.body(0).add_load(load));
+  Keeper keeper;
+  const WorldEnding ending = follow_by(world, 1000, 64, keeper);
+  ASSERT_TRUE(keeper.failed);
+  EXPECT_FALSE(keeper.failed->converged);
+  ASSERT_EQ(static_cast<std::int64_t>(keeper.moments.size()), world.body(0).counts().steps + 1);
+  EXPECT_EQ(ending.steps, world.body(0).counts().steps + 1);  // the one that failed was tried
+  EXPECT_GE(keeper.moments.size(), 11u);
 }
 
 TEST(Statics, TheShapeUnderALoadBalancesIt) {
@@ -168,8 +221,7 @@ RunOptions put_over_table(const RunOptions& flags, const std::set<std::string>& 
   const auto tables = parse_scene("[a]\nmodel = \"m\"\n" + keys, "s.toml");
   EXPECT_TRUE(tables) << (tables ? "" : tables.error().message);
   RunOptions options = tables->front();
-  put_over(
-      flags, [&given](const char* flag) { return given.contains(flag); }, options);
+  put_over({flags, [&given](const char* flag) { return given.contains(flag); }}, options);
   return options;
 }
 

@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "formats/basis/basis_writer.h"
+#include "runtime/apps/tremolo/output/sound.h"
 #include "runtime/apps/tremolo/output/warnings.h"
 #include "runtime/apps/tremolo/run/simulate.h"
-#include "runtime/apps/tremolo/run/sound.h"
 #include "runtime/bodies/reduced/integrators/dispersion.h"
 #include "tests/support/frames/corner_cube.h"
 #include "tests/support/run_program.h"
@@ -120,7 +120,8 @@ TEST(SoundStep, TheFileHasTheFrequenciesOfTheModel) {
   options.start = "5=1e-6,1e-6,1e-6";
   options.wav = wav;
   options.listen = "5";
-  take_sound_step(options);
+  options.step = kSoundStep;
+  options.sound_steps = 0;
   const Result<BodyScene> scene = body_scene(options);
   ASSERT_TRUE(scene) << scene.error().message;
   const Result<RunReport> report = simulate(*scene);

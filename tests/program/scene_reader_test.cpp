@@ -460,12 +460,11 @@ TEST(WorldFlags, WinOverTheSceneAndAreRefusedWhereTheyAreOfOneBody) {
   flags.duration = 9.0;
   flags.integrator = "ep2";
   const auto apply = [&](std::vector<std::string> given) {
-    return apply_flags(
-        flags,
-        [&given](const char* flag) {
-          return std::find(given.begin(), given.end(), flag) != given.end();
-        },
-        file);
+    return apply_flags({flags,
+                        [&given](const char* flag) {
+                          return std::find(given.begin(), given.end(), flag) != given.end();
+                        }},
+                       file);
   };
   ASSERT_TRUE(apply({"--step", "--integrator"}));
   EXPECT_EQ(file.scene.step, 2e-3);

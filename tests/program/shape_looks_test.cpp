@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/apps/tremolo/run/stretch.h"
+#include "runtime/apps/tremolo/output/stretch.h"
 #include "tests/support/sample_basis.h"
 
 namespace tremolo {

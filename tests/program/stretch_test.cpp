@@ -1,5 +1,5 @@
 // Principal stretches of a surface.
-#include "runtime/apps/tremolo/run/stretch.h"
+#include "runtime/apps/tremolo/output/stretch.h"
 
 #include <gtest/gtest.h>
 

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 using Eigen::Vector3d;
 using testing::fresh_folder;
 
-ViewFlags no_flags() {
+GivenFlags no_flags() {
   return {RunOptions{}, [](const char*) { return false; }};
 }
 
@@ -77,9 +77,9 @@ void expect_replayed(const ViewedScene& viewed, const std::string& path, std::si
 
 TEST(HandRecord, OfABasisFileIsReplayedToTheBit) {
   RunOptions options;
-  ViewFlags flags = no_flags();
-  flags.flags.integrator = "newmark";
-  flags.flags.beta = 1e-3;
+  GivenFlags flags = no_flags();
+  flags.values.integrator = "newmark";
+  flags.values.beta = 1e-3;
   const auto viewed = read_viewed_scene(testing::sample_model("horse"), flags);
   ASSERT_TRUE(viewed) << viewed.error().message;
   expect_replayed(*viewed, fresh_folder() + "/hand.toml", 0, Vector3d(0, -1, 0));

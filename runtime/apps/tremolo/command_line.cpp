@@ -245,7 +245,7 @@ std::function<bool(const char*)> told_flags(const CLI::App& command) {
 Result<MixedFile> world_of(const std::string& text, const SceneCommand& command) {
   Result<MixedFile> file = parse_mixed(text, command.file);
   if (!file) return file.error();
-  if (Status s = apply_flags(command.flags, command.given, *file); !s) return s.error();
+  if (Status s = apply_flags(command.flags, *file); !s) return s.error();
   return file;
 }
 
@@ -268,39 +268,6 @@ bool is_scene(const std::string& path) {
   return std::filesystem::path(path).extension() == ".toml";
 }
 
-// The body of a basis file.
-RunOptions body_of_model(const std::string& path) {
-  RunOptions options;
-  options.model = path;
-  options.name = std::filesystem::path(path).stem().string();
-  return options;
-}
-
-// The bodies with the flags over their keys. path: of the scene or the model, for errors.
-Result<std::vector<BodyScene>> body_scenes(std::vector<RunOptions> bodies,
-                                           const SceneCommand& command) {
-  std::vector<BodyScene> scenes;
-  for (RunOptions& body : bodies) {
-    put_over(command.flags, command.given, body);
-    if (!body.wav.empty() && bodies.size() > 1)
-      return usage_error("--wav applies only to one body, and " + command.file + " has several");
-    // Several bodies have a folder each.
-    if (bodies.size() > 1 && !body.out.empty())
-      body.out = (std::filesystem::path(body.out) / body.name).string();
-    Result<BodyScene> scene = body_scene(body);
-    if (!scene) return scene.error();
-    scenes.push_back(std::move(*scene));
-  }
-  return scenes;
-}
-
-// text: of a scene with one table per body.
-Result<std::vector<BodyScene>> tables_of(const std::string& text, const SceneCommand& command) {
-  Result<std::vector<RunOptions>> bodies = parse_scene(text, command.file);
-  if (!bodies) return bodies.error();
-  return body_scenes(std::move(*bodies), command);
-}
-
 int run_bodies(const Result<std::vector<BodyScene>>& bodies, bool json) {
   return bodies ? run_command(*bodies, json) : report_error(bodies.error());
 }
@@ -312,7 +279,7 @@ int run_scene(const Request& request, const SceneCommand& command) {
   if (!kind) return report_error(kind.error());
   if (*kind == SceneKind::kBodies) {
     if (Status s = check_not_saved(request); !s) return report_error(s.error());
-    return run_bodies(tables_of(*text, command), request.json);
+    return run_bodies(body_scenes(*text, command.flags, command.file), request.json);
   }
   if (*kind == SceneKind::kWorld) return run_world_scene(*text, request, command);
   return *kind == SceneKind::kCloth ? run_cloth_scene(*text, command)
@@ -341,14 +308,15 @@ Result<MotionSource> scene_motion(const SceneCommand& command) {
     table.surfaces = 0;
     table.plot = false;
   }
-  Result<std::vector<BodyScene>> bodies = body_scenes(std::move(*tables), command);
+  Result<std::vector<BodyScene>> bodies =
+      body_scenes(std::move(*tables), command.flags, command.file);
   if (!bodies) return bodies.error();
   return bodies_motion(std::move(*bodies));
 }
 
 Result<MotionSource> model_motion(const SceneCommand& command) {
   if (!command.beside.empty()) return usage_error("--beside applies only to scenes of cloth");
-  Result<std::vector<BodyScene>> bodies = body_scenes({body_of_model(command.file)}, command);
+  Result<std::vector<BodyScene>> bodies = model_scene(command.file, command.flags);
   if (!bodies) return bodies.error();
   return bodies_motion(std::move(*bodies));
 }
@@ -369,7 +337,8 @@ int run_export(const Request& request, const RunOptions& flags, const CLI::App& 
   if (asks_still || !moved.any())
     if (const int code = export_command(still); code != 0) return code;
   if (!moved.any()) return 0;
-  const SceneCommand command = {still.model, flags, told_flags(app), {}, moved.json, moved.beside};
+  const SceneCommand command = {
+      still.model, {flags, told_flags(app)}, {}, moved.json, moved.beside};
   const Result<MotionSource> source =
       is_scene(still.model) ? scene_motion(command) : model_motion(command);
   return source ? export_motion_command(moved, *source) : report_error(source.error());
@@ -383,14 +352,14 @@ int inspect_scene(const Request& request) {
   if (!request.select.empty())
     return report_error(usage_error("--select applies only to a basis file, not to a scene"));
   const auto no_flags = [](const char*) { return false; };
-  const SceneCommand command = {request.file, {}, no_flags, {}, request.json};
+  const SceneCommand command = {request.file, {{}, no_flags}, {}, request.json};
   if (*kind == SceneKind::kCloth) return inspect_cloth_scene(*text, command);
   if (*kind == SceneKind::kTets) return inspect_tets_scene(*text, command);
   if (*kind == SceneKind::kWorld) {
     const Result<MixedFile> file = parse_mixed(*text, request.file);
     return file ? inspect_world_command(*file, request.json) : report_error(file.error());
   }
-  const Result<std::vector<BodyScene>> bodies = tables_of(*text, command);
+  const Result<std::vector<BodyScene>> bodies = body_scenes(*text, command.flags, command.file);
   return bodies ? inspect_bodies_command(*bodies, request.json) : report_error(bodies.error());
 }
 
@@ -407,11 +376,11 @@ int run_program(int count, char** words) {
   if (*parser.exporter) return run_export(request, options, *parser.exporter);
   if (*parser.bench || *parser.reproduce) return start_laboratory(words);
   if (*parser.view) return start_viewer(words);
-  const SceneCommand command = {request.file, options, told_flags(*parser.run), request.degree,
-                                request.json};
+  const SceneCommand command = {
+      request.file, {options, told_flags(*parser.run)}, request.degree, request.json};
   if (is_scene(request.file)) return run_scene(request, command);
   if (Status s = check_not_saved(request); !s) return report_error(s.error());
-  return run_bodies(body_scenes({body_of_model(request.file)}, command), request.json);
+  return run_bodies(model_scene(command.file, command.flags), request.json);
 }
 
 }  // namespace

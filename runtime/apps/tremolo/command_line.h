@@ -1,7 +1,6 @@
 // The command line of `tremolo`.
 #pragma once
 
-#include <functional>
 #include <string>
 
 #include "runtime/apps/tremolo/run/run_options.h"
@@ -11,9 +10,8 @@ namespace tremolo {
 // The command line of a command that reads a scene.
 struct SceneCommand {
   std::string file;  // path of the scene
-  RunOptions flags;
-  std::function<bool(const char*)> given;  // whether a flag, such as "--step", was given
-  std::string degree;                      // of --degree; empty: not given
+  GivenFlags flags;
+  std::string degree;  // of --degree; empty: not given
   bool json = false;
   std::string beside = {};  // of --beside; empty: not given
 };

@@ -14,7 +14,7 @@ namespace {
 Result<ClothFile> cloths_of(const std::string& text, const SceneCommand& command) {
   Result<ClothFile> file = parse_cloths(text, command.file);
   if (!file) return file.error();
-  if (Status s = apply_cloth_flags(command.flags, command.given, *file); !s) return s.error();
+  if (Status s = apply_cloth_flags(command.flags, *file); !s) return s.error();
   return file;
 }
 
@@ -35,8 +35,7 @@ namespace {
 Result<TetScene> tets_of(const std::string& text, const SceneCommand& command) {
   Result<TetScene> scene = parse_tets_scene(text, command.file);
   if (!scene) return scene.error();
-  if (Status s = apply_tets_flags(command.flags, command.degree, command.given, *scene); !s)
-    return s.error();
+  if (Status s = apply_tets_flags(command.flags, command.degree, *scene); !s) return s.error();
   return scene;
 }
 

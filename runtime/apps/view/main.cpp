@@ -101,8 +101,8 @@ int view(int count, char** words) {
   ViewerOptions options;
   ViewParser parser(options);
   if (const std::optional<int> code = read_words(parser.app, count, words)) return *code;
-  const ViewFlags flags{options.body,
-                        [&parser](const char* flag) { return is_given(parser.app, flag); }};
+  const GivenFlags flags{options.body,
+                         [&parser](const char* flag) { return is_given(parser.app, flag); }};
   if (!options.orbit.empty()) {
     if (const auto orbit = parse_orbit_request(options.orbit); !orbit)
       return report_error(orbit.error());

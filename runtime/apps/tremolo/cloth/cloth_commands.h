@@ -1,7 +1,6 @@
 // `tremolo run`, `inspect` and `export` of a scene with [[cloths]].
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,8 +16,7 @@ namespace tremolo {
 // Applies command-line flags, which override the scene. given: whether a flag, such as "--step", is
 // on the command line. Errors: kUsage for a flag that does not apply to cloth or an unknown method;
 // kContent for a value out of range.
-Status apply_cloth_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
-                         ClothFile& file);
+Status apply_cloth_flags(const GivenFlags& flags, ClothFile& file);
 
 // The files that a run of the scene reads.
 std::vector<NamedFile> inputs_of(const ClothFile& file);

@@ -19,7 +19,7 @@
 #include "runtime/apps/tremolo/output/text_values.h"
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/run/run_files.h"
-#include "runtime/apps/tremolo/world/scene_ending.h"
+#include "runtime/apps/tremolo/run/scene_ending.h"
 #include "runtime/bodies/cloth/cloth_model.h"
 
 namespace tremolo {
@@ -220,28 +220,27 @@ constexpr const char* kOfBodies[] = {
 
 }  // namespace
 
-Status apply_cloth_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
-                         ClothFile& file) {
+Status apply_cloth_flags(const GivenFlags& flags, ClothFile& file) {
   for (const char* flag : kOfBodies)
-    if (given(flag))
+    if (flags.given(flag))
       return usage_error(fmt::format(
           "{} applies only to bodies: a scene with [[cloths]] takes --integrator, --step, "
           "--duration, --tolerance, --max-iterations and flags of outputs",
           flag));
   const auto names = nodal_integrator_names();
-  if (given("--integrator")) {
-    if (std::find(names.begin(), names.end(), flags.integrator) == names.end())
+  if (flags.given("--integrator")) {
+    if (std::find(names.begin(), names.end(), flags.values.integrator) == names.end())
       return usage_error(fmt::format("--integrator: cloth has no method '{}'; there are {}",
-                                     flags.integrator, fmt::join(names, ", ")));
-    file.scene.integrator = flags.integrator;
+                                     flags.values.integrator, fmt::join(names, ", ")));
+    file.scene.integrator = flags.values.integrator;
   }
   NodalOptions& options = file.scene.options;
-  if (given("--step")) options.step = flags.step;
-  if (given("--tolerance")) options.tolerance = flags.tolerance;
-  if (given("--max-iterations")) options.max_iterations = flags.max_iterations;
-  if (given("--duration")) file.scene.duration = flags.duration;
-  if (Status s = apply_output_flags(flags, given, file.outputs); !s) return s;
-  if (Status s = check_times(given, options.step, file.scene.duration); !s) return s;
+  if (flags.given("--step")) options.step = flags.values.step;
+  if (flags.given("--tolerance")) options.tolerance = flags.values.tolerance;
+  if (flags.given("--max-iterations")) options.max_iterations = flags.values.max_iterations;
+  if (flags.given("--duration")) file.scene.duration = flags.values.duration;
+  if (Status s = apply_output_flags(flags, file.outputs); !s) return s;
+  if (Status s = check_times(flags, options.step, file.scene.duration); !s) return s;
   return check_scene(file.scene);
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -51,14 +52,6 @@ Result<FrameSteps> frame_steps(const FrameRange& range, double h, double duratio
 
 namespace {
 
-// A body during its run, with everything that it refers to.
-struct StartedBody {
-  RunInput input;
-  Body body;
-
-  const std::string& name() const { return input.scene.body().name; }
-};
-
 Status check_together(const std::vector<BodyScene>& bodies) {
   const BodyScene& first = bodies.front();
   for (const BodyScene& one : bodies)
@@ -70,27 +63,8 @@ Status check_together(const std::vector<BodyScene>& bodies) {
   return Success{};
 }
 
-Result<std::vector<StartedBody>> start_bodies(const std::vector<BodyScene>& bodies) {
-  std::vector<StartedBody> started;
-  for (const BodyScene& scene : bodies) {
-    Result<RunInput> input = prepare_run(scene);
-    if (!input) return input.error();
-    Result<Body> body = make_body(*input);
-    if (!body) return body.error();
-    started.push_back({std::move(*input), std::move(*body)});
-  }
-  return started;
-}
-
 Error step_error(const std::string& name, const StepReport& report, double time) {
   return {error_kind(report.failure), "body '" + name + "': " + failure_message(report, time)};
-}
-
-Status step_to(StartedBody& one, std::int64_t step) {
-  while (one.body.counts().steps < step)
-    if (const StepReport report = one.body.step(); !report.converged)
-      return step_error(one.name(), report, one.body.time());
-  return Success{};
 }
 
 // guests: null: the world has none.
@@ -134,17 +108,20 @@ void widen_planes(const SceneWorld& world, const std::vector<std::size_t>& colli
   }
 }
 
-// The tracks of a world: its bodies, then of its colliders those that can be drawn.
+// The tracks of a world in a recording: its bodies, then of its colliders those that can be drawn.
 struct WorldTracks {
+  std::size_t first = 0;  // the first body's
   std::vector<std::size_t> colliders;
   std::vector<std::string> left_out;
 };
 
 Result<WorldTracks> add_tracks(const SceneWorld& world, bool colliders, Recording& recording) {
-  for (std::size_t i = 0; i < world.size(); ++i)
-    if (const auto added = recording.add(world.body(i), world.name(i)); !added)
-      return added.error();
   WorldTracks tracks;
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    const auto added = recording.add(world.body(i), world.name(i));
+    if (!added) return added.error();
+    if (i == 0) tracks.first = *added;
+  }
   for (std::size_t k = 0; colliders && k < world.colliders().size(); ++k) {
     std::string name = world.scene().colliders[k].name;
     std::optional<AnimatedShape> shape = collider_shape(world.colliders()[k].shape, name, 1.0);
@@ -160,16 +137,54 @@ Result<WorldTracks> add_tracks(const SceneWorld& world, bool colliders, Recordin
 }
 
 Status record_frame(const SceneWorld& world, const WorldTracks& tracks, Recording& recording) {
-  if (Status s = recording.begin_frame(world.time()); !s) return s;
   for (std::size_t i = 0; i < world.size(); ++i)
-    if (Status s = recording.record(i, world.body(i)); !s) return s;
+    if (Status s = recording.record(tracks.first + i, world.body(i)); !s) return s;
   for (std::size_t k = 0; k < tracks.colliders.size(); ++k) {
     // The collider at the end of the last step; before the first step, at its start.
     const PlacedCollider& placed = world.colliders()[tracks.colliders[k]];
     const Pose& pose = world.steps() == 0 ? placed.start : placed.end;
-    if (Status s = recording.record(world.size() + k, {}, std::span(&pose, 1)); !s) return s;
+    if (Status s = recording.record(tracks.first + world.size() + k, {}, std::span(&pose, 1)); !s)
+      return s;
   }
   return Success{};
+}
+
+// Worlds of one step and duration, each by itself; guests and colliders are those of the first.
+struct Film {
+  std::vector<SceneWorld> worlds;
+  WorldGuests guests;
+  std::string name;  // of the progress
+  bool colliders = false;
+};
+
+Result<RecordedMotion> record(Film& film, const FrameRange& range, const FrameSteps& frames,
+                              double duration) {
+  Result<GuestTracks> guest_tracks = GuestTracks::create(film.guests);
+  if (!guest_tracks) return guest_tracks.error();
+  Recording recording(range.rate);
+  std::vector<WorldTracks> tracks(film.worlds.size());
+  for (std::size_t w = 0; w < tracks.size(); ++w)
+    if (Status s = take(tracks[w], add_tracks(film.worlds[w], film.colliders, recording)); !s)
+      return s.error();
+  const SceneWorld& first = film.worlds.front();
+  ToldProgress progress(film.name, duration);
+  for (const std::int64_t step : frames.steps) {
+    for (SceneWorld& world : film.worlds)
+      if (Status s = step_to(world, film.guests.guests, step); !s) return s.error();
+    if (Status s = recording.begin_frame(first.time()); !s) return s.error();
+    for (std::size_t w = 0; w < tracks.size(); ++w)
+      if (Status s = record_frame(film.worlds[w], tracks[w], recording); !s) return s.error();
+    guest_tracks->record();
+    progress.reached(first.time());
+  }
+  RecordedMotion motion;
+  motion.offset = frames.offset;
+  motion.even_step = frames.even_step;
+  motion.left_out = tracks.front().left_out;
+  if (Status s = take(motion.animation, recording.animation()); !s) return s.error();
+  guest_tracks->add_to(motion.animation);
+  widen_planes(first, tracks.front().colliders, motion.animation);
+  return motion;
 }
 
 }  // namespace
@@ -177,29 +192,19 @@ Status record_frame(const SceneWorld& world, const WorldTracks& tracks, Recordin
 Result<RecordedMotion> animate_bodies(const std::vector<BodyScene>& bodies,
                                       const FrameRange& range) {
   if (Status s = check_together(bodies); !s) return s.error();
-  const double h = bodies.front().step(), duration = bodies.front().file.scene.duration;
-  const Result<FrameSteps> frames = frame_steps(range, h, duration);
+  const Scene& first = bodies.front().file.scene;
+  const Result<FrameSteps> frames = frame_steps(range, first.step, first.duration);
   if (!frames) return frames.error();
-  Result<std::vector<StartedBody>> started = start_bodies(bodies);
-  if (!started) return started.error();
-  Recording recording(range.rate);
-  for (const StartedBody& one : *started)
-    if (const auto added = recording.add(one.body, one.name()); !added) return added.error();
-  ToldProgress progress(bodies.front().body().name, duration);
-  for (const std::int64_t step : frames->steps) {
-    const double time = static_cast<double>(step) * h;
-    for (StartedBody& one : *started)
-      if (Status s = step_to(one, step); !s) return s.error();
-    if (Status s = recording.begin_frame(time); !s) return s.error();
-    for (std::size_t i = 0; i < started->size(); ++i)
-      if (Status s = recording.record(i, (*started)[i].body); !s) return s.error();
-    progress.reached(time);
+  std::vector<RunInput> inputs(bodies.size());  // they outlive the worlds
+  Film film;
+  film.name = first.bodies.front().name;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (Status s = take(inputs[i], prepare_run(bodies[i])); !s) return s.error();
+    Result<SceneWorld> world = world_of_one(inputs[i]);
+    if (!world) return world.error();
+    film.worlds.push_back(std::move(*world));
   }
-  RecordedMotion motion;
-  motion.offset = frames->offset;
-  motion.even_step = frames->even_step;
-  if (Status s = take(motion.animation, recording.animation()); !s) return s.error();
-  return motion;
+  return record(film, range, *frames, first.duration);
 }
 
 Result<RecordedMotion> animate_world(const MixedFile& mixed, const FrameRange& range,
@@ -209,30 +214,13 @@ Result<RecordedMotion> animate_world(const MixedFile& mixed, const FrameRange& r
   if (!frames) return frames.error();
   Result<SceneWorld> world = SceneWorld::create(file.scene, load_scene_model, mixed.has_guests());
   if (!world) return error_of_file(file.path, value_error(world.error()));
-  WorldGuests guests;
+  Film film{{}, {}, std::filesystem::path(file.path).stem().string(), colliders};
   if (mixed.has_guests())
-    if (Status s = take(guests, add_guests(mixed.tets, mixed.cloths, file.path, *world)); !s)
+    if (Status s = take(film.guests, add_guests(mixed.tets, mixed.cloths, file.path, *world)); !s)
       return s.error();
-  Result<GuestTracks> guest_tracks = GuestTracks::create(guests);
-  if (!guest_tracks) return error_of_file(file.path, guest_tracks.error());
-  Recording recording(range.rate);
-  const Result<WorldTracks> tracks = add_tracks(*world, colliders, recording);
-  if (!tracks) return tracks.error();
-  ToldProgress progress(std::filesystem::path(file.path).stem().string(), file.scene.duration);
-  for (const std::int64_t step : frames->steps) {
-    if (Status s = step_to(*world, guests.guests, step); !s)
-      return error_of_file(file.path, s.error());
-    if (Status s = record_frame(*world, *tracks, recording); !s) return s.error();
-    guest_tracks->record();
-    progress.reached(world->time());
-  }
-  RecordedMotion motion;
-  motion.offset = frames->offset;
-  motion.even_step = frames->even_step;
-  motion.left_out = tracks->left_out;
-  if (Status s = take(motion.animation, recording.animation()); !s) return s.error();
-  guest_tracks->add_to(motion.animation);
-  widen_planes(*world, tracks->colliders, motion.animation);
+  film.worlds.push_back(std::move(*world));
+  Result<RecordedMotion> motion = record(film, range, *frames, file.scene.duration);
+  if (!motion) return error_of_file(file.path, motion.error());
   return motion;
 }
 

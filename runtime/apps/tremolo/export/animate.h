@@ -41,7 +41,7 @@ struct RecordedMotion {
 };
 
 // Bodies as `tremolo run` starts and steps them, each by itself; steps and durations must agree.
-// Errors: those of prepare_run and make_body; kContent for a range that does not fit; kSolver and
+// Errors: those of prepare_run and world_of_one; kContent for a range that does not fit; kSolver and
 // kBound for a step that could not be made.
 Result<RecordedMotion> animate_bodies(const std::vector<BodyScene>& bodies,
                                       const FrameRange& range);

@@ -24,7 +24,6 @@ Result<BodyScene> scene_of(const PeriodicOptions& options) {
                        ": periodic motions are those of one model: name a basis file, not a scene");
   RunOptions run;
   run.model = options.model;
-  run.name = std::filesystem::path(options.model).stem().string();
   run.modes = options.modes;
   run.linear = options.linear;
   run.rescale = options.rescale;

@@ -9,8 +9,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "runtime/apps/tremolo/output/stretch.h"
 #include "runtime/apps/tremolo/run/recorder.h"
-#include "runtime/apps/tremolo/run/stretch.h"
 #include "runtime/body.h"
 
 namespace tremolo {

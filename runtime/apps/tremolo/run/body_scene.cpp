@@ -2,24 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "common/damping_ratios.h"
+#include "runtime/apps/tremolo/output/sound.h"
 #include "runtime/apps/tremolo/run/run_body.h"
-#include "runtime/apps/tremolo/run/sound.h"
+#include "runtime/apps/tremolo/run/scene_ending.h"
 #include "runtime/apps/tremolo/start/start_state.h"
 #include "runtime/io/scenes/csv_rows.h"
+#include "runtime/split.h"
 
 namespace tremolo {
 namespace {
 
 Status check_combinations(const RunOptions& options) {
-  if ((options.surfaces > 0 || options.plot) && options.out.empty())
-    return usage_error("--surfaces and --plot need --out DIR");
   if (options.at.empty() != options.force.empty())
     return usage_error("--at and --force belong together");
   if (options.velocities && options.coordinates.empty() && options.probes.empty())
@@ -51,29 +53,9 @@ Status check_values(const RunOptions& options) {
   const std::string& format = options.surface_format;
   if (format != "ply" && format != "obj" && format != "inc")
     return usage_error("surface-format '" + format + "': must be ply, obj or inc");
-  if (options.every < 1) return content_error("--every must be at least 1");
-  if (options.surfaces < 0) return content_error("--surfaces must not be negative");
   if (!std::isfinite(options.scale)) return content_error("--scale must be finite");
   if (Status status = check_sound(options.wav, options.step); !status) return status;
   return check_combinations(options);
-}
-
-Result<IntegratorOptions> integrator_options(const RunOptions& options) {
-  IntegratorOptions settings;
-  settings.alpha = options.alpha;
-  settings.beta = options.beta;
-  if (!options.damping_ratio.empty()) {
-    const Result<DampingRatios> damping = parse_damping(options.damping_ratio);
-    if (!damping) return damping.error();
-    put_damping(*damping, settings);
-  }
-  settings.newmark_beta = options.newmark_beta;
-  settings.newmark_gamma = options.newmark_gamma;
-  settings.tolerance = options.tolerance;
-  settings.max_iterations = options.max_iterations;
-  if (Status s = take(settings.split, parse_split(options.split)); !s) return s.error();
-  settings.split.safety = options.safety;
-  return settings;
 }
 
 // Its course in time.
@@ -104,20 +86,45 @@ Result<SceneLoad> load_of(const RunOptions& options) {
   return load;
 }
 
-SceneOutputs scene_outputs(const RunOptions& options) {
-  SceneOutputs outputs;
-  outputs.out = options.out;
-  outputs.every = options.every;
-  outputs.surfaces = options.surfaces;
-  outputs.surface_format = options.surface_format;
-  outputs.plot = options.plot;
-  outputs.wav = options.wav;
-  outputs.listen = options.listen;
-  outputs.sound_steps = options.sound_steps;
-  return outputs;
-}
-
 }  // namespace
+
+Status apply_to_body(const GivenFlags& flags, SceneBody& body) {
+  IntegratorOptions& options = body.options;
+  if (flags.given("--integrator")) body.integrator = flags.values.integrator;
+  if (flags.given("--modes")) body.model_options.modes = flags.values.modes;
+  if (flags.given("--linear")) body.model_options.linear = flags.values.linear;
+  if (flags.given("--hull")) body.model_options.hull = flags.values.hull;
+  if (flags.given("--alpha") || flags.given("--beta")) options.ratios = {};
+  if (flags.given("--alpha")) {
+    options.alpha = flags.values.alpha;
+    body.alphas.clear();
+  }
+  if (flags.given("--beta")) {
+    options.beta = flags.values.beta;
+    body.betas.clear();
+  }
+  if (flags.given("--damping-ratio")) {
+    const Result<DampingRatios> damping = parse_damping(flags.values.damping_ratio);
+    if (!damping) return damping.error();
+    put_damping(*damping, options);
+    body.alphas.clear();
+    body.betas.clear();
+  }
+  if (flags.given("--newmark-beta")) options.newmark_beta = flags.values.newmark_beta;
+  if (flags.given("--newmark-gamma")) options.newmark_gamma = flags.values.newmark_gamma;
+  if (flags.given("--tolerance")) options.tolerance = flags.values.tolerance;
+  if (flags.given("--max-iterations")) options.max_iterations = flags.values.max_iterations;
+  if (flags.given("--probe")) body.columns.probes = flags.values.probes;
+  if (flags.given("--coordinate")) body.columns.coordinates = flags.values.coordinates;
+  if (flags.given("--velocities")) body.columns.velocities = flags.values.velocities;
+  if (flags.given("--split")) {
+    const double safety = options.split.safety;
+    if (Status s = take(options.split, parse_split(flags.values.split)); !s) return s;
+    options.split.safety = safety;
+  }
+  if (flags.given("--safety")) options.split.safety = flags.values.safety;
+  return Success{};
+}
 
 IntegratorOptions BodyScene::settings() const {
   IntegratorOptions settings = body().options;
@@ -126,29 +133,64 @@ IntegratorOptions BodyScene::settings() const {
 }
 
 Result<BodyScene> body_scene(const RunOptions& options) {
-  if (Status s = check_values(options); !s) return s.error();
-  SceneBody body;
-  body.name = options.name;
-  body.model = options.model;
-  body.model_options = {options.modes, options.linear, options.hull};
-  body.integrator = options.integrator;
-  body.columns = {options.probes, options.coordinates, options.velocities};
-  if (Status s = take(body.options, integrator_options(options)); !s) return s.error();
-  Result<SceneLoad> load = load_of(options);
-  if (!load) return load.error();
-  body.loads.push_back(std::move(*load));
   BodyScene scene;
   scene.file.path = options.scene;
   scene.file.scene.step = options.step;
   scene.file.scene.duration = options.duration;
-  scene.file.scene.bodies.push_back(std::move(body));
-  scene.file.outputs = scene_outputs(options);
-  if (!options.signal.empty()) scene.file.files.push_back(options.signal);
   scene.load_name = options.signal.empty() ? options.load : options.signal;
   scene.deflect = options.deflect;
   scene.start = options.start;
   scene.rescale = options.rescale;
+  if (!options.signal.empty()) scene.file.files.push_back(options.signal);
+  SceneOutputs& outputs = scene.file.outputs;
+  outputs.wav = options.wav;
+  outputs.listen = options.listen;
+  outputs.sound_steps = options.sound_steps;
+  if (Status s = check_values(options); !s) return s.error();
+  // Each of them has a value, be it the usual one; a text of damping ratios replaces alpha and
+  // beta.
+  const GivenFlags flags{options, [&options](std::string_view flag) {
+                           return flag != "--damping-ratio" || !options.damping_ratio.empty();
+                         }};
+  if (Status s = apply_output_flags(flags, outputs); !s) return s.error();
+  SceneBody& body = scene.file.scene.bodies.emplace_back();
+  body.name =
+      options.name.empty() ? std::filesystem::path(options.model).stem().string() : options.name;
+  body.model = options.model;
+  if (Status s = apply_to_body(flags, body); !s) return s.error();
+  Result<SceneLoad> load = load_of(options);
+  if (!load) return load.error();
+  body.loads.push_back(std::move(*load));
   return scene;
+}
+
+Result<std::vector<BodyScene>> body_scenes(std::vector<RunOptions> tables, const GivenFlags& flags,
+                                           const std::string& path) {
+  std::vector<BodyScene> scenes;
+  for (RunOptions& body : tables) {
+    put_over(flags, body);
+    if (!body.wav.empty() && tables.size() > 1)
+      return usage_error("--wav applies only to one body, and " + path + " has several");
+    if (tables.size() > 1 && !body.out.empty())
+      body.out = (std::filesystem::path(body.out) / body.name).string();
+    Result<BodyScene> scene = body_scene(body);
+    if (!scene) return scene.error();
+    scenes.push_back(std::move(*scene));
+  }
+  return scenes;
+}
+
+Result<std::vector<BodyScene>> body_scenes(const std::string& text, const GivenFlags& flags,
+                                           const std::string& path) {
+  Result<std::vector<RunOptions>> tables = parse_scene(text, path);
+  if (!tables) return tables.error();
+  return body_scenes(std::move(*tables), flags, path);
+}
+
+Result<std::vector<BodyScene>> model_scene(const std::string& path, const GivenFlags& flags) {
+  RunOptions body;
+  body.model = path;
+  return body_scenes({std::move(body)}, flags, path);
 }
 
 }  // namespace tremolo

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "common/result.h"
 #include "runtime/apps/tremolo/run/run_options.h"
@@ -28,9 +29,24 @@ struct BodyScene {
   IntegratorOptions settings() const;
 };
 
+// Puts the flags of a model, a method and columns on a body. Errors: kUsage for a
+// text of the wrong form.
+Status apply_to_body(const GivenFlags& flags, SceneBody& body);
+
 // Flags and keys become a scene; reads the CSV of --signal. Errors: kUsage for a name or a text of
 // the wrong form and for options that exclude each other; kContent for a value out of range; those
 // of read_signal().
 Result<BodyScene> body_scene(const RunOptions& options);
+
+// The bodies of a scene with one table per body, with the flags over their keys; several bodies
+// have a folder each in --out. path: of the scene, for errors. Errors also kUsage for --wav with
+// several.
+Result<std::vector<BodyScene>> body_scenes(std::vector<RunOptions> tables, const GivenFlags& flags,
+                                           const std::string& path);
+// The same for the scene's text; errors of parse_scene().
+Result<std::vector<BodyScene>> body_scenes(const std::string& text, const GivenFlags& flags,
+                                           const std::string& path);
+// The body of a basis file.
+Result<std::vector<BodyScene>> model_scene(const std::string& path, const GivenFlags& flags);
 
 }  // namespace tremolo

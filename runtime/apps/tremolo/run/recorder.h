@@ -36,31 +36,6 @@ struct Moment {
 // before.
 void look_at(const Body& body, Moment& moment);
 
-// Steps a body in blocks. Energies, shapes and CSV rows use far more memory than a step and would
-// evict a step's data from the caches: so the states of a block are stored, and examined when the
-// block is complete.
-class March {
- public:
-  // block: steps at once, at least 1. The body must outlive this.
-  March(Body& body, std::size_t block);
-
-  // Makes the next block of steps, which is shorter where the body reaches `last` steps or a step
-  // does not converge. The result is valid until the next call.
-  std::span<const Moment> advance(std::int64_t last);
-
-  // The step that did not converge, after the last state; nullopt while all have.
-  const std::optional<StepReport>& failed() const { return failed_; }
-  // The mean processor time of a step in microseconds: this thread's, over all blocks.
-  double microseconds_per_step() const;
-
- private:
-  Body& body_;
-  std::vector<Moment> moments_;
-  std::optional<StepReport> failed_;
-  double seconds_ = 0.0;
-  std::int64_t tried_ = 0;
-};
-
 // coordinates: whose q is recorded; probes: vertices whose displacement is. velocities: p of these
 // coordinates and the velocities of these vertices too. further: names of columns whose values are
 // given with each row.

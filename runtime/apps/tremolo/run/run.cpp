@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 #include <map>
 #include <utility>
@@ -9,12 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/file/atomic_file.h"
-#include "formats/file/output_guard.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/output/text_values.h"
 #include "runtime/apps/tremolo/output/warnings.h"
 #include "runtime/apps/tremolo/run/run_body.h"
-#include "runtime/apps/tremolo/run/run_files.h"
+#include "runtime/apps/tremolo/run/scene_ending.h"
 #include "runtime/apps/tremolo/run/simulate.h"
 
 namespace tremolo {
@@ -105,74 +103,61 @@ void print_text(const RunReport& report, const Warnings& warnings) {
   if (report.rigid) print_rigid_loss(*report.rigid);
 }
 
-// Writes report.json and prints the list of all files of the run, including `files`.
-Status write_report(const std::string& out, std::vector<std::string> files, const Json& json,
-                    std::vector<std::string>& written) {
-  if (out.empty()) return Success{};
-  const std::string path = (std::filesystem::path(out) / kReportName).string();
-  if (Status status = write_file(path, json_text(json)); !status) return status;
-  files.push_back(path);
-  tell("  wrote into {}: {}\n", out, list_files(files));
-  written.insert(written.end(), files.begin(), files.end());
-  return Success{};
-}
-
 Json report_of_all(const Json& bodies) {
   return {{"schema", kReportSchema}, {"bodies", bodies}};
 }
 
-// Of several bodies, the reports of those that have a folder in the same one.
-Status write_reports(const std::vector<BodyScene>& bodies, const Json& objects,
-                     std::vector<std::string>& written) {
-  std::map<std::string, Json> reports;
-  for (std::size_t i = 0; i < objects.size(); ++i)
-    if (!bodies[i].file.outputs.out.empty())
-      reports[folder_of_all(bodies[i], bodies)].push_back(objects[i]);
-  for (const auto& [folder, report] : reports) {
-    const std::string path = (std::filesystem::path(folder) / kReportName).string();
-    if (Status s = write_file(path, json_text(report_of_all(report))); !s) return s;
-    written.push_back(path);
-  }
+// Writes report.json into the folder, if there is one.
+Status write_report(const std::string& folder, const Json& json,
+                    std::vector<std::string>& written) {
+  if (folder.empty()) return Success{};
+  written.push_back((std::filesystem::path(folder) / kReportName).string());
+  return write_file(written.back(), json_text(json));
+}
+
+// Runs one body; prints and writes its report, and adds that to `objects`.
+Status run_one(const BodyScene& body, Json& objects, SceneRun& run) {
+  Result<RunReport> report = simulate(body);
+  if (!report) return report.error();
+  const Warnings warnings = warnings_of(*report);
+  print_text(*report, warnings);
+  objects.push_back(to_json(*report, body));
+  objects.back()["warnings"] = warnings;
+  std::vector<std::string>& files = report->files;
+  const std::string& out = body.file.outputs.out;
+  if (Status s = write_report(out, objects.back(), files); !s) return s;
+  if (!out.empty()) tell("  wrote into {}: {}\n", out, list_files(files));
+  run.written.insert(run.written.end(), files.begin(), files.end());
+  run.ending.signal = report->signal;
+  if (report->exit_code == 0) return Success{};
+  tell("tremolo: {}: {}\n", report->name, report->reason);
+  run.ending.exit_code = report->exit_code;
   return Success{};
+}
+
+// Several bodies also have a report of all in the folder above theirs.
+Result<SceneRun> run_all(const std::vector<BodyScene>& bodies) {
+  SceneRun run;
+  Json objects = Json::array();
+  std::map<std::string, Json> reports;
+  for (const BodyScene& body : bodies) {
+    if (Status s = run_one(body, objects, run); !s) return s.error();
+    if (bodies.size() > 1) reports[folder_of_all(body, bodies)].push_back(objects.back());
+    if (run.ending.signal != 0) break;
+  }
+  for (const auto& [folder, report] : reports)
+    if (Status s = write_report(folder, report_of_all(report), run.written); !s) return s.error();
+  run.json = objects.size() == 1 ? objects.front() : report_of_all(objects);
+  return run;
 }
 
 }  // namespace
 
 int run_command(const std::vector<BodyScene>& bodies, bool json) {
-  const RunOutputs outputs = outputs_of(bodies);
   std::vector<NamedFile> inputs;
   for (const BodyScene& body : bodies)
     for (NamedFile& input : inputs_of(body)) inputs.push_back(std::move(input));
-  if (Status s = outputs.check(inputs); !s) return report_error(s.error());
-  const GuardedInputs guard(inputs);
-  std::vector<std::string> written;
-  Json objects = Json::array();
-  int code = 0, signal = 0;
-  for (const BodyScene& body : bodies) {
-    Result<RunReport> report = simulate(body);
-    if (!report) return report_error(report.error());
-    const Warnings warnings = warnings_of(*report);
-    print_text(*report, warnings);
-    objects.push_back(to_json(*report, body));
-    objects.back()["warnings"] = warnings;
-    if (Status status = write_report(body.file.outputs.out, report->files, objects.back(), written);
-        !status)
-      return report_error(status.error());
-    if (report->exit_code != 0) {
-      tell("tremolo: {}: {}\n", report->name, report->reason);
-      code = report->exit_code;
-    }
-    signal = report->signal;
-    if (signal != 0) break;
-  }
-  if (bodies.size() > 1)
-    if (Status s = write_reports(bodies, objects, written); !s) return report_error(s.error());
-  if (Status s = outputs.remove_earlier(written); !s) return report_error(s.error());
-  if (json) print_json(objects.size() == 1 ? objects.front() : report_of_all(objects));
-  const Status printed = flush_standard_output();
-  // The calling process sees that a signal ended this one.
-  if (signal != 0) ::raise(signal);
-  return printed ? code : report_error(printed.error());
+  return run_scene(inputs, outputs_of(bodies), {}, json, [&bodies] { return run_all(bodies); });
 }
 
 }  // namespace tremolo

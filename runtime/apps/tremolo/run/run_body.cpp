@@ -37,6 +37,20 @@ Result<Model::Pointer> load_rescaled(const SceneBody& body, const std::string& r
   return model;
 }
 
+// The world without the load, whose forces are found already.
+Result<SceneWorld> unloaded_world(const RunInput& input) {
+  Scene scene = input.scene.file.scene;
+  SceneBody& body = scene.bodies.front();
+  body.loads.clear();
+  Result<SceneWorld> world = SceneWorld::create(
+      scene, [&input](const SceneBody&) { return Result<Model::Pointer>(input.model); });
+  if (world) return world;
+  Error error = value_error(world.error());
+  const std::string name = "body '" + body.name + "': ";
+  if (error.message.starts_with(name)) error.message.erase(0, name.size());
+  return error;
+}
+
 }  // namespace
 
 Error value_error(Error error) {
@@ -74,25 +88,26 @@ Result<RunInput> load_body(const BodyScene& scene) {
   return input;
 }
 
-Result<Body> make_body(const RunInput& input) {
+Result<SceneWorld> world_of_one(const RunInput& input) {
   const BodyScene& scene = input.scene;
-  Result<Body> body = Body::create(input.model, scene.body().integrator, scene.settings());
-  if (!body) return value_error(body.error());
+  Result<SceneWorld> world = unloaded_world(input);
+  if (!world) return world;
+  ContactBody& body = world->body(0);
   const Result<Load> load = reduced_load(input);
   if (!load) return load.error();
   if (load->signal.kind != SignalKind::kNone) {
     DefaultLoad forces = input.forces;
     for (Eigen::Vector3d& force : forces.forces) force *= scene.load().scale;
-    if (Status status = body->add_load(load->signal, forces); !status)
+    if (Status status = body.add_load(load->signal, forces); !status)
       return value_error(status.error());
   }
-  if (scene.start.empty()) return body;
+  if (scene.start.empty()) return world;
   const double at_start = sample_signal(load->signal, 0.0, scene.step()).start;
-  const Result<State> start = start_state(scene.start, body->model(), at_start * load->force);
+  const Result<State> start = start_state(scene.start, body.model(), at_start * load->force);
   if (!start) return start.error();
-  if (Status status = body->set_state(start->q, start->p); !status)
+  if (Status status = body.set_state(start->q, start->p); !status)
     return value_error(status.error());
-  return body;
+  return world;
 }
 
 Result<Eigen::VectorXd> largest_load(const RunInput& input) {

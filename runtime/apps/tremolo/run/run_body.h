@@ -1,4 +1,4 @@
-// Makes the body of a scene of one body.
+// Makes the world of a scene of one body.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 #include "common/result.h"
 #include "formats/basis/basis_data.h"
 #include "runtime/apps/tremolo/run/body_scene.h"
-#include "runtime/body.h"
+#include "runtime/world/scene_world.h"
 
 namespace tremolo {
 
@@ -17,7 +17,7 @@ Result<Model::Pointer> load_model(const BodyScene& scene);
 // those of selectors; kUsage for a model without a default load where the scene names none.
 Result<DefaultLoad> load_of_run(const BodyScene& scene, const Model& model);
 
-// A body before its run. It must outlive the body that make_body() makes of it.
+// A body before its run. It must outlive the world that world_of_one() makes of it.
 struct RunInput {
   Model::Pointer model;
   BodyScene scene;
@@ -28,9 +28,9 @@ struct RunInput {
 // load_of_run().
 Result<RunInput> load_body(const BodyScene& scene);
 
-// Makes the body with its load in the state of --start. Errors of Body::create and Body::add_load,
-// and of start_state.
-Result<Body> make_body(const RunInput& input);
+// The world of the scene's body alone, with its load, in the state of --start. Errors of
+// SceneWorld::create, without the body's name, of Body::add_load, and of start_state.
+Result<SceneWorld> world_of_one(const RunInput& input);
 
 // The largest reduced force of the load in time, r: of a square, a sine and a constant one; zero
 // for an impulse, which is over before the body is where it would hold it, and for --signal.

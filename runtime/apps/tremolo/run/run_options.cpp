@@ -6,8 +6,7 @@
 
 #include <toml++/toml.h>
 
-#include "formats/file/input_file.h"
-#include "runtime/apps/tremolo/run/sound.h"
+#include "runtime/apps/tremolo/output/sound.h"
 #include "runtime/apps/tremolo/start/start_state.h"
 #include "runtime/io/scenes/toml_keys.h"
 
@@ -173,12 +172,6 @@ Status read_body(const std::string& path, const toml::table& table, RunOptions& 
 
 }  // namespace
 
-Result<std::vector<RunOptions>> read_scene(const std::string& path) {
-  const Result<std::string> text = read_whole_file(path);
-  if (!text) return text.error();
-  return parse_scene(*text, path);
-}
-
 Result<std::vector<RunOptions>> parse_scene(std::string_view text, const std::string& path) {
   const Result<toml::table> scene = parse_toml(text, path);
   if (!scene) return scene.error();
@@ -203,19 +196,20 @@ Result<std::vector<RunOptions>> parse_scene(std::string_view text, const std::st
   return bodies;
 }
 
-void put_over(const RunOptions& flags, const std::function<bool(const char*)>& given,
-              RunOptions& options) {
+void put_over(const GivenFlags& flags, RunOptions& options) {
   for (const Option& option : kOptions)
-    if (given(("--" + std::string(option.name)).c_str())) option.copy(flags, options);
-  if (given("--load")) {
+    if (flags.given(("--" + std::string(option.name)).c_str())) option.copy(flags.values, options);
+  if (flags.given("--load")) {
     options.signal.clear();
-    if (!given("--frequency")) options.shape.frequency.reset();
-    if (!given("--sweep")) options.shape.sweep.clear();
+    if (!flags.given("--frequency")) options.shape.frequency.reset();
+    if (!flags.given("--sweep")) options.shape.sweep.clear();
   }
-  if (given("--alpha") || given("--beta")) options.damping_ratio.clear();
-  if (given("--scale")) options.deflect.clear();
-  if (given("--deflect")) options.scale = 1.0;
-  if (!options.wav.empty() && !given("--step")) take_sound_step(options);
+  if (flags.given("--alpha") || flags.given("--beta")) options.damping_ratio.clear();
+  if (flags.given("--scale")) options.deflect.clear();
+  if (flags.given("--deflect")) options.scale = 1.0;
+  if (options.wav.empty() || flags.given("--step")) return;
+  options.step = kSoundStep;
+  options.sound_steps = 0;
 }
 
 }  // namespace tremolo

@@ -17,7 +17,7 @@ namespace tremolo {
 
 // One body. The names are those of the flags; units SI.
 struct RunOptions {
-  std::string name;   // the scene's table; the file's stem without a scene
+  std::string name;   // the scene's table; empty: the stem of the model's file
   std::string model;  // path of the basis file
   std::string scene;  // path of the scene; empty: none
   std::string integrator{kDefaultIntegrator};
@@ -55,17 +55,20 @@ struct RunOptions {
   bool hull = false;                   // of the solid's boundary, not of a render surface
 };
 
-// A scene: one table a body, keys as the long flags; `model`, the path of the basis file, `signal`
-// and a file of `start` are relative to the scene file. Errors: kSystem if unreadable; kContent
-// with file, line and the wrong key or type.
-Result<std::vector<RunOptions>> read_scene(const std::string& path);
-// The same for the file's contents; `path` is for errors, and `model` is relative to it.
+// The contents of a scene file: one table a body, keys as the long flags; `model`, the path of the
+// basis file, `signal` and a file of `start` are relative to the scene file. Errors: kContent with
+// file, line and the wrong key or type.
 Result<std::vector<RunOptions>> parse_scene(std::string_view text, const std::string& path);
 
-// Flags that are `given`, such as "--step", replace the options of the same quantity. --wav without
+// The flags of a command line, as parsed, and whether one, such as "--step", was given.
+struct GivenFlags {
+  RunOptions values;
+  std::function<bool(const char*)> given;
+};
+
+// Flags that are given replace the options of the same quantity. --wav without
 // --step chooses the step.
-void put_over(const RunOptions& flags, const std::function<bool(const char*)>& given,
-              RunOptions& options);
+void put_over(const GivenFlags& flags, RunOptions& options);
 
 }  // namespace tremolo
 

@@ -1,20 +1,20 @@
 #include "runtime/apps/tremolo/run/simulate.h"
 
-#include <chrono>
+#include <algorithm>
 #include <cmath>
-#include <csignal>
-#include <cstring>
 #include <limits>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "common/processor.h"
 #include "common/units.h"
 #include "runtime/apps/tremolo/output/run_progress.h"
+#include "runtime/apps/tremolo/output/sound.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/run/body_files.h"
+#include "runtime/apps/tremolo/run/follow.h"
 #include "runtime/apps/tremolo/run/run_body.h"
-#include "runtime/apps/tremolo/run/sound.h"
 #include "runtime/apps/tremolo/run/watch.h"
 #include "runtime/apps/tremolo/start/run_notes.h"
 #include "runtime/scene/selection.h"
@@ -22,10 +22,8 @@
 namespace tremolo {
 namespace {
 
-// Steps between two measurements: the memory that one uses costs the next step some microseconds,
-// and a signal waits for up to a block.
-constexpr std::size_t kBlock = 64;
-constexpr std::chrono::seconds kFlushEvery{1};  // the CSV can be followed so closely
+// A signal waits for up to a block.
+constexpr std::int64_t kBlock = 64;
 
 RunReport start_report(const BodyScene& scene, const Body& body) {
   RunReport report;
@@ -40,71 +38,38 @@ RunReport start_report(const BodyScene& scene, const Body& body) {
   return report;
 }
 
-// Connections of a run to the outside: the signal that ends it early and the display of its
-// progress; null: none.
-struct RunLinks {
-  const Interruption* interruption = nullptr;
-  ToldProgress* progress = nullptr;
-};
-
-// Steps the body to the end of its time and passes every state to `watch`. False: the run ended
-// early, with the reason in the report.
-Result<bool> follow(Body& body, std::int64_t steps, const RunLinks& links, Watch& watch,
-                    RunReport& report) {
-  Moment start;
-  look_at(body, start);
-  Result<bool> inside = watch.observe(start);
-  if (!inside || !*inside) return inside;
-  March march(body, kBlock);
-  auto flushed = std::chrono::steady_clock::now();
-  while (body.counts().steps < steps && !march.failed()) {
-    for (const Moment& moment : march.advance(steps)) {
-      inside = watch.observe(moment);
-      if (!inside || !*inside) break;
-    }
-    report.microseconds_per_step = march.microseconds_per_step();
-    if (!inside || !*inside) return inside;
-    if (links.progress != nullptr) links.progress->reached(body.time());
-    if (const auto now = std::chrono::steady_clock::now(); now - flushed > kFlushEvery) {
-      flushed = now;
-      if (Status status = watch.flush(); !status) return status.error();
-    }
-    report.signal = links.interruption == nullptr ? 0 : links.interruption->signal();
-    if (report.signal != 0) {
-      report.exit_code = 128 + report.signal;
-      report.reason = fmt::format("ended at t = {:.6g} s by signal {} ({})", body.time(),
-                                  report.signal, ::strsignal(report.signal));
-      return false;
-    }
-  }
-  if (!march.failed()) return true;
-  report.give_up(*march.failed(), body.time());
-  return false;
-}
-
-Result<RunReport> run_body(const RunInput& input, const RunLinks& links) {
+// interruption: null for a trial.
+Result<RunReport> run_body(const RunInput& input, const Interruption* interruption,
+                           ToldProgress& progress) {
   const BodyScene& scene = input.scene;
-  Result<Body> body = make_body(input);
-  if (!body) return body.error();
+  Result<SceneWorld> world = world_of_one(input);
+  if (!world) return world.error();
+  const ContactBody& body = world->body(0);
   const Result<RecordedColumns> columns = recorded_columns(scene.body().columns, *input.model);
   if (!columns) return columns.error();
   const std::int64_t steps = std::llround(scene.file.scene.duration / scene.step());
   Result<BodyFiles> files = BodyFiles::create(scene.file.outputs, *columns, *input.model, steps);
   if (!files) return files.error();
 
-  RunReport report = start_report(scene, *body);
-  if (links.interruption != nullptr) {  // not a trial
+  RunReport report = start_report(scene, body);
+  if (interruption != nullptr) {
     Eigen::VectorXd load;
     if (Status s = take(load, largest_load(input)); !s) return s.error();
-    report.notes = notes_before(*body, load);
+    report.notes = notes_before(body, load);
     for (const std::string& note : report.notes) tell("{}: note: {}\n", report.name, note);
   }
   Result<Watch> watch =
-      Watch::create(scene, *body, columns->probes.empty() ? nullptr : columns->probes.data(), steps,
-                    std::move(*files), report);
+      Watch::create(scene, body, kBlock, columns->probes.empty() ? nullptr : columns->probes.data(),
+                    steps, std::move(*files), report);
   if (!watch) return value_error(watch.error());
-  const Result<bool> whole = follow(*body, steps, links, *watch, report);
-  if (!whole) return whole.error();
+  const Result<WorldEnding> ending = follow(
+      *world, {scene.file.scene.duration, kBlock, processor_time, &progress, interruption}, *watch);
+  if (!ending) return ending.error();
+  report.exit_code = ending->exit_code;
+  report.reason = ending->reason;
+  report.signal = ending->signal;
+  report.microseconds_per_step =
+      1e6 * ending->seconds / static_cast<double>(std::max<std::int64_t>(ending->steps, 1));
   if (Status status = watch->finish(); !status) return status.error();
   return report;
 }
@@ -118,7 +83,7 @@ Result<LoadAttempt> attempt(const RunInput& input, double scale) {
   const SceneBody& body = trial.scene.body();
   ToldProgress progress(fmt::format("{}, load times {:.4g}", body.name, scale),
                         trial.scene.file.scene.duration);
-  const Result<RunReport> report = run_body(trial, {nullptr, &progress});
+  const Result<RunReport> report = run_body(trial, nullptr, progress);
   if (!report) return report.error();
   if (!(report->size > 0)) return content_error(body.model + ": the surface has no size");
   return LoadAttempt{scale,
@@ -177,7 +142,7 @@ Result<RunReport> simulate(const BodyScene& scene) {
   if (!rigid) return rigid.error();
   const Interruption interruption;
   ToldProgress progress(scene.body().name, scene.file.scene.duration);
-  Result<RunReport> report = run_body(*input, {&interruption, &progress});
+  Result<RunReport> report = run_body(*input, &interruption, progress);
   if (!report) return report;
   report->rigid = *rigid;
   const BodyScene& used = input->scene;

@@ -9,6 +9,9 @@
 namespace tremolo {
 namespace {
 
+// The CSV's temporary file can be followed so closely.
+constexpr std::chrono::seconds kFlushEvery{1};
+
 // Steps between two measurements of the shape: it moves by the slow modes, and a measurement costs
 // more than a step. With a fortieth of the slowest mode's period it misses 0.3 % of the amplitude
 // at most.
@@ -34,11 +37,14 @@ double sound_interval(const BodyScene& scene) {
 
 }  // namespace
 
-Result<Watch> Watch::create(const BodyScene& scene, const Body& body, const int* first_probe,
-                            std::int64_t steps, BodyFiles files, RunReport& report) {
+Result<Watch> Watch::create(const BodyScene& scene, const Body& body, std::int64_t block,
+                            const int* first_probe, std::int64_t steps, BodyFiles files,
+                            RunReport& report) {
   Result<Body> seen = make_seen(body, scene.body().options.split);
   if (!seen) return seen.error();
   Watch watch(scene, std::move(*seen), steps, std::move(files), report);
+  watch.moments_.resize(static_cast<std::size_t>(block));
+  for (Moment& moment : watch.moments_) look_at(body, moment);
   if (first_probe != nullptr) {
     Result<VertexRows> rows = body.model().vertex(*first_probe);
     if (!rows) return rows.error();
@@ -64,6 +70,28 @@ Watch::Watch(const BodyScene& scene, Body seen, std::int64_t steps, BodyFiles fi
   report_->size = surface_size(seen_.model());
 }
 
+void Watch::note(const SceneWorld& world) {
+  if (!world.failed(0)) look_at(world.body(0), moments_[noted_++]);
+}
+
+Status Watch::look(const SceneWorld& world, std::span<const SceneWorld::Failure> failures,
+                   WorldEnding& ending) {
+  Result<bool> inside = true;
+  for (const Moment& moment : std::span(moments_).first(std::exchange(noted_, 0))) {
+    inside = observe(moment);
+    if (!inside) return inside.error();
+    if (!*inside) break;
+  }
+  if (*inside && !failures.empty()) report_->give_up(failures.front().report, world.body(0).time());
+  ending.exit_code = report_->exit_code;
+  ending.reason = report_->reason;
+  const auto now = std::chrono::steady_clock::now();
+  if (now - flushed_ <= kFlushEvery) return Success{};
+  flushed_ = now;
+  return files_.flush();
+}
+
+// False: the orbit has left its energy bound, and the report says so.
 Result<bool> Watch::observe(const Moment& moment) {
   note_split(moment);
   Energy energy;

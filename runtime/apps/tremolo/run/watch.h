@@ -1,38 +1,43 @@
 // Measures and writes everything that a run reports, step by step.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "common/energy.h"
+#include "runtime/apps/tremolo/output/sound.h"
+#include "runtime/apps/tremolo/output/stretch.h"
 #include "runtime/apps/tremolo/run/body_files.h"
+#include "runtime/apps/tremolo/run/follow.h"
 #include "runtime/apps/tremolo/run/simulate.h"
-#include "runtime/apps/tremolo/run/sound.h"
-#include "runtime/apps/tremolo/run/stretch.h"
 #include "runtime/energy.h"
 
 namespace tremolo {
 
-class Watch {
+class Watch : public WorldWatch {
  public:
-  // body: the run's; measurements are made on a copy, which is set to each recorded state. steps:
-  // the number of the whole run. Scene and report must outlive this.
-  // Errors of Body::create and Model::vertex.
-  static Result<Watch> create(const BodyScene& scene, const Body& body, const int* first_probe,
-                              std::int64_t steps, BodyFiles files, RunReport& report);
+  // body: the world's only one; block: of the run, steps. Measurements are made on a copy, which is
+  // set to each recorded state. steps: the number of the whole run. Scene and report must outlive
+  // this. Errors of Body::create and Model::vertex.
+  static Result<Watch> create(const BodyScene& scene, const Body& body, std::int64_t block,
+                              const int* first_probe, std::int64_t steps, BodyFiles files,
+                              RunReport& report);
 
-  // Takes the start and then every step, in order. False: the orbit has left its energy bound, and
-  // the report says so.
-  Result<bool> observe(const Moment& moment);
+  void note(const SceneWorld& world) override;
+  // A failed step or an orbit beyond its energy bound ends the run, and the report says why.
+  Status look(const SceneWorld& world, std::span<const SceneWorld::Failure> failures,
+              WorldEnding& ending) override;
 
-  // Writes the buffered rows, so that the CSV's temporary file can be followed.
-  Status flush() { return files_.flush(); }
   // Completes the report and renames the files from their temporary names.
   Status finish();
 
  private:
   Watch(const BodyScene& scene, Body seen, std::int64_t steps, BodyFiles files, RunReport& report);
+  Result<bool> observe(const Moment& moment);
   void note_energy(const Moment& moment, const Energy& energy);
   void note_split(const Moment& moment);
   void note_shape(const Moment& moment);
@@ -40,6 +45,8 @@ class Watch {
   const BodyScene* scene_;
   RunReport* report_;
   Body seen_;
+  std::vector<Moment> moments_;  // of a block
+  std::size_t noted_ = 0;
   BodyFiles files_;
   std::unique_ptr<SurfaceStretch> stretch_;
   Eigen::Matrix<double, 3, Eigen::Dynamic> probe_;
@@ -50,6 +57,7 @@ class Watch {
   ShapeLooks shape_looks_;
   std::int64_t shape_seen_ = -1;  // steps at the last measurement of the shape
   Moment last_;
+  std::chrono::steady_clock::time_point flushed_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace tremolo

@@ -14,8 +14,8 @@
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/output/text_values.h"
 #include "runtime/apps/tremolo/run/run_files.h"
+#include "runtime/apps/tremolo/run/scene_ending.h"
 #include "runtime/apps/tremolo/tets/tets_commands.h"
-#include "runtime/apps/tremolo/world/scene_ending.h"
 #include "runtime/bodies/tets/motion/tet_group.h"
 
 namespace tremolo {

@@ -6,7 +6,7 @@
 #include "runtime/apps/tremolo/output/scene_places.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/run/run_body.h"
-#include "runtime/apps/tremolo/world/scene_ending.h"
+#include "runtime/apps/tremolo/run/scene_ending.h"
 
 namespace tremolo {
 namespace {
@@ -36,23 +36,22 @@ int inspect_tets_command(const TetScene& scene, bool json) {
 
 namespace {
 
-Status apply_tets_method(const RunOptions& flags, const std::string& degree,
-                         const std::function<bool(const char*)>& given, TetBodyOptions& options) {
-  if (given("--integrator"))
-    if (Status s = take(options.method, parse_tet_method(flags.integrator)); !s) return s;
-  if (given("--degree"))
+Status apply_tets_method(const GivenFlags& flags, const std::string& degree,
+                         TetBodyOptions& options) {
+  if (flags.given("--integrator"))
+    if (Status s = take(options.method, parse_tet_method(flags.values.integrator)); !s) return s;
+  if (flags.given("--degree"))
     if (Status s = take(options.degree.kind, parse_degree(degree)); !s) return s;
-  if (given("--alpha")) options.alpha = flags.alpha;
-  if (given("--beta")) options.beta = flags.beta;
-  if (given("--tolerance")) options.tolerance = flags.tolerance;
-  if (given("--max-iterations")) options.max_iterations = flags.max_iterations;
+  if (flags.given("--alpha")) options.alpha = flags.values.alpha;
+  if (flags.given("--beta")) options.beta = flags.values.beta;
+  if (flags.given("--tolerance")) options.tolerance = flags.values.tolerance;
+  if (flags.given("--max-iterations")) options.max_iterations = flags.values.max_iterations;
   return Success{};
 }
 
 }  // namespace
 
-Status apply_tets_flags(const RunOptions& flags, const std::string& degree,
-                        const std::function<bool(const char*)>& given, TetScene& scene) {
+Status apply_tets_flags(const GivenFlags& flags, const std::string& degree, TetScene& scene) {
   for (const char* flag :
        {"--load",    "--frequency",     "--sweep",        "--load-duration", "--signal",
         "--at",      "--force",         "--scale",        "--deflect",       "--start",
@@ -60,21 +59,21 @@ Status apply_tets_flags(const RunOptions& flags, const std::string& degree,
         "--rescale", "--damping-ratio", "--newmark-beta", "--newmark-gamma", "--split",
         "--safety",  "--probe",         "--coordinate",   "--velocities",    "--plot",
         "--save",    "--restore"})
-    if (given(flag))
+    if (flags.given(flag))
       return usage_error(fmt::format(
           "{} does not apply to bodies of kind \"tets\": they take --integrator, --degree, "
           "--alpha, --beta, --tolerance, --max-iterations, --step, --duration and flags "
           "of outputs",
           flag));
-  if (given("--threads"))
+  if (flags.given("--threads"))
     return usage_error(
         "--threads does not apply to bodies of kind \"tets\": set `threads` in the scene");
-  if (given("--step")) scene.step = flags.step;
-  if (given("--duration")) scene.duration = flags.duration;
-  if (Status s = apply_output_flags(flags, given, scene.outputs); !s) return s;
-  if (Status s = check_times(given, scene.step, scene.duration); !s) return s;
+  if (flags.given("--step")) scene.step = flags.values.step;
+  if (flags.given("--duration")) scene.duration = flags.values.duration;
+  if (Status s = apply_output_flags(flags, scene.outputs); !s) return s;
+  if (Status s = check_times(flags, scene.step, scene.duration); !s) return s;
   for (TetSceneBody& body : scene.bodies) {
-    if (Status s = apply_tets_method(flags, degree, given, body.options); !s) return s;
+    if (Status s = apply_tets_method(flags, degree, body.options); !s) return s;
     body.options.step = scene.step;
     if (Status s = check(body.options); !s) return s;
   }

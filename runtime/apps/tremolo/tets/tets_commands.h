@@ -1,7 +1,6 @@
 // `tremolo run`, `inspect` and `export` of a scene with tetrahedra.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,8 +16,7 @@ namespace tremolo {
 // degree: of --degree. given: whether a flag, such as "--step", is on the command line. Errors:
 // kUsage for a flag that does not apply to these bodies or an unknown name; kContent for a value
 // out of range.
-Status apply_tets_flags(const RunOptions& flags, const std::string& degree,
-                        const std::function<bool(const char*)>& given, TetScene& scene);
+Status apply_tets_flags(const GivenFlags& flags, const std::string& degree, TetScene& scene);
 
 // The files that a run reads.
 std::vector<NamedFile> inputs_of(const TetScene& scene);

@@ -130,7 +130,7 @@ Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, 
 BodyLog::BodyLog(std::size_t body, BodyFiles files, const ShapeLooks& looks, SharedLooks& shared)
     : body_(body), files_(std::move(files)), shape_looks_(looks), shared_(&shared) {}
 
-Result<bool> BodyLog::observe(const SceneWorld& world) {
+Status BodyLog::observe(const SceneWorld& world) {
   const ContactBody& body = world.body(body_);
   look_at(body, moment_);
   const EnergyAccount account = world.account(body_);
@@ -177,13 +177,13 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
                 touching.hands.x(),
                 touching.hands.y(),
                 touching.hands.z()};
-    if (Status s = files_.write_row(moment_, body.energy(), further_); !s) return s.error();
+    if (Status s = files_.write_row(moment_, body.energy(), further_); !s) return s;
   }
-  if (Status s = files_.write_surface(moment_, body); !s) return s.error();
+  if (Status s = files_.write_surface(moment_, body); !s) return s;
   // Energy stored in contact is not yet energy of the body.
-  if (moment_.bound.sound(account.total() - account.contact)) return true;
-  report_.leave_bound(account.total(), moment_.time);
-  return false;
+  if (!moment_.bound.sound(account.total() - account.contact))
+    report_.leave_bound(account.total(), moment_.time);
+  return Success{};
 }
 
 void BodyLog::note_shape(const SceneWorld& world) {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "runtime/apps/tremolo/output/stretch.h"
 #include "runtime/apps/tremolo/run/body_files.h"
 #include "runtime/apps/tremolo/run/body_report.h"
-#include "runtime/apps/tremolo/run/stretch.h"
 #include "runtime/apps/tremolo/world/surface_depth.h"
 #include "runtime/io/scenes/scene_reader.h"
 #include "runtime/world/scene_world.h"
@@ -69,9 +69,9 @@ class BodyLog {
   static Result<BodyLog> create(const SceneFile& file, const SceneWorld& world, std::size_t body,
                                 SharedLooks& shared);
 
-  // Takes the start and then every step. False: the orbit has left its energy bound, and the report
-  // says so.
-  Result<bool> observe(const SceneWorld& world);
+  // Takes the start and then every step. The report says whether the orbit has left its energy
+  // bound.
+  Status observe(const SceneWorld& world);
   void give_up(const StepReport& step, double time) { report_.give_up(step, time); }
   // Renames the files from their temporary names.
   Status finish(const SceneWorld& world);

@@ -19,9 +19,8 @@ Result<std::vector<Eigen::Vector3d>> boundary_of(const Body& body) {
   return places;
 }
 
-Result<PlacedBody> placed(const std::string& name, const std::string& kind,
-                          const std::string& model, const Body& body) {
-  PlacedBody place{name, kind, model, body.pose(), {}, {}};
+Result<PlacedBody> placed(const SceneBody& wanted, const Body& body) {
+  PlacedBody place{wanted.name, kind_name(wanted), solid_name(wanted), body.pose(), {}, {}};
   if (Status s = take(place.surface, boundary_of(body)); !s) return s.error();
   if (body.model().modes() == 0) return place;
   const double first = hertz(body.model().lambda()(0));
@@ -29,11 +28,18 @@ Result<PlacedBody> placed(const std::string& name, const std::string& kind,
   return place;
 }
 
-void warn_of_step(const PlacedBody& body, double step, ScenePlaces& places) {
-  if (!body.first_mode) return;
-  const std::string warning =
-      step_warning(*body.first_mode, step, "body '" + body.name + "': its ", "a step of ");
-  if (!warning.empty()) places.warnings.push_back(warning);
+Status add_bodies(const SceneWorld& world, ScenePlaces& places) {
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    Result<PlacedBody> body = placed(world.scene().bodies[i], world.body(i));
+    if (!body) return body.error();
+    const std::string warning = body->first_mode
+                                    ? step_warning(*body->first_mode, world.step_size(),
+                                                   "body '" + body->name + "': its ", "a step of ")
+                                    : std::string();
+    if (!warning.empty()) places.warnings.push_back(warning);
+    places.bodies.push_back(std::move(*body));
+  }
+  return Success{};
 }
 
 // Bodies of tetrahedra follow the others, then cloths.
@@ -61,14 +67,7 @@ Result<ScenePlaces> places_of(const MixedFile& mixed) {
   ScenePlaces places{
       file.path, "a world of bodies", world->step_size(), file.scene.duration, true, {}, {}, {}};
   places.warnings = keyframe_warnings(file.scene.bodies, file.scene.colliders);
-  for (std::size_t i = 0; i < world->size(); ++i) {
-    const SceneBody& wanted = file.scene.bodies[i];
-    Result<PlacedBody> body =
-        placed(wanted.name, kind_name(wanted), solid_name(wanted), world->body(i));
-    if (!body) return body.error();
-    warn_of_step(*body, places.step, places);
-    places.bodies.push_back(std::move(*body));
-  }
+  if (Status s = add_bodies(*world, places); !s) return s.error();
   if (Status s = add_guest_places(mixed, *world, places); !s) return s.error();
   for (std::size_t c = 0; c < world->colliders().size(); ++c) {
     const PlacedCollider& collider = world->colliders()[c];
@@ -83,15 +82,11 @@ Result<ScenePlaces> places_of(const std::vector<BodyScene>& bodies) {
       first.path, "bodies, each by itself", first.scene.step, first.scene.duration, false, {}, {},
       {}};
   for (const BodyScene& scene : bodies) {
-    const SceneBody& wanted = scene.body();
     const Result<RunInput> input = load_body(scene);
     if (!input) return input.error();
-    const Result<Body> made = make_body(*input);
+    const Result<SceneWorld> made = world_of_one(*input);
     if (!made) return made.error();
-    Result<PlacedBody> body = placed(wanted.name, "fixed", wanted.model, *made);
-    if (!body) return body.error();
-    warn_of_step(*body, scene.step(), places);
-    places.bodies.push_back(std::move(*body));
+    if (Status s = add_bodies(*made, places); !s) return s.error();
   }
   return places;
 }

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <optional>
 #include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -56,59 +56,39 @@ RunOutputs outputs_of(const MixedFile& mixed) {
   return outputs;
 }
 
-Result<bool> observe_all(const SceneWorld& world, std::vector<BodyLog>& logs) {
-  bool inside = true;
-  for (std::size_t i = 0; i < logs.size(); ++i) {
-    if (world.failed(i)) continue;
-    const Result<bool> one = logs[i].observe(world);
-    if (!one) return one.error();
-    inside = inside && *one;
-  }
-  return inside;
+// All that a run of a world measures and writes.
+struct WorldRun : WorldWatch {
+  std::vector<BodyLog> logs;
+  GuestRuns guests;
+  std::optional<WorldSound> sound;  // of --wav
+  WorldMomentum momentum;
+
+  Status look(const SceneWorld& world, std::span<const SceneWorld::Failure> failures,
+              WorldEnding& ending) override;
+  // Takes the ending of the first body that has one.
+  void end(WorldEnding& ending) const;
+};
+
+Status WorldRun::look(const SceneWorld& world, std::span<const SceneWorld::Failure> failures,
+                      WorldEnding& ending) {
+  for (const auto& [body, report] : failures) logs[body].give_up(report, world.body(body).time());
+  for (std::size_t i = 0; i < logs.size(); ++i)
+    if (!world.failed(i))
+      if (Status s = logs[i].observe(world); !s) return s;
+  if (Status s = guests.observe(); !s) return s;
+  momentum.observe(world, guests.guests());
+  if (sound) sound->add(world);
+  end(ending);
+  guests.ended(ending);
+  return Success{};
 }
 
-void tell_end(const std::vector<BodyLog>& logs, WorldEnding& ending) {
+void WorldRun::end(WorldEnding& ending) const {
   for (const BodyLog& log : logs) {
     if (log.report().exit_code == 0 || ending.exit_code != 0) continue;
     ending.exit_code = log.report().exit_code;
     ending.reason = "body '" + log.report().name + "': " + log.report().reason;
   }
-}
-
-// Steps the world to the end of its time. clock: s, of the steps. sound: null without --wav. An
-// orbit or a step that fails ends the run.
-Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
-                                 std::vector<BodyLog>& logs, GuestRuns& guests, WorldSound* sound,
-                                 double (*clock)()) {
-  WorldMomentum momentum;
-  const Interruption interruption;
-  ToldProgress progress(fs::path(file.path).stem().string(), file.scene.duration);
-  const std::int64_t steps = std::llround(file.scene.duration / file.scene.step);
-  const std::int64_t before_it = world.steps();
-  WorldEnding ending;
-  Result<bool> inside = observe_all(world, logs);
-  if (Status s = guests.observe(); !s) return s.error();
-  momentum.observe(world, guests.guests());
-  if (sound != nullptr) sound->add(world);
-  while (inside && *inside && world.steps() < steps && ending.exit_code == 0) {
-    const double before = clock();
-    const auto failures = world.step();
-    ending.seconds += clock() - before;
-    for (const auto& [body, report] : failures) logs[body].give_up(report, world.body(body).time());
-    inside = observe_all(world, logs);
-    if (Status s = guests.observe(); !s) return s.error();
-    momentum.observe(world, guests.guests());
-    if (sound != nullptr) sound->add(world);
-    tell_end(logs, ending);
-    guests.ended(ending);
-    progress.reached(world.time());
-    ending.interrupted(interruption.signal(), world.time());
-  }
-  if (!inside) return inside.error();
-  ending.steps = world.steps() - before_it;
-  ending.momentum_error = momentum.error();
-  tell_end(logs, ending);
-  return ending;
 }
 
 // Prints each note once, for the first body that has it.
@@ -165,6 +145,38 @@ Result<SceneWorld> make_world(SceneFile& file, bool guests) {
   return SceneWorld::create(file.scene, known, guests);
 }
 
+// clock of the steps: with several threads the wall's.
+Result<WorldEnding> follow_scene(const SceneFile& file, unsigned threads, SceneWorld& world,
+                                 WorldRun& run) {
+  const Interruption interruption;
+  ToldProgress progress(fs::path(file.path).stem().string(), file.scene.duration);
+  const auto clock = threads == 1 ? processor_time : wall_time;
+  return follow(world, {file.scene.duration, 1, clock, &progress, &interruption}, run);
+}
+
+// Prints the run.
+SceneRun report_of(const SceneFile& file, const SceneWorld& world, const WorldRun& run,
+                   const WorldEnding& ending) {
+  tell("{}: {} bodies reached {:.6g} of {:.6g} s in steps of {:.4g} s, {:.2f} us each\n",
+       fs::path(file.path).stem().string(), world.size() + run.guests.size(), world.time(),
+       file.scene.duration, world.step_size(),
+       1e6 * ending.seconds / static_cast<double>(ending.steps));
+  print_bodies(file, world, run.logs);
+  run.guests.print();
+  Warnings warnings = world_warnings(file.scene, world);
+  if (run.sound)
+    for (std::string& warning :
+         sound_warnings(world, 1.0 / (world.step_size() * file.outputs.sound_steps)))
+      warnings.push_back(std::move(warning));
+  print_warnings(warnings);
+  std::vector<std::string> written = run.guests.files();
+  for (const BodyLog& log : run.logs)
+    written.insert(written.end(), log.report().files.begin(), log.report().files.end());
+  return {
+      world_json(file, world, run.logs, run.guests.json(), ending, run.momentum.error(), warnings),
+      ending, std::move(written)};
+}
+
 Result<SceneRun> run_world(MixedFile mixed, unsigned threads) {
   SceneFile& file = mixed.file;
   Result<SceneWorld> world = make_world(file, mixed.has_guests());
@@ -181,50 +193,30 @@ Result<SceneRun> run_world(MixedFile mixed, unsigned threads) {
   if (mixed.has_guests())
     if (Status s = take(made, add_guests(mixed.tets, mixed.cloths, file.path, *world)); !s)
       return s.error();
-  Result<GuestRuns> guests = GuestRuns::create(mixed, made);
-  if (!guests) return guests.error();
-  std::vector<BodyLog> logs;
+  WorldRun run;
+  if (Status s = take(run.guests, GuestRuns::create(mixed, made)); !s) return s.error();
   SharedLooks shared;
   for (std::size_t i = 0; i < world->size(); ++i) {
     Result<BodyLog> log = BodyLog::create(file, *world, i, shared);
     if (!log) return of_body(i, log.error());
-    logs.push_back(std::move(*log));
+    run.logs.push_back(std::move(*log));
   }
-  take_notes(file, *world, logs);
-  std::optional<WorldSound> sound;
+  take_notes(file, *world, run.logs);
   if (!file.outputs.wav.empty())
-    if (Status s =
-            take(sound, WorldSound::create(file.outputs.listen, *world, file.outputs.sound_steps));
+    if (Status s = take(run.sound,
+                        WorldSound::create(file.outputs.listen, *world, file.outputs.sound_steps));
         !s)
       return error_of_file(file.path, s.error());
-  const auto clock = threads == 1 ? processor_time : wall_time;
-  Result<WorldEnding> ending =
-      follow_world(file, *world, logs, *guests, sound ? &*sound : nullptr, clock);
+  Result<WorldEnding> ending = follow_scene(file, threads, *world, run);
   if (!ending) return ending.error();
-  for (BodyLog& log : logs)
+  for (BodyLog& log : run.logs)
     if (Status s = log.finish(*world); !s) return s.error();
-  if (Status s = guests->finish(); !s) return s.error();
-  tell_end(logs, *ending);
+  if (Status s = run.guests.finish(); !s) return s.error();
+  run.end(*ending);
   if (Status s = save_end(file, *world, *ending); !s) return s.error();
-  if (sound && (ending->exit_code == 0 || ending->signal != 0))
-    if (Status s = sound->write(file.outputs.wav); !s) return s.error();
-  tell("{}: {} bodies reached {:.6g} of {:.6g} s in steps of {:.4g} s, {:.2f} us each\n",
-       fs::path(file.path).stem().string(), world->size() + guests->size(), world->time(),
-       file.scene.duration, world->step_size(),
-       1e6 * ending->seconds / static_cast<double>(ending->steps));
-  print_bodies(file, *world, logs);
-  guests->print();
-  Warnings warnings = world_warnings(file.scene, *world);
-  if (sound)
-    for (std::string& warning :
-         sound_warnings(*world, 1.0 / (world->step_size() * file.outputs.sound_steps)))
-      warnings.push_back(std::move(warning));
-  print_warnings(warnings);
-  std::vector<std::string> written = guests->files();
-  for (const BodyLog& log : logs)
-    written.insert(written.end(), log.report().files.begin(), log.report().files.end());
-  return SceneRun{world_json(file, *world, logs, guests->json(), *ending, warnings), *ending,
-                  std::move(written)};
+  if (run.sound && (ending->exit_code == 0 || ending->signal != 0))
+    if (Status s = run.sound->write(file.outputs.wav); !s) return s.error();
+  return report_of(file, *world, run, *ending);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 #include "common/result.h"
 #include "runtime/apps/tremolo/run/log_files.h"
-#include "runtime/apps/tremolo/world/scene_ending.h"
+#include "runtime/apps/tremolo/run/scene_ending.h"
 #include "runtime/io/scenes/nodal_readers.h"
 #include "runtime/world/world_guests.h"
 

@@ -1,7 +1,6 @@
 // `tremolo run` and `inspect` of a scene with several bodies.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,15 +13,13 @@
 namespace tremolo {
 
 // Applies command-line flags, which override the scene; those of a method apply to every body.
-// given: whether a flag, such as "--step", is on the command line. Errors: kUsage for a flag that
+// Errors: kUsage for a flag that
 // does not apply to a world or names something that does not exist; kContent for a value out of
 // range.
-Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
-                   SceneFile& file);
+Status apply_flags(const GivenFlags& flags, SceneFile& file);
 // The same for a scene that may have bodies of tetrahedra. Errors (kUsage) also for flags of a
 // method with some.
-Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
-                   MixedFile& mixed);
+Status apply_flags(const GivenFlags& flags, MixedFile& mixed);
 
 // "fixed", "driven", "free" or "rigid".
 const char* kind_name(const SceneBody& body);

@@ -4,98 +4,52 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "common/damping_ratios.h"
-#include "runtime/apps/tremolo/run/sound.h"
-#include "runtime/apps/tremolo/world/scene_ending.h"
+#include "runtime/apps/tremolo/output/sound.h"
+#include "runtime/apps/tremolo/run/scene_ending.h"
 #include "runtime/apps/tremolo/world/world_commands.h"
 #include "runtime/integrator.h"
-#include "runtime/split.h"
 
 namespace tremolo {
-namespace {
 
-Status apply_to_body(const RunOptions& flags, const std::function<bool(const char*)>& given,
-                     SceneBody& body) {
-  IntegratorOptions& options = body.options;
-  if (given("--integrator")) body.integrator = flags.integrator;
-  if (given("--modes")) body.model_options.modes = flags.modes;
-  if (given("--linear")) body.model_options.linear = flags.linear;
-  if (given("--hull")) body.model_options.hull = flags.hull;
-  if (given("--alpha") || given("--beta")) options.ratios = {};
-  if (given("--alpha")) {
-    options.alpha = flags.alpha;
-    body.alphas.clear();
-  }
-  if (given("--beta")) {
-    options.beta = flags.beta;
-    body.betas.clear();
-  }
-  if (given("--damping-ratio")) {
-    const Result<DampingRatios> damping = parse_damping(flags.damping_ratio);
-    if (!damping) return damping.error();
-    put_damping(*damping, options);
-    body.alphas.clear();
-    body.betas.clear();
-  }
-  if (given("--newmark-beta")) options.newmark_beta = flags.newmark_beta;
-  if (given("--newmark-gamma")) options.newmark_gamma = flags.newmark_gamma;
-  if (given("--tolerance")) options.tolerance = flags.tolerance;
-  if (given("--max-iterations")) options.max_iterations = flags.max_iterations;
-  if (given("--probe")) body.columns.probes = flags.probes;
-  if (given("--coordinate")) body.columns.coordinates = flags.coordinates;
-  if (given("--velocities")) body.columns.velocities = flags.velocities;
-  if (given("--split")) {
-    const double safety = options.split.safety;
-    if (Status s = take(options.split, parse_split(flags.split)); !s) return s;
-    options.split.safety = safety;
-  }
-  if (given("--safety")) options.split.safety = flags.safety;
-  return Success{};
-}
-
-}  // namespace
-
-Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
-                   SceneFile& file) {
+Status apply_flags(const GivenFlags& flags, SceneFile& file) {
   for (const char* flag : {"--load", "--signal", "--at", "--force", "--scale", "--deflect",
                            "--start", "--frequency", "--sweep", "--load-duration", "--rescale"})
-    if (given(flag))
+    if (flags.given(flag))
       return usage_error(fmt::format(
           "{} applies only to one body: set it in the scene, where {} has its own table", flag,
           file.scene.bodies.size() == 1 ? "the body" : "each body"));
   const auto names = integrator_names();
-  if (given("--integrator") &&
-      std::find(names.begin(), names.end(), flags.integrator) == names.end())
+  if (flags.given("--integrator") &&
+      std::find(names.begin(), names.end(), flags.values.integrator) == names.end())
     return usage_error(fmt::format("--integrator: unknown integrator '{}'; there are {}",
-                                   flags.integrator, fmt::join(names, ", ")));
+                                   flags.values.integrator, fmt::join(names, ", ")));
   for (SceneBody& body : file.scene.bodies)
-    if (Status s = apply_to_body(flags, given, body); !s) return s;
-  if (given("--step")) file.scene.step = flags.step;
-  if (given("--duration")) file.scene.duration = flags.duration;
+    if (Status s = apply_to_body(flags, body); !s) return s;
+  if (flags.given("--step")) file.scene.step = flags.values.step;
+  if (flags.given("--duration")) file.scene.duration = flags.values.duration;
   SceneOutputs& outputs = file.outputs;
-  if (given("--wav")) outputs.wav = flags.wav;
-  if (given("--listen")) outputs.listen = flags.listen;
-  if (!outputs.wav.empty() && !given("--step")) {
+  if (flags.given("--wav")) outputs.wav = flags.values.wav;
+  if (flags.given("--listen")) outputs.listen = flags.values.listen;
+  if (!outputs.wav.empty() && !flags.given("--step")) {
     file.scene.step = kSoundStep;
     outputs.sound_steps = 0;
   }
   if (Status s = check_sound(outputs.wav, file.scene.step); !s) return s;
-  if (Status s = apply_output_flags(flags, given, outputs); !s) return s;
-  if (Status s = check_times(given, file.scene.step, file.scene.duration); !s) return s;
+  if (Status s = apply_output_flags(flags, outputs); !s) return s;
+  if (Status s = check_times(flags, file.scene.step, file.scene.duration); !s) return s;
   return check_scene(file.scene);
 }
 
-Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
-                   MixedFile& mixed) {
+Status apply_flags(const GivenFlags& flags, MixedFile& mixed) {
   if (mixed.has_guests())
     for (const char* flag : {"--integrator", "--alpha", "--beta", "--damping-ratio", "--tolerance",
                              "--max-iterations"})
-      if (given(flag))
+      if (flags.given(flag))
         return usage_error(
             fmt::format("{}: bodies of {} and the others have methods of their own: set it in the "
                         "scene",
                         flag, mixed.tets.empty() ? "cloth" : "tetrahedra"));
-  if (Status s = apply_flags(flags, given, mixed.file); !s) return s;
+  if (Status s = apply_flags(flags, mixed.file); !s) return s;
   mixed.set_guest_step(mixed.file.scene.step);
   return Success{};
 }

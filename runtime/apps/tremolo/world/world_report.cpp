@@ -164,7 +164,7 @@ Warnings world_warnings(const Scene& scene, const SceneWorld& world) {
 }
 
 Json world_json(const SceneFile& file, const SceneWorld& world, const std::vector<BodyLog>& logs,
-                const std::vector<Json>& guests, const WorldEnding& ending,
+                const std::vector<Json>& guests, const WorldEnding& ending, double momentum_error,
                 const Warnings& warnings) {
   Json json;
   json["schema"] = kReportSchema;
@@ -179,7 +179,7 @@ Json world_json(const SceneFile& file, const SceneWorld& world, const std::vecto
   double worst = 0.0;
   for (const BodyLog& log : logs) worst = std::max(worst, log.report().balance_error());
   json["energy_balance_error"] = number_or_null(worst);
-  json["momentum_error"] = number_or_null(ending.momentum_error);
+  json["momentum_error"] = number_or_null(momentum_error);
   json["contact_speed_limit"] = number_or_null(world.contact_speed_limit());
   add_ending(ending, json);
   json["bodies"] = Json::array();

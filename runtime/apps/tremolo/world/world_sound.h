@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/result.h"
-#include "runtime/apps/tremolo/run/sound.h"
+#include "runtime/apps/tremolo/output/sound.h"
 #include "runtime/world/scene_world.h"
 
 namespace tremolo {

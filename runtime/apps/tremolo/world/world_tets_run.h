@@ -8,7 +8,7 @@
 
 #include "common/result.h"
 #include "runtime/apps/tremolo/measure/tets_log.h"
-#include "runtime/apps/tremolo/world/scene_ending.h"
+#include "runtime/apps/tremolo/run/scene_ending.h"
 #include "runtime/world/guest_bound.h"
 #include "runtime/world/world_guests.h"
 

@@ -38,12 +38,12 @@ std::pair<double, double> extent(const ClothWorld& world) {
 
 }  // namespace
 
-Result<ClothFile> read_cloth_file(const std::string& file, const ViewFlags& flags) {
+Result<ClothFile> read_cloth_file(const std::string& file, const GivenFlags& flags) {
   const Result<std::string> text = read_whole_file(file);
   if (!text) return text.error();
   Result<ClothFile> read = parse_cloths(*text, file);
   if (!read) return read.error();
-  if (Status s = apply_cloth_flags(flags.flags, flags.given, *read); !s) return s.error();
+  if (Status s = apply_cloth_flags(flags, *read); !s) return s.error();
   return read;
 }
 
@@ -244,7 +244,7 @@ std::optional<Vector3d> ClothScenes::hand() const {
 
 namespace {
 
-Result<int> view_cloth(const ViewerOptions& options, const ViewFlags& flags) {
+Result<int> view_cloth(const ViewerOptions& options, const GivenFlags& flags) {
   if (Status s = refuse_body_flags(options, "cloth"); !s) return s.error();
   if (options.colour != "body")
     return usage_error("--colour " + options.colour +
@@ -265,7 +265,7 @@ Result<int> view_cloth(const ViewerOptions& options, const ViewFlags& flags) {
 
 }  // namespace
 
-int view_cloth_command(const ViewerOptions& options, const ViewFlags& flags) {
+int view_cloth_command(const ViewerOptions& options, const GivenFlags& flags) {
   return end_view(view_cloth(options, flags));
 }
 

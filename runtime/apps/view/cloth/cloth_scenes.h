@@ -41,7 +41,7 @@ Status write_recorded_cloth(const std::string& path, const ClothFile& file, cons
 
 // The scene with the command line's flags over it. Errors: those of parse_cloths() and
 // apply_cloth_flags(); kSystem where the file cannot be read.
-Result<ClothFile> read_cloth_file(const std::string& file, const ViewFlags& flags);
+Result<ClothFile> read_cloth_file(const std::string& file, const GivenFlags& flags);
 
 class ClothScenes : public MovingSurfaces {
  public:
@@ -112,6 +112,6 @@ class ClothScenes : public MovingSurfaces {
 };
 
 // `tremolo view` of scenes with [[cloths]], with or without --offscreen; errors are printed.
-int view_cloth_command(const ViewerOptions& options, const ViewFlags& flags);
+int view_cloth_command(const ViewerOptions& options, const GivenFlags& flags);
 
 }  // namespace tremolo

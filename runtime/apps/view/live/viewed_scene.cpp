@@ -60,37 +60,28 @@ Result<ViewedScene> scene_of(const std::vector<BodyScene>& bodies, const std::st
 }
 
 Result<ViewedScene> single_bodies(const std::string& text, const std::string& file,
-                                  const ViewFlags& flags) {
-  Result<std::vector<RunOptions>> tables = parse_scene(text, file);
-  if (!tables) return tables.error();
-  std::vector<BodyScene> bodies;
-  for (RunOptions& table : *tables) {
-    put_over(flags.flags, flags.given, table);
-    Result<BodyScene> body = body_scene(table);
-    if (!body) return body.error();
-    bodies.push_back(std::move(*body));
-  }
-  return scene_of(bodies, file);
+                                  const GivenFlags& flags) {
+  const Result<std::vector<BodyScene>> bodies = body_scenes(text, flags, file);
+  if (!bodies) return bodies.error();
+  return scene_of(*bodies, file);
 }
 
 // The default load is dropped for a model without one.
-Result<ViewedScene> basis_file(const std::string& file, const ViewFlags& flags) {
-  RunOptions options = flags.flags;
-  options.model = file;
-  options.name = fs::path(file).stem().string();
-  Result<BodyScene> body = body_scene(options);
-  if (!body) return body.error();
-  if (options.at.empty() && !flags.given("--load") && options.signal.empty()) {
-    const Result<Model::Pointer> model = load_model(*body);
+Result<ViewedScene> basis_file(const std::string& file, const GivenFlags& flags) {
+  Result<std::vector<BodyScene>> bodies = model_scene(file, flags);
+  if (!bodies) return bodies.error();
+  SceneLoad& load = bodies->front().load();
+  if (load.at.empty() && !load.table && !flags.given("--load")) {
+    const Result<Model::Pointer> model = load_model(bodies->front());
     if (!model) return model.error();
-    if ((*model)->default_load().vertices.empty()) body->load().signal.kind = SignalKind::kNone;
+    if ((*model)->default_load().vertices.empty()) load.signal.kind = SignalKind::kNone;
   }
-  return scene_of({std::move(*body)}, file);
+  return scene_of(*bodies, file);
 }
 
 }  // namespace
 
-Result<ViewedScene> read_viewed_scene(const std::string& file, const ViewFlags& flags) {
+Result<ViewedScene> read_viewed_scene(const std::string& file, const GivenFlags& flags) {
   if (fs::path(file).extension() != ".toml") return basis_file(file, flags);
   Result<std::string> text = read_whole_file(file);
   if (!text) return text.error();
@@ -99,7 +90,7 @@ Result<ViewedScene> read_viewed_scene(const std::string& file, const ViewFlags& 
   if (!*world) return single_bodies(*text, file, flags);
   Result<SceneFile> read = parse_world(*text, file);
   if (!read) return read.error();
-  if (Status s = apply_flags(flags.flags, flags.given, *read); !s) return s.error();
+  if (Status s = apply_flags(flags, *read); !s) return s.error();
   return ViewedScene{file, std::move(*text), read->scene,
                      std::vector<std::string>(read->scene.bodies.size()), inputs_of(*read)};
 }

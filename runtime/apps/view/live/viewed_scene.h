@@ -1,7 +1,6 @@
 // Reads the viewer's input, a basis file, a scene of single bodies or a world, as one scene.
 #pragma once
 
-#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
@@ -26,17 +25,11 @@ struct ViewedScene {
   std::vector<NamedFile> inputs = {};
 };
 
-// The command line.
-struct ViewFlags {
-  RunOptions flags;                        // as parsed
-  std::function<bool(const char*)> given;  // whether a flag, by its long name, was given
-};
-
 // A single body, of a basis file or of a scene without [[bodies]], keeps its load; without --load,
 // a model that has no default load has none. Several such bodies must have one step. Errors: those
 // of scene files; kUsage for --deflect, and as for apply_flags() for a world; kContent for a value
 // out of range.
-Result<ViewedScene> read_viewed_scene(const std::string& file, const ViewFlags& flags);
+Result<ViewedScene> read_viewed_scene(const std::string& file, const GivenFlags& flags);
 
 // A cache of loaded models, so that a world can restart without reading them again.
 class ModelCache {

@@ -157,7 +157,7 @@ std::optional<Vector3d> TetsScenes::held() const {
 
 namespace {
 
-Result<int> view_tets(const ViewerOptions& options, const ViewFlags& flags) {
+Result<int> view_tets(const ViewerOptions& options, const GivenFlags& flags) {
   if (Status s = refuse_body_flags(options, "tetrahedra"); !s) return s.error();
   if (options.colour != "body" && options.colour != "degree")
     return usage_error("--colour " + options.colour + " is not of bodies of tetrahedra");
@@ -165,7 +165,7 @@ Result<int> view_tets(const ViewerOptions& options, const ViewFlags& flags) {
   if (!text) return text.error();
   Result<TetScene> scene = parse_tets_scene(*text, options.file);
   if (!scene) return scene.error();
-  if (Status s = apply_tets_flags(flags.flags, "", flags.given, *scene); !s) return s.error();
+  if (Status s = apply_tets_flags(flags, "", *scene); !s) return s.error();
   const std::vector<NamedFile> inputs = inputs_of(*scene);
   Result<TetsScenes> scenes = TetsScenes::create(std::move(*scene), options.colour == "degree");
   if (!scenes) return scenes.error();
@@ -174,7 +174,7 @@ Result<int> view_tets(const ViewerOptions& options, const ViewFlags& flags) {
 
 }  // namespace
 
-int view_tets_command(const ViewerOptions& options, const ViewFlags& flags) {
+int view_tets_command(const ViewerOptions& options, const GivenFlags& flags) {
   return end_view(view_tets(options, flags));
 }
 

@@ -61,6 +61,6 @@ class TetsScenes : public MovingSurfaces {
 };
 
 // `tremolo view` of such a scene, with or without --offscreen; errors are printed.
-int view_tets_command(const ViewerOptions& options, const ViewFlags& flags);
+int view_tets_command(const ViewerOptions& options, const GivenFlags& flags);
 
 }  // namespace tremolo

@@ -1,4 +1,4 @@
-#include "runtime/apps/tremolo/world/scene_ending.h"
+#include "runtime/apps/tremolo/run/scene_ending.h"
 
 #include <cmath>
 #include <csignal>
@@ -12,13 +12,12 @@
 
 namespace tremolo {
 
-Status apply_output_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
-                          SceneOutputs& outputs) {
-  if (given("--out")) outputs.out = flags.out;
-  if (given("--every")) outputs.every = flags.every;
-  if (given("--surfaces")) outputs.surfaces = flags.surfaces;
-  if (given("--surface-format")) outputs.surface_format = flags.surface_format;
-  if (given("--plot")) outputs.plot = flags.plot;
+Status apply_output_flags(const GivenFlags& flags, SceneOutputs& outputs) {
+  if (flags.given("--out")) outputs.out = flags.values.out;
+  if (flags.given("--every")) outputs.every = flags.values.every;
+  if (flags.given("--surfaces")) outputs.surfaces = flags.values.surfaces;
+  if (flags.given("--surface-format")) outputs.surface_format = flags.values.surface_format;
+  if (flags.given("--plot")) outputs.plot = flags.values.plot;
   if ((outputs.surfaces > 0 || outputs.plot) && outputs.out.empty())
     return usage_error("--surfaces and --plot need --out DIR");
   if (outputs.every < 1) return content_error("--every must be at least 1");
@@ -26,9 +25,9 @@ Status apply_output_flags(const RunOptions& flags, const std::function<bool(cons
   return Success{};
 }
 
-Status check_times(const std::function<bool(const char*)>& given, double step, double duration) {
+Status check_times(const GivenFlags& flags, double step, double duration) {
   for (const auto& [flag, value] : {std::pair{"--step", step}, {"--duration", duration}})
-    if (given(flag) && !(value > 0.0 && std::isfinite(value)))
+    if (flags.given(flag) && !(value > 0.0 && std::isfinite(value)))
       return content_error(fmt::format("{} must be positive and finite (s)", flag));
   if (duration < 0.5 * step)
     return content_error(
@@ -65,9 +64,9 @@ int run_scene(const std::vector<NamedFile>& inputs, const RunOutputs& files,
     const std::string path = (std::filesystem::path(outputs.out) / kReportName).string();
     if (Status s = write_file(path, json_text(json)); !s) return report_error(s.error());
     written.push_back(path);
-    if (Status s = files.remove_earlier(written); !s) return report_error(s.error());
   }
-  if (ending.exit_code != 0) tell("tremolo: {}\n", ending.reason);
+  if (Status s = files.remove_earlier(written); !s) return report_error(s.error());
+  if (!ending.reason.empty()) tell("tremolo: {}\n", ending.reason);
   if (print) print_json(json);
   const Status printed = flush_standard_output();
   if (ending.signal != 0) ::raise(ending.signal);

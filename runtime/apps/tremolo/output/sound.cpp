@@ -1,4 +1,4 @@
-#include "runtime/apps/tremolo/run/sound.h"
+#include "runtime/apps/tremolo/output/sound.h"
 
 #include <algorithm>
 #include <cmath>

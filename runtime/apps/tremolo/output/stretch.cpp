@@ -1,4 +1,4 @@
-#include "runtime/apps/tremolo/run/stretch.h"
+#include "runtime/apps/tremolo/output/stretch.h"
 
 #include <algorithm>
 #include <cmath>

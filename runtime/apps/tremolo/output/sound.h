@@ -9,7 +9,6 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
-#include "runtime/apps/tremolo/run/run_options.h"
 #include "runtime/integrator.h"
 #include "runtime/model.h"
 
@@ -21,13 +20,6 @@ inline constexpr double kSoundStep = 1.0 / 48000.0;
 // path: of --wav; step: s. Errors: kUsage for an ending that is not .wav, kContent for a step that
 // is not that of a whole number of samples a second from 8 000 to 192 000.
 Status check_sound(const std::string& path, double step);
-
-// Sets the step of a run without --step to that of the samples; simulate() divides it if its modes
-// need that.
-inline void take_sound_step(RunOptions& options) {
-  options.step = kSoundStep;
-  options.sound_steps = 0;
-}
 
 // The largest relative frequency error of an audible mode: 5 cents, less than an ear can
 // distinguish. Above it --wav takes several steps per sample.

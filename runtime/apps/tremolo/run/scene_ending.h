@@ -15,14 +15,13 @@
 
 namespace tremolo {
 
-// Flags that are `given` override the scene's outputs. Errors (kUsage, kContent): surfaces or a
+// Flags that are given override the scene's outputs. Errors (kUsage, kContent): surfaces or a
 // plot without a folder, counts out of range.
-Status apply_output_flags(const RunOptions& flags, const std::function<bool(const char*)>& given,
-                          SceneOutputs& outputs);
+Status apply_output_flags(const GivenFlags& flags, SceneOutputs& outputs);
 
 // Errors (kContent): --step or --duration (s), where given, is not positive and finite; the
 // duration is shorter than half a step.
-Status check_times(const std::function<bool(const char*)>& given, double step, double duration);
+Status check_times(const GivenFlags& flags, double step, double duration);
 
 // The end of the run of a scene. signal: the one that interrupted it; 0: none.
 struct SceneEnding {
@@ -37,17 +36,18 @@ struct SceneEnding {
 // Adds exit_code and reason.
 void add_ending(const SceneEnding& ending, nlohmann::ordered_json& json);
 
-// The result of a run. written: the paths of all files but the report.
+// The result of a run. written: the paths of all files but the report of all. ending.reason: empty
+// if it has been printed.
 struct SceneRun {
   nlohmann::ordered_json json;
   SceneEnding ending;
   std::vector<std::string> written;
 };
 
-// Runs a scene by `run`, once all files are known to be writable. Writes report.json into the run's
-// folder, removes files of earlier runs there, prints why the run ended early, prints the JSON if
-// requested, and raises the signal again. Returns the program's exit code; errors are printed on
-// stderr.
+// Runs a scene by `run`, once all files are known to be writable. Writes report.json into
+// outputs.out, if there is one, removes files of earlier runs there, prints why the run ended
+// early, prints the JSON if requested, and raises the signal again. Returns the program's exit
+// code; errors are printed on stderr.
 int run_scene(const std::vector<NamedFile>& inputs, const RunOutputs& files,
               const SceneOutputs& outputs, bool print,
               const std::function<Result<SceneRun>()>& run);

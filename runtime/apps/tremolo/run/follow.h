@@ -1,0 +1,47 @@
+// The run of a world from its start to the end of its time.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "common/result.h"
+#include "runtime/apps/tremolo/output/run_progress.h"
+#include "runtime/apps/tremolo/run/scene_ending.h"
+#include "runtime/world/scene_world.h"
+
+namespace tremolo {
+
+// The end of a run of a world.
+struct WorldEnding : SceneEnding {
+  double seconds = 0.0;    // of the steps, by the run's clock
+  std::int64_t steps = 0;  // that this run tried
+};
+
+// Measures and writes what a run reports. Energies, shapes and CSV rows use far more memory than a
+// step and would evict a step's data from the caches: so a watch may note the states of a block of
+// steps, and look at them when the block is complete.
+class WorldWatch {
+ public:
+  virtual ~WorldWatch() = default;
+  // At the start and after each step, within the measured time.
+  virtual void note(const SceneWorld&) {}
+  // At the start and after each block. failures: of its last step; without one all steps of the
+  // block were made. The watch ends the run by a code and a reason. Errors: those of writing.
+  virtual Status look(const SceneWorld& world, std::span<const SceneWorld::Failure> failures,
+                      WorldEnding& ending) = 0;
+};
+
+// How a world is followed.
+struct Following {
+  double duration = 0.0;        // s, from the start of the world's time
+  std::int64_t block = 1;       // steps between two looks, unless one fails
+  double (*clock)() = nullptr;  // s
+  ToldProgress* progress = nullptr;
+  const Interruption* interruption = nullptr;  // the signal that ends the run early; null: none
+};
+
+// Steps the world to the end of its time, or to a block whose look or signal ends the run. Errors
+// of the watch.
+Result<WorldEnding> follow(SceneWorld& world, const Following& how, WorldWatch& watch);
+
+}  // namespace tremolo
