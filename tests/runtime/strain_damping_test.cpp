@@ -70,12 +70,111 @@ TEST(StrainDamping, AMotionThatDoesNotStrainIsNotDamped) {
   const StrainModel strain = circle(50.0);
   const Model::Pointer model = make_model(strain);
   ASSERT_TRUE(model->strain_matrix());
-  StrainDamping damping(*model, 1.0);
-  for (double angle = 0.0; angle < 6.0; angle += 0.3) {
-    const Eigen::Vector3d q(std::sin(angle), std::cos(angle) - 1.0, 0.0);
-    const Eigen::Vector3d v(std::cos(angle), -std::sin(angle), 0.0);
-    // The soft strain of 1e-3 rad/s is all that is left of 2500.
-    EXPECT_LE(damping_of(damping, strain, q, v).norm(), 2e-6 + 1e-12) << angle;
+  for (const double tolerance : {0.0, 1e-6}) {
+    StrainDamping damping(*model, 1.0, tolerance);
+    for (double angle = 0.0; angle < 6.0; angle += 0.3) {
+      const Eigen::Vector3d q(std::sin(angle), std::cos(angle) - 1.0, 0.0);
+      const Eigen::Vector3d v(std::cos(angle), -std::sin(angle), 0.0);
+      // The soft strain of 1e-3 rad/s is all that is left of 2500.
+      EXPECT_LE(damping_of(damping, strain, q, v).norm(), 2e-6 + 1e-12) << angle;
+    }
+  }
+}
+
+// The leading r coordinates of a model with `more`: the strains of the others are quadratic in
+// them, so that no coordinate cancels these.
+Model::Pointer make_leading(const StrainModel& strain, int r) {
+  const auto model = Model::from_data(sample_basis(strain), {.modes = r});
+  EXPECT_TRUE(model && (*model)->strain_matrix());
+  return *model;
+}
+
+TEST(StrainDampingInFloat, TheForceHasTheRoundingOfFloatForEveryNumberOfCoordinates) {
+  for (int r = 1; r <= 41; ++r) {
+    const StrainModel strain = random_strain_model(spread_omega(r + 6, 3.0, 400.0), 0.5, 13);
+    const Model::Pointer model = make_leading(strain, r);
+    StrainDamping exact(*model, 1.0), quick(*model, 1.0, 1e-6);
+    StrainModel positive = strain;
+    for (auto& b : positive.b) b = b.cwiseAbs();
+    for (const double size : {1e-30, 0.6, 1e30}) {
+      VectorXd q = VectorXd::Zero(r + 6), v = q;
+      q.head(r) = random_vector(r, 0.6, 5);
+      v.head(r) = random_vector(r, size, 6);
+      VectorXd expected(r), force(r);
+      exact.force(q.head(r), v.head(r), expected);
+      const double power = quick.force(q.head(r), v.head(r), force);
+      EXPECT_NEAR(power, v.head(r).dot(force), 1e-12 * force.norm() * v.norm());
+      // A coefficient, a rate, their product and a sum are each rounded by 2^-24 of the terms
+      // without their signs.
+      const double terms =
+          strain_damping_force(positive, q.cwiseAbs(), v.cwiseAbs()).head(r).norm();
+      EXPECT_LE((force - expected).norm(), std::ldexp(4.0, -24) * terms) << r << ", " << size;
+    }
+  }
+}
+
+// Three strains that are quadratic in nine soft coordinates: six directions at each q do not
+// strain them.
+TEST(StrainDampingInFloat, NoVelocityGainsEnergyByRounding) {
+  constexpr Eigen::Index kSoft = 9, kStrains = 3;
+  VectorXd omega = VectorXd::LinSpaced(kSoft + kStrains, 1.0, 2.0);
+  omega.head(kSoft) *= 1e-10;
+  StrainModel strain = random_strain_model(omega, 1.0, 14);
+  for (Eigen::Index e = 0; e < kSoft; ++e) strain.b[e].setZero();
+  const Model::Pointer model = make_leading(strain, kSoft);
+  StrainDamping damping(*model, 1.0, 1e-6);
+  int rounded_away = 0;
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    const VectorXd q = random_vector(kSoft, 1.0, seed);
+    Eigen::MatrixXd rates(kStrains, kSoft);
+    for (Eigen::Index e = 0; e < kStrains; ++e)
+      rates.row(e) = 2.0 * (strain.b[kSoft + e].topLeftCorner(kSoft, kSoft) * q).transpose();
+    VectorXd v = random_vector(kSoft, 1.0, 300 + seed);
+    v -= rates.transpose() * (rates * rates.transpose()).ldlt().solve(rates * v);
+    VectorXd force(kSoft);
+    const double power = damping.force(q, v, force) + v.dot(model->lambda().cwiseProduct(v));
+    EXPECT_GE(power, -1e-15 * rates.norm() * v.norm()) << seed;
+    if (power < 1e-15) ++rounded_away;
+  }
+  EXPECT_GT(rounded_away, 20);  // without the bound these would gain energy
+}
+
+TEST(StrainDampingInFloat, ARunClosesItsEnergyAndFollowsTheExactOneInAsManyCorrections) {
+  constexpr int kModes = 8;
+  const StrainModel strain = random_strain_model(spread_omega(kModes + 6, 20.0, 600.0), 0.5, 15);
+  const Model::Pointer model = make_leading(strain, kModes);
+  const auto energy = [&](const State& s) {
+    VectorXd q = VectorXd::Zero(kModes + 6);
+    q.head(kModes) = s.q;
+    return 0.5 * s.p.squaredNorm() + strain_energy(strain, q);
+  };
+  for (const char* name : {"avf", "ep2", "ep4", "newmark", "midpoint"}) {
+    // The tolerances on both sides of the one from which on float is used.
+    State ends[2];
+    int corrections[2] = {};
+    for (const bool quick : {false, true}) {
+      const double tolerance = kQuickTolerance * (quick ? 1.0 : 0.999);
+      const auto integrator =
+          make(name, model, {.step = 2e-3, .beta = 3e-4, .tolerance = tolerance, .halvings = 0});
+      State state{random_vector(kModes, 0.02, 7), random_vector(kModes, 5.0, 8)};
+      const double start = energy(state);
+      StepLoad load = make_step_load(kModes);
+      double dissipated = 0.0;
+      for (int k = 0; k < 300; ++k) {
+        const StepReport report = integrator->step(state, load);
+        ASSERT_TRUE(report.converged) << name;
+        dissipated += report.dissipated;
+        corrections[quick ? 1 : 0] += report.iterations;
+      }
+      ends[quick ? 1 : 0] = state;
+      EXPECT_LT(energy(state), 0.9 * start) << name;
+      if (name[0] != 'n' && name[0] != 'm') {
+        EXPECT_NEAR(energy(state) + dissipated, start, 1e-13 * start) << name;
+      }
+    }
+    EXPECT_NEAR(corrections[0], corrections[1], 0.02 * corrections[0]) << name;
+    // The tolerance of 300 steps, which leave the orbits apart anyway.
+    EXPECT_LE((ends[0].q - ends[1].q).norm(), 300 * kQuickTolerance * ends[0].q.norm()) << name;
   }
 }
 

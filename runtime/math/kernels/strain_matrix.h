@@ -12,6 +12,15 @@
 // With z = (1, q) and dz = (0, v) the rates of all terms are w_ab = z_a dz_b + dz_a z_b, a <= b,
 // and J^T y is (T + T^T) z for the packed triangle T of y. The only cost is a product with G, in
 // which each coefficient is loaded once for its row and its column.
+//
+// In the blocks of the linear terms and the pairs, G = (Lambda B; B^T Q). With the rates v of the
+// former and w of the latter the square of the strains' rate is that of two parts,
+//
+//     (v + Lambda^-1 B w)^T Lambda (v + Lambda^-1 B w) + w^T H w,      H = Q - B^T Lambda^-1 B.
+//
+// The stiff coordinates follow the soft ones so that nothing is stretched: they cancel in the first
+// square, whatever cancels only in double. What is left, a small part of the stresses of Q, bears
+// the rounding of float: multiply_quickly().
 #pragma once
 
 #include <cstddef>
@@ -32,18 +41,38 @@ class StrainMatrix {
     AlignedDoubles rates;   // w
     AlignedDoubles stress;  // G w, without the linear block
     AlignedDoubles product;
+    // Of multiply_quickly(); rates and stress have the pairs of q alone.
+    AlignedDoubles q, v;
+    AlignedDoubles linear;        // B w
+    AlignedDoubles below;         // sums of H w in double
+    AlignedFloats float_rates;    // w, scaled
+    AlignedFloats float_stretch;  // v + Lambda^-1 B w, scaled
+    AlignedFloats above;          // the other sums
   };
   Workspace make_workspace() const;
 
   // out = M(q) v, r each. Returns v . M(q) v. Nothing is allocated.
   double multiply(const double* q, const double* v, Workspace& workspace, double* out) const;
 
+  // The same in half the time: the stretch v + Lambda^-1 B w in double, the stresses B^T (its
+  // Lambda-fold) + H w of the pairs in float. out is off by about 1e-7 of the force of these
+  // stresses, and v . (M(q) + Lambda) v is never negative but for the rounding of double.
+  double multiply_quickly(const double* q, const double* v, Workspace& workspace,
+                          double* out) const;
+
   std::size_t size() const { return r_; }
 
  private:
+  void split(std::span<const double> gram);
+
   std::size_t r_;
   std::size_t padded_;  // pairs of (1, q), to whole vectors
   AlignedDoubles tiles_;
+  AlignedDoubles stiffness_;      // Lambda
+  AlignedDoubles coupling_;       // B: for each vector of rows all pairs, a vector each
+  AlignedFloats float_coupling_;  // B/unit_: for each vector of pairs all rows
+  AlignedFloats float_tiles_;     // H/unit_
+  double unit_ = 1.0;             // the largest entry of H
 };
 
 }  // namespace tremolo

@@ -89,7 +89,7 @@ class EnergyPreserving final : public Integrator {
         D_(damping.D),
         theta_D_(damping.theta.cwiseProduct(D_)),
         S_((0.5 + h_ * theta_D_.array()).inverse().matrix()),
-        strain_(*model_, options.beta),
+        strain_(*model_, options.beta, options.tolerance),
         N_(std::move(filter)),
         workspace_(model_->potential().make_workspace(kUseSegment)),
         Z_(MatrixXd::Zero(D_.size(), D_.size())),
@@ -169,12 +169,17 @@ class EnergyPreserving final : public Integrator {
       report = solve_exactly(report);
     }
     if (report.converged && !can_be_given_back() && tolerance_ > kStrict) {
-      tolerance_ = kStrict;
+      set_tolerance(kStrict);
       newton_.unknowns = d_;
       report = solve_exactly(report);
-      tolerance_ = options_.tolerance;
+      set_tolerance(options_.tolerance);
     }
     return report;
+  }
+
+  void set_tolerance(double tolerance) {
+    tolerance_ = tolerance;
+    strain_.set_tolerance(tolerance);
   }
 
   // The error of H, J: the residual that the solve left does work along d.

@@ -14,7 +14,9 @@ class ImplicitStep : public OneStep {
         tolerance_(options.tolerance),
         max_iterations_(options.max_iterations),
         newton_(model_->modes()),
-        qm_(D_) {}
+        qm_(D_) {
+    strain_.set_tolerance(tolerance_);
+  }
 
   // Residual of the step with R at qm = q0 + theta d, for d = newton_.unknowns:
   //

@@ -7,7 +7,8 @@ namespace tremolo {
 
 using Eigen::VectorXd;
 
-StrainDamping::StrainDamping(const Model& model, double beta) {
+StrainDamping::StrainDamping(const Model& model, double beta, double tolerance)
+    : quick_(tolerance >= kQuickTolerance) {
   if (!(beta > 0.0) || model.potential().linear()) return;
   beta_ = beta;
   potential_ = &model.potential();
@@ -50,7 +51,9 @@ void StrainDamping::stand_at(const VectorXd& q) {
 
 double StrainDamping::force(const VectorXd& q, const VectorXd& v, VectorXd& out) {
   if (strains_) {
-    const double power = strains_->multiply(q.data(), v.data(), workspace_, out.data());
+    const double power =
+        quick_ ? strains_->multiply_quickly(q.data(), v.data(), workspace_, out.data())
+               : strains_->multiply(q.data(), v.data(), workspace_, out.data());
     out *= beta_;
     return beta_ * power;
   }

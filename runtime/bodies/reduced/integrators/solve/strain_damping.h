@@ -11,7 +11,6 @@
 // A model without G (imported, or of a file before 1.4) is damped by the positive part of the
 // tangent K at one position of the step, beta [K_+ - Lambda] v: rotation is not damped there either
 // where K is positive, and no velocity gains energy.
-// where K is positive, and no velocity gains energy.
 #pragma once
 
 #include <memory>
@@ -26,15 +25,25 @@
 
 namespace tremolo {
 
+// Float's share of a solve's tolerance: its rounding is some 1e-8 to 1e-7 of the force.
+inline constexpr double kQuickTolerance = 5e-7;
+
 class StrainDamping {
  public:
   // beta: s. The model must outlive this, and its strain_matrix() must have been read if it has one
   // (make_integrator() does that).
-  StrainDamping(const Model& model, double beta);
+  //
+  // tolerance: of the solve in which the force takes part, relative. From kQuickTolerance on the
+  // small part of the force that is not the stretch of a coordinate is computed in float
+  // (StrainMatrix::multiply_quickly).
+  StrainDamping(const Model& model, double beta, double tolerance = 0.0);
 
   // False: beta = 0 or a linear model; the rest is zero.
   bool present() const { return beta_ > 0.0; }
   double beta() const { return beta_; }  // s; 0 where not present
+
+  // The tolerance of the solve that follows.
+  void set_tolerance(double tolerance) { quick_ = tolerance >= kQuickTolerance; }
 
   // Sets the position, r, at which K_+ is computed from now on, for a model without G; else does
   // nothing.
@@ -62,6 +71,7 @@ class StrainDamping {
   };
 
   double beta_ = 0.0;
+  bool quick_ = false;
   const Potential* potential_ = nullptr;
   std::shared_ptr<const StrainMatrix> strains_;
   StrainMatrix::Workspace workspace_;
