@@ -96,7 +96,7 @@ build() {
 
 models="beam basket bridge horse tower heart"
 scene_models="horse-free horse-rig heart-free basket-free ball-free bell finger domino"  # which scenes need
-scene_colliders="bell basket heart"
+scene_colliders="bell basket heart horse"
 scene_tets="bar bar-free duck mat"
 
 # precompute MODEL: its basis file, unless it is newer than everything it is made of. The mesh is that of

@@ -117,6 +117,38 @@ TEST(ClothModel, TangentsAreTheForcesSlopesWhereNothingIsLeftOut) {
   }
 }
 
+// The full tangents and the products of the missing terms, under compression and with velocities
+// across the springs.
+TEST(ClothModel, FullTangentsWithTheMissingTermsAreTheSlopesOfTheForces) {
+  constexpr double kStep = 1e-6, kTime = 0.01;
+  ClothModel model = testing::sample_model(damped_sheet(5, 4));
+  const VectorXd x0 = model.parts().x;
+  const VectorXd x = 0.8 * x0 + testing::random_numbers(x0.size(), 0.02, 4);
+  const VectorXd v = testing::random_numbers(x.size(), 2.0, 5);
+  BlockMatrix still(model.pattern()), over_step(model.pattern());
+  model.add_full_tangent(x, v, ForcePart::kAll, 1.0, 0.0, still);
+  model.add_full_step_tangent(x0, x, kTime, over_step);
+  const auto step_force = [&](const VectorXd& x1) {
+    VectorXd f(x1.size());
+    model.step_force(x0, x1, kTime, f);
+    return f;
+  };
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    const VectorXd unit = VectorXd::Unit(x.size(), i), way = kStep * unit;
+    VectorXd product(x.size());
+    still.multiply(unit, product);
+    model.add_missing_product(x, v, 1.0, unit, product);
+    const VectorXd slope =
+        (cloth_force(model, x - way, v) - cloth_force(model, x + way, v)) / (2.0 * kStep);
+    // Differences of forces to 1e-15 of themselves, over 1e-6, and their third derivatives.
+    EXPECT_LE((product - slope).norm(), 1e-7 * slope.norm()) << i;
+    over_step.multiply(unit, product);
+    model.add_missing_step_product(x0, x, kTime, unit, product);
+    const VectorXd step_slope = (step_force(x - way) - step_force(x + way)) / (2.0 * kStep);
+    EXPECT_LE((product - step_slope).norm(), 1e-7 * step_slope.norm()) << i;
+  }
+}
+
 TEST(ClothModel, WindsTangentIsItsSlopeByVelocity) {
   SceneCloth cloth = testing::sample_sheet(4, 3);
   cloth.drag = 1.3;

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/samples/shipped_scene.h"
 #include "tests/support/programs.h"
 
 namespace tremolo {
@@ -136,24 +137,30 @@ TEST_F(ClothBodyProgram, RefusesByNameWhatAClothCannotDo) {
   }
 }
 
-std::string shipped_scene(const std::string& name) {
-  std::stringstream text;
-  text << std::ifstream(TREMOLO_SOURCE_DIR "/assets/scenes/" + name + ".toml").rdbuf();
-  std::string scene = text.str();
-  const std::string from = "../../build/models", to = TREMOLO_MODEL_DIR;
-  for (std::size_t at = 0; (at = scene.find(from, at)) != std::string::npos; at += to.size())
-    scene.replace(at, from.size(), to);
-  return scene;
-}
-
 TEST_F(ClothBodyProgram, ATableclothCarriesAHeart) {
-  const ProgramResult result = run(shipped_scene("tablecloth"), "--json --duration 0.1");
+  const ProgramResult result = run(testing::shipped_scene("tablecloth"), "--json --duration 0.1");
   ASSERT_EQ(result.code, 0) << result.err;
   const json report = json::parse(result.out);
   EXPECT_LE(report["energy_balance_error"].get<double>(), 1e-8);
   const json& cloth = report["bodies"][1];
   EXPECT_GT(cloth["contacts"].get<int>(), 0);
   EXPECT_LE(cloth["penetration_max"].get<double>(), cloth["thickness"].get<double>());
+}
+
+// The blanket lies still on the horse before the horse rocks, and is compressed where it folds.
+TEST_F(ClothBodyProgram, AHorseWearsABlanketAtRestAndWhenItRocks) {
+  const ProgramResult result = run(testing::shipped_scene("blanket"), "--json --duration 0.75");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_LE(report["momentum_error"].get<double>(), 1e-10);
+  EXPECT_LE(report["energy_balance_error"].get<double>(), 1e-8);
+  const json& blanket = report["bodies"][2];
+  ASSERT_EQ(blanket["body"], "blanket");
+  EXPECT_LE(blanket["penetration_max"].get<double>(), blanket["thickness"].get<double>());
+  EXPECT_GT(blanket["contact_points_final"].get<int>(), 100);
+  // It hangs on the horse as a whole: the horse carries its weight.
+  const double weight = kGravity * 0.4 * 0.1 * 0.14;
+  EXPECT_NEAR(blanket["contact_force_final"][2].get<double>(), weight, 0.2 * weight);
 }
 
 }  // namespace
