@@ -158,6 +158,8 @@ TEST_F(ClothBodyProgram, AHorseWearsABlanketAtRestAndWhenItRocks) {
   ASSERT_EQ(blanket["body"], "blanket");
   EXPECT_LE(blanket["penetration_max"].get<double>(), blanket["thickness"].get<double>());
   EXPECT_GT(blanket["contact_points_final"].get<int>(), 100);
+  // The ball has left its place at -0.108 m: a hoof has struck it.
+  EXPECT_LT(report["bodies"][1]["position_final"][0].get<double>(), -0.13);
   // It hangs on the horse as a whole: the horse carries its weight.
   const double weight = kGravity * 0.4 * 0.1 * 0.14;
   EXPECT_NEAR(blanket["contact_force_final"][2].get<double>(), weight, 0.2 * weight);
