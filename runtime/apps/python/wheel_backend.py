@@ -20,7 +20,7 @@ import zipfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
-PROGRAMS = ("tremolo-precompute", "tremolo", "tremolo-nodal")
+PROGRAMS = ("tremolo-precompute", "tremolo")
 
 
 def _version() -> str:
