@@ -3,6 +3,7 @@
 #include "runtime/bodies/reduced/integrators/solve/strain_damping.h"
 
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
@@ -96,9 +97,16 @@ TEST(StrainDampingInFloat, TheForceHasTheRoundingOfFloatForEveryNumberOfCoordina
     StrainDamping exact(*model, 1.0), quick(*model, 1.0, 1e-6);
     StrainModel positive = strain;
     for (auto& b : positive.b) b = b.cwiseAbs();
-    for (const double size : {1e-30, 0.6, 1e30}) {
+    // Of q and of v: a damped body becomes slower and smaller for as long as it is stepped.
+    for (const auto& [shape, size] : {std::pair{0.6, 0.6},
+                                      {0.6, 1e-30},
+                                      {0.6, 1e30},
+                                      {2e-20, 0.6},
+                                      {5e-21, 0.6},
+                                      {1e-60, 1e-60},
+                                      {0.6, 1e-299}}) {
       VectorXd q = VectorXd::Zero(r + 6), v = q;
-      q.head(r) = random_vector(r, 0.6, 5);
+      q.head(r) = random_vector(r, shape, 5);
       v.head(r) = random_vector(r, size, 6);
       VectorXd expected(r), force(r);
       exact.force(q.head(r), v.head(r), expected);
@@ -108,7 +116,8 @@ TEST(StrainDampingInFloat, TheForceHasTheRoundingOfFloatForEveryNumberOfCoordina
       // without their signs.
       const double terms =
           strain_damping_force(positive, q.cwiseAbs(), v.cwiseAbs()).head(r).norm();
-      EXPECT_LE((force - expected).norm(), std::ldexp(4.0, -24) * terms) << r << ", " << size;
+      EXPECT_LE((force - expected).norm(), std::ldexp(4.0, -24) * terms)
+          << r << ", " << shape << ", " << size;
     }
   }
 }

@@ -168,6 +168,9 @@ double StrainMatrix::multiply(const double* q, const double* v, Workspace& w, do
 
 double StrainMatrix::multiply_quickly(const double* q, const double* v, Workspace& w,
                                       double* out) const {
+  // Relative to the rates q v the stretch v is 1/q, which float does not hold for a body that has
+  // come to rest. Nor is the inverse of the rates finite for all of them.
+  constexpr double kSmallest = 1e-20, kSmallestRate = 1e-290;
   double most_q = 0.0, most_v = 0.0;
   for (size_t i = 0; i < r_; ++i) {
     w.q[i] = q[i];
@@ -175,10 +178,9 @@ double StrainMatrix::multiply_quickly(const double* q, const double* v, Workspac
     most_q = std::max(most_q, std::abs(q[i]));
     most_v = std::max(most_v, std::abs(v[i]));
   }
-  // The largest rate becomes about one, so that nothing is too large or too small for float. A
-  // number that is not finite stays so.
-  const double most = most_q * most_v;
-  const double scale = most > 0.0 ? 1.0 / most : 1.0;
+  if (most_q < kSmallest || most_q * most_v < kSmallestRate) return multiply(q, v, w, out);
+  // The largest rate becomes about one. A number that is not finite stays so.
+  const double scale = 1.0 / (most_q * most_v);
   const SquareVectors vectors{r_,
                               padded(pair_count(r_)),
                               w.q.data(),
