@@ -303,6 +303,21 @@ std::optional<std::size_t> SceneWorld::find(std::string_view name) const {
   return found == numbers_.end() ? std::nullopt : std::optional(found->second);
 }
 
+Status SceneWorld::add_load(std::size_t i, const SceneLoad& load, const DefaultLoad& forces) {
+  Signal signal = load.signal;
+  signal.table = load.table.get();
+  if (Status s = actors_[i].body.add_load(signal, forces); !s) return s;
+  scene_.bodies[i].loads.push_back(load);
+  return Success{};
+}
+
+Status SceneWorld::start_at(std::size_t i, const State& state) {
+  Actor& actor = actors_[i];
+  if (Status s = actor.body.set_state(state.q, state.p); !s) return s;
+  actor.energy_at_start = actor.body.energy().total();
+  return Success{};
+}
+
 // Damping that begins at the step.
 Status SceneWorld::damp(std::size_t i) {
   const SceneBody& wanted = scene_.bodies[i];

@@ -149,6 +149,12 @@ class SceneWorld {
   // True if a joint between the two bodies switches their contact off.
   bool passes_through(std::size_t a, std::size_t b) const;
 
+  // Adds a load to a body as if the scene had it. forces: those of the load, N, known already.
+  // Errors of Body::add_load.
+  Status add_load(std::size_t i, const SceneLoad& load, const DefaultLoad& forces);
+  // Sets the state in which a body starts, before the first step. Errors of Body::set_state.
+  Status start_at(std::size_t i, const State& state);
+
   // As Body::set_method: sets another method of one body, or another step, s, of all. The world's
   // time is rounded to the nearest multiple of the step. Error kUsage: another step with guests.
   Status set_method(std::size_t i, std::string_view integrator);

@@ -76,10 +76,9 @@ struct Keeper : WorldWatch {
 
 WorldEnding follow_by(SceneWorld& world, std::int64_t steps, std::int64_t block, Keeper& keeper) {
   ToldProgress progress("body", 1.0);
-  const Result<WorldEnding> ending = follow(
-      world,
-      {static_cast<double>(steps) * world.step_size(), block, processor_time, &progress, nullptr},
-      keeper);
+  const Result<WorldEnding> ending =
+      follow(world, {static_cast<double>(steps) * world.step_size(), block, 1, &progress, nullptr},
+             keeper);
   EXPECT_TRUE(ending);
   return *ending;
 }

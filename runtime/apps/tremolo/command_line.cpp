@@ -123,8 +123,7 @@ struct Request {
   std::string file;
   std::string select;
   bool json = false;
-  std::string save, restore;
-  std::optional<unsigned> threads;
+  unsigned threads = 1;
   std::string degree;
   std::vector<std::string> directories;
   std::string picture;
@@ -157,12 +156,12 @@ struct Parser {
     run = app.add_subcommand("run", "integrate a model or a scene");
     run->add_option("file", request.file, "basis file, or scene.toml")->required();
     run->add_flag("--json", request.json, "print one JSON object on stdout");
-    run->add_option("--save", request.save, "of a scene with [[bodies]]: its state at the end");
-    run->add_option("--restore", request.restore,
-                    "of a scene with [[bodies]]: begin in the state that --save wrote");
+    run->add_option("--save", options.save, "file of the whole state at the end");
+    run->add_option("--restore", options.restore, "begin in the state that --save wrote");
     run->add_option("--threads", request.threads,
-                    "of a scene with [[bodies]]: threads that step its bodies, 0: one per core (1)")
-        ->check(CLI::Range(0U, kMostThreads));
+                    "threads that step the bodies, 0: one per core; one body takes one")
+        ->check(CLI::Range(0U, kMostThreads))
+        ->capture_default_str();
     run->add_option("--degree", request.degree,
                     "of bodies of kind tets: linear, quadratic or adaptive");
     add_run_flags(*run, options);
@@ -218,17 +217,9 @@ int start_viewer(char** words) {
                       words);
 }
 
-// Refuses flags that apply only to worlds or to tetrahedra.
-Status check_not_saved(const Request& request) {
-  if (!request.degree.empty())
-    return usage_error("--degree applies only to bodies of kind \"tets\"");
-  if (request.threads)
-    return usage_error(
-        "--threads applies only to a scene with [[bodies]]: one body is stepped by one thread");
-  if (request.save.empty() && request.restore.empty()) return Success{};
-  return usage_error(
-      "--save and --restore apply only to a scene with [[bodies]]; for one body --coordinate all "
-      "--velocities records the states, and --start begins with one of them");
+Status refuse_degree(const Request& request) {
+  if (request.degree.empty()) return Success{};
+  return usage_error("--degree applies only to bodies of kind \"tets\"");
 }
 
 // Returns the test of whether a flag was given. command: must outlive the result.
@@ -250,26 +241,18 @@ Result<MixedFile> world_of(const std::string& text, const SceneCommand& command)
 }
 
 int run_world_scene(const std::string& text, const Request& request, const SceneCommand& command) {
-  if (!request.degree.empty())
-    return report_error(usage_error("--degree applies only to bodies of kind \"tets\""));
-  Result<MixedFile> mixed = world_of(text, command);
+  const Result<MixedFile> mixed = world_of(text, command);
   if (!mixed) return report_error(mixed.error());
-  if (mixed->has_guests() && !(request.save.empty() && request.restore.empty()))
-    return report_error(
-        usage_error(std::string("--save and --restore do not apply to a scene with bodies of kind "
-                                "\"") +
-                    (mixed->tets.empty() ? "cloth\"" : "tets\"")));
-  mixed->file.outputs.save = request.save;
-  mixed->file.outputs.restore = request.restore;
-  return run_world_command(*mixed, request.threads.value_or(1), request.json);
+  return run_world_command(*mixed, request.threads, request.json);
 }
 
 bool is_scene(const std::string& path) {
   return std::filesystem::path(path).extension() == ".toml";
 }
 
-int run_bodies(const Result<std::vector<BodyScene>>& bodies, bool json) {
-  return bodies ? run_command(*bodies, json) : report_error(bodies.error());
+int run_bodies(const Result<std::vector<BodyScene>>& bodies, const Request& request) {
+  return bodies ? run_command(*bodies, request.threads, request.json)
+                : report_error(bodies.error());
 }
 
 int run_scene(const Request& request, const SceneCommand& command) {
@@ -277,13 +260,11 @@ int run_scene(const Request& request, const SceneCommand& command) {
   if (!text) return report_error(text.error());
   const Result<SceneKind> kind = scene_kind(*text, command.file);
   if (!kind) return report_error(kind.error());
-  if (*kind == SceneKind::kBodies) {
-    if (Status s = check_not_saved(request); !s) return report_error(s.error());
-    return run_bodies(body_scenes(*text, command.flags, command.file), request.json);
-  }
+  if (*kind == SceneKind::kCloth) return run_cloth_scene(*text, command);
+  if (*kind == SceneKind::kTets) return run_tets_scene(*text, command);
+  if (Status s = refuse_degree(request); !s) return report_error(s.error());
   if (*kind == SceneKind::kWorld) return run_world_scene(*text, request, command);
-  return *kind == SceneKind::kCloth ? run_cloth_scene(*text, command)
-                                    : run_tets_scene(*text, command);
+  return run_bodies(body_scenes(*text, command.flags, command.file), request);
 }
 
 // The motion that `tremolo export` records, of a scene.
@@ -379,8 +360,8 @@ int run_program(int count, char** words) {
   const SceneCommand command = {
       request.file, {options, told_flags(*parser.run)}, request.degree, request.json};
   if (is_scene(request.file)) return run_scene(request, command);
-  if (Status s = check_not_saved(request); !s) return report_error(s.error());
-  return run_bodies(model_scene(command.file, command.flags), request.json);
+  if (Status s = refuse_degree(request); !s) return report_error(s.error());
+  return run_bodies(model_scene(command.file, command.flags), request);
 }
 
 }  // namespace

@@ -108,7 +108,7 @@ Result<ClothLog> ClothLog::create(const ClothFile& file, const ClothWorld& world
     SceneOutputs outputs = file.outputs;
     outputs.out = (fs::path(outputs.out) / cloth.name).string();
     if (Status s = make_run_folder(outputs.out); !s) return s.error();
-    log.frames_.emplace_back(outputs, steps);
+    log.frames_.emplace_back(outputs, StepRange{0, steps});
   }
   const std::string csv = (fs::path(file.outputs.out) / kTableName).string();
   Result<ClothTable> table = ClothTable::create(csv, file.scene);

@@ -82,7 +82,7 @@ TetsLog::TetsLog(const TetScene& scene, const TetsKind& kind, std::size_t body)
       surface_(kind.surface),
       held_(kind.held),
       forces_(kind.model, scene.bodies[body].options.law),
-      frames_(outputs_, steps_) {
+      frames_(outputs_, {0, steps_}) {
   force_.resize(kind.model->rest().size());
 }
 

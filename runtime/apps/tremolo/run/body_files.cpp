@@ -43,7 +43,7 @@ Status write_shape(const Body& body, const std::string& path, const std::string&
 }  // namespace
 
 Result<BodyFiles> BodyFiles::create(const SceneOutputs& outputs, const RecordedColumns& columns,
-                                    const Model& model, std::int64_t steps, bool parked) {
+                                    const Model& model, StepRange steps, bool parked) {
   if (Status s = make_run_folder(outputs.out); !s) return s.error();
   const std::string csv =
       outputs.out.empty() ? std::string() : (fs::path(outputs.out) / kTableName).string();

@@ -18,10 +18,10 @@ namespace tremolo {
 class BodyFiles {
  public:
   // outputs: in the body's own folder, which is made; without a folder nothing is written. steps:
-  // of the whole run. parked: as for CsvTable. Errors: kContent for a vertex that the model does
+  // of the run. parked: as for CsvTable. Errors: kContent for a vertex that the model does
   // not have; kSystem.
   static Result<BodyFiles> create(const SceneOutputs& outputs, const RecordedColumns& columns,
-                                  const Model& model, std::int64_t steps, bool parked = false);
+                                  const Model& model, StepRange steps, bool parked = false);
 
   const std::string& folder() const { return outputs_.out; }  // empty: nothing is written
   // True if a row is due after `steps` steps.
@@ -42,7 +42,7 @@ class BodyFiles {
   Status finish(const Model& model, const std::string& label, std::vector<std::string>& files);
 
  private:
-  BodyFiles(const SceneOutputs& outputs, Recorder recorder, std::int64_t steps)
+  BodyFiles(const SceneOutputs& outputs, Recorder recorder, StepRange steps)
       : outputs_(outputs), recorder_(std::move(recorder)), frames_(outputs, steps) {}
 
   SceneOutputs outputs_;

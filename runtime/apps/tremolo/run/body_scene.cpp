@@ -29,6 +29,10 @@ Status check_combinations(const RunOptions& options) {
   if (options.deflect.empty()) return Success{};
   if (options.scale != 1.0)
     return usage_error("--deflect finds the load's factor: leave --scale out");
+  if (!options.restore.empty())
+    return usage_error(
+        "--deflect finds the load's factor for a whole run: with --restore give the factor by "
+        "--scale");
   if (options.load == "none" && options.signal.empty())
     return usage_error("--deflect scales a load: there is none");
   if (!options.start.empty() && options.start != kStaticStart)
@@ -169,8 +173,11 @@ Result<std::vector<BodyScene>> body_scenes(std::vector<RunOptions> tables, const
   std::vector<BodyScene> scenes;
   for (RunOptions& body : tables) {
     put_over(flags, body);
-    if (!body.wav.empty() && tables.size() > 1)
-      return usage_error("--wav applies only to one body, and " + path + " has several");
+    for (const auto& [flag, file] :
+         {std::pair{"--wav", &body.wav}, {"--save", &body.save}, {"--restore", &body.restore}})
+      if (!file->empty() && tables.size() > 1)
+        return usage_error(std::string(flag) + " applies only to one body, and " + path +
+                           " has several");
     if (tables.size() > 1 && !body.out.empty())
       body.out = (std::filesystem::path(body.out) / body.name).string();
     Result<BodyScene> scene = body_scene(body);

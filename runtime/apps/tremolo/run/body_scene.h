@@ -39,8 +39,8 @@ Status apply_to_body(const GivenFlags& flags, SceneBody& body);
 Result<BodyScene> body_scene(const RunOptions& options);
 
 // The bodies of a scene with one table per body, with the flags over their keys; several bodies
-// have a folder each in --out. path: of the scene, for errors. Errors also kUsage for --wav with
-// several.
+// have a folder each in --out. path: of the scene, for errors. Errors also kUsage for --wav, --save
+// and --restore with several.
 Result<std::vector<BodyScene>> body_scenes(std::vector<RunOptions> tables, const GivenFlags& flags,
                                            const std::string& path);
 // The same for the scene's text; errors of parse_scene().

@@ -58,29 +58,31 @@ Status CsvTable::finish() {
   return file_->commit();
 }
 
-Frames::Frames(const SceneOutputs& outputs, std::int64_t steps)
+Frames::Frames(const SceneOutputs& outputs, StepRange steps)
     : folder_(outputs.out),
       format_(outputs.surface_format),
       count_(outputs.out.empty() ? 0 : outputs.surfaces),
-      steps_(steps) {}
+      steps_(steps.last) {
+  while (steps.first > 0 && due(steps.first)) ++next_;
+}
 
 bool Frames::due(std::int64_t steps) const {
-  if (written_ >= count_) return false;
-  return steps >= std::llround(static_cast<double>(steps_) * (written_ + 1) / count_);
+  if (next_ >= count_) return false;
+  return steps >= std::llround(static_cast<double>(steps_) * (next_ + 1) / count_);
 }
 
 Status Frames::write(double time, const std::function<Status(const std::string& path)>& write) {
-  const std::string name = frame_name(written_, time, format_);
+  const std::string name = frame_name(next_, time, format_);
   const std::string path = (fs::path(folder_) / name).string();
-  list_ += fmt::format("{},{:.9g},{}\n", written_, time, name);
-  ++written_;
+  list_ += fmt::format("{},{:.9g},{}\n", next_, time, name);
+  ++next_;
   if (Status s = write(path); !s) return s;
   files_.push_back(path);
   return Success{};
 }
 
 Status Frames::finish() {
-  if (written_ == 0) return Success{};
+  if (files_.empty()) return Success{};
   const std::string list = (fs::path(folder_) / kFramesName).string();
   if (Status s = write_file(list, list_); !s) return s;
   files_.push_back(list);

@@ -38,11 +38,17 @@ class CsvTable {
   bool parked_ = false;
 };
 
+// The steps of a run: of its start, not 0 if it was restored, and of its end.
+struct StepRange {
+  std::int64_t first = 0, last = 0;
+};
+
 // Surfaces of one body, evenly spaced in time, in the folder of its outputs, which is there.
 class Frames {
  public:
-  // outputs: the body's folder, the number of surfaces and their format. steps: of the whole run.
-  Frames(const SceneOutputs& outputs, std::int64_t steps);
+  // outputs: the body's folder, the number of surfaces and their format. Those that were due up to
+  // the start of a restored run are not written.
+  Frames(const SceneOutputs& outputs, StepRange steps);
 
   // True if a surface is due after `steps` steps. Surfaces are due at k/N of the run, k = 1 ... N.
   bool due(std::int64_t steps) const;
@@ -55,7 +61,7 @@ class Frames {
 
  private:
   std::string folder_, format_;
-  int count_ = 0, written_ = 0;
+  int count_ = 0, next_ = 0;
   std::int64_t steps_ = 0;
   std::string list_ = "frame,t,file\n";
   std::vector<std::string> files_;

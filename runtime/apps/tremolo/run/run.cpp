@@ -116,8 +116,8 @@ Status write_report(const std::string& folder, const Json& json,
 }
 
 // Runs one body; prints and writes its report, and adds that to `objects`.
-Status run_one(const BodyScene& body, Json& objects, SceneRun& run) {
-  Result<RunReport> report = simulate(body);
+Status run_one(const BodyScene& body, unsigned threads, Json& objects, SceneRun& run) {
+  Result<RunReport> report = simulate(body, threads);
   if (!report) return report.error();
   const Warnings warnings = warnings_of(*report);
   print_text(*report, warnings);
@@ -136,12 +136,12 @@ Status run_one(const BodyScene& body, Json& objects, SceneRun& run) {
 }
 
 // Several bodies also have a report of all in the folder above theirs.
-Result<SceneRun> run_all(const std::vector<BodyScene>& bodies) {
+Result<SceneRun> run_all(const std::vector<BodyScene>& bodies, unsigned threads) {
   SceneRun run;
   Json objects = Json::array();
   std::map<std::string, Json> reports;
   for (const BodyScene& body : bodies) {
-    if (Status s = run_one(body, objects, run); !s) return s.error();
+    if (Status s = run_one(body, threads, objects, run); !s) return s.error();
     if (bodies.size() > 1) reports[folder_of_all(body, bodies)].push_back(objects.back());
     if (run.ending.signal != 0) break;
   }
@@ -153,11 +153,12 @@ Result<SceneRun> run_all(const std::vector<BodyScene>& bodies) {
 
 }  // namespace
 
-int run_command(const std::vector<BodyScene>& bodies, bool json) {
+int run_command(const std::vector<BodyScene>& bodies, unsigned threads, bool json) {
   std::vector<NamedFile> inputs;
   for (const BodyScene& body : bodies)
     for (NamedFile& input : inputs_of(body)) inputs.push_back(std::move(input));
-  return run_scene(inputs, outputs_of(bodies), {}, json, [&bodies] { return run_all(bodies); });
+  return run_scene(inputs, outputs_of(bodies), {}, json,
+                   [&bodies, threads] { return run_all(bodies, threads); });
 }
 
 }  // namespace tremolo

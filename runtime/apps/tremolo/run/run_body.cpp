@@ -92,21 +92,19 @@ Result<SceneWorld> world_of_one(const RunInput& input) {
   const BodyScene& scene = input.scene;
   Result<SceneWorld> world = unloaded_world(input);
   if (!world) return world;
-  ContactBody& body = world->body(0);
   const Result<Load> load = reduced_load(input);
   if (!load) return load.error();
   if (load->signal.kind != SignalKind::kNone) {
     DefaultLoad forces = input.forces;
     for (Eigen::Vector3d& force : forces.forces) force *= scene.load().scale;
-    if (Status status = body.add_load(load->signal, forces); !status)
+    if (Status status = world->add_load(0, scene.load(), forces); !status)
       return value_error(status.error());
   }
   if (scene.start.empty()) return world;
   const double at_start = sample_signal(load->signal, 0.0, scene.step()).start;
-  const Result<State> start = start_state(scene.start, body.model(), at_start * load->force);
+  const Result<State> start = start_state(scene.start, *input.model, at_start * load->force);
   if (!start) return start.error();
-  if (Status status = body.set_state(start->q, start->p); !status)
-    return value_error(status.error());
+  if (Status status = world->start_at(0, *start); !status) return value_error(status.error());
   return world;
 }
 

@@ -26,7 +26,8 @@ void add_ids_of(const std::string& selector, const std::string& whose,
 std::vector<NamedFile> inputs_of(const BodyScene& scene) {
   std::vector<NamedFile> inputs{{scene.body().model, "the basis file"},
                                 {scene.file.path, "the scene"},
-                                {file_of_start(scene.start), "--start"}};
+                                {file_of_start(scene.start), "--start"},
+                                {scene.file.outputs.restore, "--restore"}};
   for (const std::string& csv : scene.file.files) inputs.push_back({csv, "--signal"});
   add_ids_of(scene.load().at, "--at", inputs);
   add_ids_of(scene.file.outputs.listen, "--listen", inputs);
@@ -90,6 +91,7 @@ RunOutputs outputs_of(const std::vector<BodyScene>& bodies) {
   std::map<std::string, std::vector<std::string>> folders;
   for (const BodyScene& one : bodies) {
     outputs.add(one.file.outputs.wav);
+    outputs.add(one.file.outputs.save);
     if (!one.file.outputs.out.empty())
       folders[folder_of_all(one, bodies)].push_back(one.body().name);
   }

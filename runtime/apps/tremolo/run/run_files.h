@@ -21,7 +21,8 @@ inline constexpr const char* kMaterialsName = "surface.mtl";  // of surfaces as 
 // "surface-0012-t1.500000s.ply": the frame's number from 0 and its time, s.
 std::string frame_name(int frame, double time, const std::string& format);
 
-// The files that a run reads: the model, the scene, --signal, --start and lists of ids.
+// The files that a run reads: the model, the scene, --signal, --start, --restore and lists
+// of ids.
 std::vector<NamedFile> inputs_of(const BodyScene& scene);
 // Adds the lists of ids named in a selector, or a vertex's number. whose: "--at".
 void add_ids_of(const std::string& selector, const std::string& whose,

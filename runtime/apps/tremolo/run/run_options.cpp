@@ -134,6 +134,8 @@ constexpr Option kOptions[] = {
     option<&RunOptions::hull>("hull"),
     flag_only<&RunOptions::wav>("wav"),
     flag_only<&RunOptions::listen>("listen"),
+    flag_only<&RunOptions::save>("save"),
+    flag_only<&RunOptions::restore>("restore"),
 };
 
 Status read_body(const std::string& path, const toml::table& table, RunOptions& body) {

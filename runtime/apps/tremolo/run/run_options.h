@@ -51,6 +51,7 @@ struct RunOptions {
   std::string surface_format = "ply";  // ply, obj or inc
   std::string wav;                     // sound; empty: none
   int sound_steps = 1;                 // steps a sample of it; 0: as many as its modes need
+  std::string save, restore;           // files of the world at the end and the start; empty: none
   std::string listen;                  // vertex or selector; empty: that of the default load
   bool hull = false;                   // of the solid's boundary, not of a render surface
 };

@@ -18,6 +18,8 @@ Status apply_output_flags(const GivenFlags& flags, SceneOutputs& outputs) {
   if (flags.given("--surfaces")) outputs.surfaces = flags.values.surfaces;
   if (flags.given("--surface-format")) outputs.surface_format = flags.values.surface_format;
   if (flags.given("--plot")) outputs.plot = flags.values.plot;
+  if (flags.given("--save")) outputs.save = flags.values.save;
+  if (flags.given("--restore")) outputs.restore = flags.values.restore;
   if ((outputs.surfaces > 0 || outputs.plot) && outputs.out.empty())
     return usage_error("--surfaces and --plot need --out DIR");
   if (outputs.every < 1) return content_error("--every must be at least 1");

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "common/processor.h"
 #include "common/units.h"
 #include "runtime/apps/tremolo/output/run_progress.h"
 #include "runtime/apps/tremolo/output/sound.h"
@@ -25,7 +24,8 @@ namespace {
 // A signal waits for up to a block.
 constexpr std::int64_t kBlock = 64;
 
-RunReport start_report(const BodyScene& scene, const Body& body) {
+RunReport start_report(const BodyScene& scene, const SceneWorld& world) {
+  const Body& body = world.body(0);
   RunReport report;
   report.name = scene.body().name;
   report.model = scene.body().model;
@@ -35,23 +35,26 @@ RunReport start_report(const BodyScene& scene, const Body& body) {
   report.first_frequency = hertz(body.model().lambda()(0));
   report.scale = scene.load().scale;
   report.split = body.integrator().split();
+  report.energy_initial = world.account(0).at_start;
   return report;
 }
 
 // interruption: null for a trial.
-Result<RunReport> run_body(const RunInput& input, const Interruption* interruption,
-                           ToldProgress& progress) {
+Result<RunReport> run_body(const RunInput& input, unsigned threads,
+                           const Interruption* interruption, ToldProgress& progress) {
   const BodyScene& scene = input.scene;
   Result<SceneWorld> world = world_of_one(input);
   if (!world) return world.error();
+  if (Status s = begin_run(scene.file, threads, *world); !s) return s.error();
   const ContactBody& body = world->body(0);
   const Result<RecordedColumns> columns = recorded_columns(scene.body().columns, *input.model);
   if (!columns) return columns.error();
   const std::int64_t steps = std::llround(scene.file.scene.duration / scene.step());
-  Result<BodyFiles> files = BodyFiles::create(scene.file.outputs, *columns, *input.model, steps);
+  Result<BodyFiles> files =
+      BodyFiles::create(scene.file.outputs, *columns, *input.model, {world->steps(), steps});
   if (!files) return files.error();
 
-  RunReport report = start_report(scene, body);
+  RunReport report = start_report(scene, *world);
   if (interruption != nullptr) {
     Eigen::VectorXd load;
     if (Status s = take(load, largest_load(input)); !s) return s.error();
@@ -62,8 +65,8 @@ Result<RunReport> run_body(const RunInput& input, const Interruption* interrupti
       Watch::create(scene, body, kBlock, columns->probes.empty() ? nullptr : columns->probes.data(),
                     steps, std::move(*files), report);
   if (!watch) return value_error(watch.error());
-  const Result<WorldEnding> ending = follow(
-      *world, {scene.file.scene.duration, kBlock, processor_time, &progress, interruption}, *watch);
+  const Result<WorldEnding> ending =
+      follow(*world, {scene.file.scene.duration, kBlock, threads, &progress, interruption}, *watch);
   if (!ending) return ending.error();
   report.exit_code = ending->exit_code;
   report.reason = ending->reason;
@@ -71,6 +74,7 @@ Result<RunReport> run_body(const RunInput& input, const Interruption* interrupti
   report.microseconds_per_step =
       1e6 * ending->seconds / static_cast<double>(std::max<std::int64_t>(ending->steps, 1));
   if (Status status = watch->finish(); !status) return status.error();
+  if (Status s = save_end(scene.file, *world, *ending); !s) return s.error();
   return report;
 }
 
@@ -83,7 +87,7 @@ Result<LoadAttempt> attempt(const RunInput& input, double scale) {
   const SceneBody& body = trial.scene.body();
   ToldProgress progress(fmt::format("{}, load times {:.4g}", body.name, scale),
                         trial.scene.file.scene.duration);
-  const Result<RunReport> report = run_body(trial, nullptr, progress);
+  const Result<RunReport> report = run_body(trial, 1, nullptr, progress);
   if (!report) return report.error();
   if (!(report->size > 0)) return content_error(body.model + ": the surface has no size");
   return LoadAttempt{scale,
@@ -135,14 +139,14 @@ Result<RunInput> prepare_run(const BodyScene& scene) {
   return input;
 }
 
-Result<RunReport> simulate(const BodyScene& scene) {
+Result<RunReport> simulate(const BodyScene& scene, unsigned threads) {
   const Result<RunInput> input = prepare_run(scene);
   if (!input) return input.error();
   const Result<std::optional<RigidLoss>> rigid = rigid_loss(*input);
   if (!rigid) return rigid.error();
   const Interruption interruption;
   ToldProgress progress(scene.body().name, scene.file.scene.duration);
-  Result<RunReport> report = run_body(*input, &interruption, progress);
+  Result<RunReport> report = run_body(*input, threads, &interruption, progress);
   if (!report) return report;
   report->rigid = *rigid;
   const BodyScene& used = input->scene;

@@ -65,10 +65,11 @@ struct RunReport : BodyReport {
 // Errors: those of loading, creating and writing; kContent if no factor gives the deflection. A run
 // that ends early gives a report, not an error. SIGINT, SIGTERM and SIGHUP end it early, with all
 // results up to then.
-Result<RunReport> simulate(const BodyScene& scene);
+// threads: as for begin_run().
+Result<RunReport> simulate(const BodyScene& scene, unsigned threads = 1);
 
-// `tremolo run`. Runs every body of the list. json: one object on stdout, also when a run failed.
-// The exit code; errors are printed on stderr.
-int run_command(const std::vector<BodyScene>& bodies, bool json);
+// `tremolo run`. Runs every body of the list. threads: that step it, 0: one per core. json: one
+// object on stdout, also when a run failed. The exit code; errors are printed on stderr.
+int run_command(const std::vector<BodyScene>& bodies, unsigned threads, bool json);
 
 }  // namespace tremolo

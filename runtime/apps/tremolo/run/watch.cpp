@@ -118,8 +118,8 @@ Result<bool> Watch::observe(const Moment& moment) {
 
 void Watch::note_energy(const Moment& moment, const Energy& energy) {
   drift_.observe(energy.total(), moment.work, moment.dissipated, moment.loaded);
-  if (moment.steps == 0) report_->energy_initial = energy.total();
-  if (moment.loaded || moment.steps == 0 || was_loaded_) report_->energy_reference = energy.total();
+  // At the start it is the energy that is there.
+  if (moment.loaded || was_loaded_) report_->energy_reference = energy.total();
   was_loaded_ = moment.loaded;
   report_->energy_final = energy.total();
   report_->high_band_final = energy.high_band;

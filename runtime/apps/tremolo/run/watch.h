@@ -53,7 +53,7 @@ class Watch : public WorldWatch {
   std::optional<Ear> ear_;  // of --wav
   SoundTrack sound_;
   DriftMeter drift_;
-  bool was_loaded_ = false;
+  bool was_loaded_ = true;  // before the step
   ShapeLooks shape_looks_;
   std::int64_t shape_seen_ = -1;  // steps at the last measurement of the shape
   Moment last_;

@@ -110,8 +110,8 @@ Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, 
   const Result<RecordedColumns> columns = columns_of(known, model);
   if (!columns) return columns.error();
   const std::int64_t steps = std::llround(file.scene.duration / file.scene.step);
-  Result<BodyFiles> files =
-      BodyFiles::create(outputs_of(file, known), *columns, model, steps, world.size() > kMostOpen);
+  Result<BodyFiles> files = BodyFiles::create(outputs_of(file, known), *columns, model,
+                                              {world.steps(), steps}, world.size() > kMostOpen);
   if (!files) return files.error();
   const auto looks = shared.looks.find(&model);
   const ShapeLooks& first =

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -11,7 +10,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "common/processor.h"
 #include "formats/file/atomic_file.h"
 #include "runtime/apps/tremolo/output/plot.h"
 #include "runtime/apps/tremolo/output/run_progress.h"
@@ -32,11 +30,6 @@ namespace tremolo {
 namespace {
 
 namespace fs = std::filesystem;
-
-double wall_time() {
-  const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  return std::chrono::duration<double>(now).count();
-}
 
 // Lists the files that a run of the scene writes.
 RunOutputs outputs_of(const MixedFile& mixed) {
@@ -112,25 +105,6 @@ void take_notes(const SceneFile& file, const SceneWorld& world, std::vector<Body
   }
 }
 
-Status begin_where_saved(const SceneFile& file, SceneWorld& world) {
-  if (file.outputs.restore.empty()) return Success{};
-  if (Status s = world.restore(file.outputs.restore); !s) return s;
-  if (world.time() > file.scene.duration * (1.0 + 1e-9))
-    return content_error(
-        fmt::format("{}: it was saved at t = {:.6g} s, behind the duration of "
-                    "{:.6g} s",
-                    file.outputs.restore, world.time(), file.scene.duration));
-  return Success{};
-}
-
-// Also of a run that a signal ends; not of one in which a step or an orbit broke off.
-Status save_end(const SceneFile& file, const SceneWorld& world, const WorldEnding& ending) {
-  if (file.outputs.save.empty() || (ending.exit_code != 0 && ending.signal == 0)) return Success{};
-  if (Status s = world.save(file.outputs.save); !s) return s;
-  tell("saved at t = {:.6g} s: {}\n", world.time(), file.outputs.save);
-  return Success{};
-}
-
 // Creates the world. If --wav is given without a step, the step of `file` is divided so that its
 // modes are accurate.
 Result<SceneWorld> make_world(SceneFile& file, bool guests) {
@@ -145,13 +119,11 @@ Result<SceneWorld> make_world(SceneFile& file, bool guests) {
   return SceneWorld::create(file.scene, known, guests);
 }
 
-// clock of the steps: with several threads the wall's.
 Result<WorldEnding> follow_scene(const SceneFile& file, unsigned threads, SceneWorld& world,
                                  WorldRun& run) {
   const Interruption interruption;
   ToldProgress progress(fs::path(file.path).stem().string(), file.scene.duration);
-  const auto clock = threads == 1 ? processor_time : wall_time;
-  return follow(world, {file.scene.duration, 1, clock, &progress, &interruption}, run);
+  return follow(world, {file.scene.duration, 1, threads, &progress, &interruption}, run);
 }
 
 // Prints the run.
@@ -181,8 +153,7 @@ Result<SceneRun> run_world(MixedFile mixed, unsigned threads) {
   SceneFile& file = mixed.file;
   Result<SceneWorld> world = make_world(file, mixed.has_guests());
   if (!world) return error_of_file(file.path, value_error(world.error()));
-  if (Status s = world->set_threads(threads); !s) return s.error();
-  if (Status s = begin_where_saved(file, *world); !s) return s.error();
+  if (Status s = begin_run(file, threads, *world); !s) return s.error();
   const auto of_body = [&](std::size_t i, const Error& error) {
     return Error{error.kind, file.path + ": body '" + world->name(i) + "': " + error.message};
   };

@@ -56,7 +56,7 @@ Result<WorldClothRun> WorldClothRun::create(const MixedFile& mixed, const WorldG
                             .momenta_now = {},
                             .reason = {},
                             .table = std::move(table),
-                            .frames = Frames(outputs, steps)});
+                            .frames = Frames(outputs, {0, steps})});
   }
   return run;
 }
