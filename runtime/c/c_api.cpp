@@ -45,17 +45,23 @@ Status need_buffer(const void* buffer, std::size_t length, std::size_t needed) {
   return Success{};
 }
 
+Status fill_buffer(std::span<const Triangle> triangles, std::uint32_t* out, std::size_t length) {
+  if (Status s = need_buffer(out, length, 3 * triangles.size()); !s) return s;
+  for (const Triangle& triangle : triangles)
+    for (const VertexId corner : triangle) *out++ = static_cast<std::uint32_t>(corner);
+  return Success{};
+}
+
 Status copy_state(const State& state, double* q, double* p, std::size_t length) {
-  if (Status s = need_buffer(q, length, static_cast<std::size_t>(state.q.size())); !s) return s;
-  std::copy(state.q.begin(), state.q.end(), q);
-  if (p != nullptr) std::copy(state.p.begin(), state.p.end(), p);
+  if (Status s = fill_buffer(state.q, q, length); !s) return s;
+  put(state.p, p);
   return Success{};
 }
 
 void copy_energy(const Energy& energy, double* kinetic, double* potential, double* high_band) {
-  if (kinetic != nullptr) *kinetic = energy.kinetic;
-  if (potential != nullptr) *potential = energy.potential;
-  if (high_band != nullptr) *high_band = energy.high_band;
+  put(energy.kinetic, kinetic);
+  put(energy.potential, potential);
+  put(energy.high_band, high_band);
 }
 
 Result<VertexId> to_vertex(std::uint32_t vertex) {

@@ -9,7 +9,9 @@
 #include <exception>
 #include <initializer_list>
 #include <new>
+#include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -69,6 +71,26 @@ Status need(std::initializer_list<Argument> arguments);
 
 // kUsage unless the buffer is there and has the length that is needed.
 Status need_buffer(const void* buffer, std::size_t length, std::size_t needed);
+
+// Stores a number, or the numbers of a vector, unless `out` is NULL.
+template <class Value, class Out>
+void put(const Value& value, Out* out) {
+  if (out == nullptr) return;
+  if constexpr (std::is_arithmetic_v<Value>)
+    *out = static_cast<Out>(value);
+  else
+    std::copy(value.begin(), value.end(), out);
+}
+
+// Fills the caller's buffer with numbers, or with the three corners of each triangle. Errors of
+// need_buffer().
+template <class Numbers>
+Status fill_buffer(const Numbers& numbers, double* out, std::size_t length) {
+  if (Status s = need_buffer(out, length, static_cast<std::size_t>(numbers.size())); !s) return s;
+  std::copy(numbers.begin(), numbers.end(), out);
+  return Success{};
+}
+Status fill_buffer(std::span<const Triangle> triangles, std::uint32_t* out, std::size_t length);
 
 // The object behind a handle, and its name in messages.
 inline const Model& behind(const tremolo_model& handle) {

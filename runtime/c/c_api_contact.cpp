@@ -21,13 +21,10 @@ using tremolo::Status;
 using tremolo::Success;
 using tremolo::usage_error;
 using tremolo::c_api::need;
+using tremolo::c_api::put;
 using tremolo::c_api::with;
 
 constexpr double kLengthSlack = 1e-6;  // of a quaternion
-
-void put(double value, double* out) {
-  if (out != nullptr) *out = value;
-}
 
 // Calls `check` on the shape and creates the collider.
 tremolo_status make(const Collider& shape, tremolo_collider** collider) noexcept {
@@ -188,7 +185,7 @@ tremolo_status tremolo_body_contact(const tremolo_body* body, double* penetratio
     const tremolo::ContactAccount account = known.contact_account();
     put(account.penetration, penetration);
     put(account.impulse, impulse);
-    if (points != nullptr) *points = account.active;
+    put(account.active, points);
     return Success{};
   });
 }
@@ -197,9 +194,7 @@ tremolo_status tremolo_body_contact_impulses(const tremolo_body* body, double* o
   return with(body, [&](const ContactBody& known) -> Status {
     std::span<const double> impulses;
     if (known.contact() != nullptr) impulses = known.contact()->record().impulses;
-    if (Status s = tremolo::c_api::need_buffer(out, length, impulses.size()); !s) return s;
-    std::copy(impulses.begin(), impulses.end(), out);
-    return Success{};
+    return tremolo::c_api::fill_buffer(impulses, out, length);
   });
 }
 

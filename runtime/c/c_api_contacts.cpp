@@ -205,9 +205,9 @@ tremolo_status tremolo_contacts_joint(const tremolo_contacts* contacts, uint64_t
   return with(contacts, [&](const tremolo_contacts& known) -> Status {
     const tremolo::Joint* held = known.group.joint(joint);
     if (held == nullptr) return usage_error("there is no joint " + std::to_string(joint));
-    if (force != nullptr) std::copy(held->force.begin(), held->force.end(), force);
-    if (energy != nullptr) *energy = held->energy;
-    if (damped != nullptr) *damped = held->damped;
+    tremolo::c_api::put(held->force, force);
+    tremolo::c_api::put(held->energy, energy);
+    tremolo::c_api::put(held->damped, damped);
     return Success{};
   });
 }

@@ -10,19 +10,12 @@ using tremolo::ContactBody;
 using tremolo::Pose;
 using tremolo::Status;
 using tremolo::Success;
+using tremolo::c_api::put;
 using tremolo::c_api::with;
 
 Pose to_pose(const double position[3], const double quaternion[4]) {
   return {Vector3d(position),
           Eigen::Quaterniond(quaternion[0], quaternion[1], quaternion[2], quaternion[3])};
-}
-
-// out: may be NULL.
-void copy(const Vector3d& vector, double* out) {
-  if (out != nullptr) std::copy(vector.begin(), vector.end(), out);
-}
-void copy(double value, double* out) {
-  if (out != nullptr) *out = value;
 }
 
 }  // namespace
@@ -37,10 +30,10 @@ tremolo_status tremolo_body_pose(const tremolo_body* body, double position[3],
                                  double quaternion[4]) {
   return with(body, [&](const ContactBody& known) -> Status {
     const Pose pose = known.pose();
-    copy(pose.position, position);
+    put(pose.position, position);
     if (quaternion == nullptr) return Success{};
     quaternion[0] = pose.rotation.w();
-    copy(Vector3d(pose.rotation.vec()), quaternion + 1);
+    put(Vector3d(pose.rotation.vec()), quaternion + 1);
     return Success{};
   });
 }
@@ -68,8 +61,8 @@ tremolo_status tremolo_body_set_motion(tremolo_body* body, const double velocity
 tremolo_status tremolo_body_motion(const tremolo_body* body, double velocity[3], double spin[3]) {
   return with(body, [&](const ContactBody& known) -> Status {
     const tremolo::RigidState rigid = known.rigid_state();
-    copy(rigid.velocity, velocity);
-    copy(rigid.spin, spin);
+    put(rigid.velocity, velocity);
+    put(rigid.spin, spin);
     return Success{};
   });
 }
@@ -77,8 +70,8 @@ tremolo_status tremolo_body_motion(const tremolo_body* body, double velocity[3],
 tremolo_status tremolo_body_momentum(const tremolo_body* body, double linear[3],
                                      double angular[3]) {
   return with(body, [&](const ContactBody& known) -> Status {
-    copy(known.momentum().linear, linear);
-    copy(known.momentum().angular, angular);
+    put(known.momentum().linear, linear);
+    put(known.momentum().angular, angular);
     return Success{};
   });
 }
@@ -92,10 +85,10 @@ tremolo_status tremolo_body_work(const tremolo_body* body, double* load, double*
                                  double* gravity, double* damping) {
   return with(body, [&](const ContactBody& known) -> Status {
     const double contact = known.contact_sums().work + known.contact_sums().hand;
-    copy(known.sums().work - known.sums().support - known.sums().gravity - contact, load);
-    copy(known.sums().support, support);
-    copy(known.sums().gravity, gravity);
-    copy(0.0 - known.sums().dissipated, damping);
+    put(known.sums().work - known.sums().support - known.sums().gravity - contact, load);
+    put(known.sums().support, support);
+    put(known.sums().gravity, gravity);
+    put(0.0 - known.sums().dissipated, damping);
     return Success{};
   });
 }

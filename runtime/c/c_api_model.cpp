@@ -80,9 +80,8 @@ tremolo_status tremolo_model_frequencies(const tremolo_model* model, double* out
 
 tremolo_status tremolo_model_triangle_corners(const tremolo_model* model, uint32_t* out,
                                               size_t length) {
-  return fill(model, out, length, 3 * tremolo_model_triangles(model), [&](const Model& known) {
-    for (const tremolo::Triangle& triangle : known.drawn().triangles)
-      for (const tremolo::VertexId corner : triangle) *out++ = static_cast<uint32_t>(corner);
+  return with(model, [&](const Model& known) {
+    return tremolo::c_api::fill_buffer(known.drawn().triangles, out, length);
   });
 }
 

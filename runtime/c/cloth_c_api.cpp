@@ -1,5 +1,4 @@
 // runtime/tremolo_cloth.h: cloth from C.
-#include <algorithm>
 #include <limits>
 #include <span>
 
@@ -24,7 +23,9 @@ using tremolo::Result;
 using tremolo::Status;
 using tremolo::Success;
 using tremolo::usage_error;
+using tremolo::c_api::fill_buffer;
 using tremolo::c_api::need;
+using tremolo::c_api::put;
 using tremolo::c_api::with_all;
 
 Status need_cloth(const ClothWorld& world, size_t cloth) {
@@ -39,11 +40,7 @@ tremolo_status copy_vectors(const tremolo_cloth_world* world, size_t cloth, doub
                             size_t length, const Values& values) noexcept {
   return with_all({{world, "the world of cloth"}}, [&]() -> Status {
     if (Status s = need_cloth(world->world, cloth); !s) return s;
-    const Eigen::VectorXd& from = values(world->world);
-    if (Status s = tremolo::c_api::need_buffer(out, length, static_cast<size_t>(from.size())); !s)
-      return s;
-    std::copy(from.begin(), from.end(), out);
-    return Success{};
+    return fill_buffer(values(world->world), out, length);
   });
 }
 
@@ -138,7 +135,7 @@ tremolo_status tremolo_cloth_scene_add(tremolo_cloth_scene* scene,
     if (!full) return full.error();
     const size_t number = scene->scene.cloths.size();
     scene->scene.cloths.push_back(to_cloth(*full, number));
-    if (cloth != nullptr) *cloth = number;
+    put(number, cloth);
     return Success{};
   });
 }
@@ -253,11 +250,7 @@ tremolo_status tremolo_cloth_triangle_corners(const tremolo_cloth_world* world, 
                                               uint32_t* out, size_t length) {
   return with_all({{world, "the world of cloth"}}, [&]() -> Status {
     if (Status s = need_cloth(world->world, cloth); !s) return s;
-    const std::vector<tremolo::Triangle>& triangles = world->world.triangles(cloth);
-    if (Status s = tremolo::c_api::need_buffer(out, length, 3 * triangles.size()); !s) return s;
-    for (const tremolo::Triangle& triangle : triangles)
-      for (const tremolo::VertexId corner : triangle) *out++ = static_cast<uint32_t>(corner);
-    return Success{};
+    return fill_buffer(world->world.triangles(cloth), out, length);
   });
 }
 
@@ -293,9 +286,9 @@ tremolo_status tremolo_cloth_energy(const tremolo_cloth_world* world, double* ki
                                     double* elastic, double* gravity) {
   return with_all({{world, "the world of cloth"}}, [&]() -> Status {
     const tremolo::ClothEnergy energy = world->world.energy();
-    if (kinetic != nullptr) *kinetic = energy.kinetic;
-    if (elastic != nullptr) *elastic = energy.elastic;
-    if (gravity != nullptr) *gravity = energy.gravity;
+    put(energy.kinetic, kinetic);
+    put(energy.elastic, elastic);
+    put(energy.gravity, gravity);
     return Success{};
   });
 }

@@ -35,7 +35,9 @@ using tremolo::Success;
 using tremolo::TetBody;
 using tremolo::TetsBodies;
 using tremolo::usage_error;
+using tremolo::c_api::fill_buffer;
 using tremolo::c_api::need_buffer;
+using tremolo::c_api::put;
 using tremolo::c_api::with_all;
 
 constexpr double kTurnSlack = 1e-6;  // of a quaternion's length
@@ -53,12 +55,6 @@ tremolo_status with_body(World* world, size_t body, const Action& action) noexce
     return usage_error("there are " + std::to_string(count) + " bodies, no body " +
                        std::to_string(body));
   });
-}
-
-Status copy_vector(const Eigen::VectorXd& from, double* out, size_t length) {
-  if (Status s = need_buffer(out, length, static_cast<size_t>(from.size())); !s) return s;
-  std::copy(from.begin(), from.end(), out);
-  return Success{};
 }
 
 Result<tremolo::DegreeKind> to_degree(int32_t degree) {
@@ -206,7 +202,7 @@ tremolo_status tremolo_tets_scene_add(tremolo_tets_scene* scene,
     Result<tremolo::TetSceneBody> made = to_body(*full, number);
     if (!made) return made.error();
     scene->scene.bodies.push_back(std::move(*made));
-    if (body != nullptr) *body = number;
+    put(number, body);
     return Success{};
   });
 }
@@ -299,25 +295,21 @@ tremolo_status tremolo_tets_surface(tremolo_tets_world* world, size_t body, floa
 tremolo_status tremolo_tets_triangle_corners(const tremolo_tets_world* world, size_t body,
                                              uint32_t* out, size_t length) {
   return with_body(world, body, [&]() -> Status {
-    const auto& triangles = world->bodies.kind(body).surface->rest().triangles;
-    if (Status s = need_buffer(out, length, 3 * triangles.size()); !s) return s;
-    for (const auto& triangle : triangles)
-      for (const auto corner : triangle) *out++ = static_cast<uint32_t>(corner);
-    return Success{};
+    return fill_buffer(world->bodies.kind(body).surface->rest().triangles, out, length);
   });
 }
 
 tremolo_status tremolo_tets_positions(const tremolo_tets_world* world, size_t body, double* out,
                                       size_t length) {
   return with_body(world, body, [&] {
-    return copy_vector(world->bodies.group->body(body).positions(), out, length);
+    return fill_buffer(world->bodies.group->body(body).positions(), out, length);
   });
 }
 
 tremolo_status tremolo_tets_velocities(const tremolo_tets_world* world, size_t body, double* out,
                                        size_t length) {
   return with_body(world, body, [&] {
-    return copy_vector(world->bodies.group->body(body).velocities(), out, length);
+    return fill_buffer(world->bodies.group->body(body).velocities(), out, length);
   });
 }
 
@@ -358,8 +350,8 @@ tremolo_status tremolo_tets_suitable(tremolo_tets_world* world, size_t body, siz
     Result<tremolo::TetHand> hand = hand_of(*world, body, vertex);
     if (!hand) return hand.error();
     if (Status s = suit_springs(world->bodies.group->body(body), *hand); !s) return s;
-    if (stiffness != nullptr) *stiffness = hand->stiffness;
-    if (damping != nullptr) *damping = hand->damping;
+    put(hand->stiffness, stiffness);
+    put(hand->damping, damping);
     return Success{};
   });
 }
@@ -368,8 +360,8 @@ tremolo_status tremolo_tets_look(const tremolo_tets_world* world, size_t body, i
                                  double* quadratic_share) {
   return with_body(world, body, [&]() -> Status {
     const tremolo::TetGroup& group = *world->bodies.group;
-    if (asleep != nullptr) *asleep = group.asleep(body) ? 1 : 0;
-    if (quadratic_share != nullptr) *quadratic_share = group.body(body).system().quadratic_share();
+    put(group.asleep(body) ? 1 : 0, asleep);
+    put(group.body(body).system().quadratic_share(), quadratic_share);
     return Success{};
   });
 }
@@ -387,8 +379,7 @@ tremolo_status tremolo_tets_energy(tremolo_tets_world* world, double* kinetic, d
       sums[3] += group.contact(i).look().energy;
     }
     double* out[] = {kinetic, elastic, gravity, contact};
-    for (int k = 0; k < 4; ++k)
-      if (out[k] != nullptr) *out[k] = sums[k];
+    for (int k = 0; k < 4; ++k) put(sums[k], out[k]);
     return Success{};
   });
 }
