@@ -66,12 +66,6 @@ void read_law(TomlKeys& keys, const char* key, SpringLaw& law) {
   if (numbers.size() == 2) law = {numbers[0], numbers[1]};
 }
 
-std::string told_name(const toml::table& table, const char* kind, std::size_t number) {
-  if (const auto name = table["name"].value_exact<std::string>())
-    return std::string(kind) + " '" + *name + "'";
-  return std::string(kind) + " " + std::to_string(number);
-}
-
 // A missing mesh is reported at the key `file`, not at a pin that needs it.
 Status check_mesh(TomlKeys& keys, const SceneCloth& cloth) {
   if (cloth.file.empty()) return Success{};
@@ -86,9 +80,7 @@ Status check_mesh(TomlKeys& keys, const SceneCloth& cloth) {
 // All keys of a cloth. what: its name in errors.
 Status read_cloth_keys(TomlKeys& keys, const std::string& path, const std::string& what,
                        std::vector<std::string>& files, SceneCloth& cloth) {
-  keys.read("name", cloth.name);
-  if (keys.good() && !is_folder_name(cloth.name))
-    keys.fail("name", "a name has letters, digits, '.', '_', '-' only");
+  read_folder_name(keys, cloth.name);
   read_shape(keys, cloth);
   keys.read("density", cloth.density);
   read_law(keys, "structural", cloth.structural);

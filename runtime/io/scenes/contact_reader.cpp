@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "runtime/io/scenes/part_readers.h"
+#include "runtime/io/scenes/scene_keys.h"
 #include "runtime/io/scenes/toml_keys.h"
 
 namespace tremolo {
@@ -97,8 +98,7 @@ void read_body_contact(TomlKeys& keys, SceneBody& body) {
 Result<SceneCollider> read_collider(const toml::table& table, std::size_t number,
                                     const std::string& path, std::vector<std::string>& files) {
   SceneCollider collider;
-  std::string what = "collider " + std::to_string(number);
-  if (const auto name = table["name"].value_exact<std::string>()) what = "collider '" + *name + "'";
+  const std::string what = told_name(table, "collider", number);
   TomlKeys keys(table, path, what);
   need(keys, "name");
   keys.read("name", collider.name);

@@ -34,6 +34,18 @@ bool is_folder_name(const std::string& name) {
              std::string::npos;
 }
 
+void read_folder_name(TomlKeys& keys, std::string& name) {
+  keys.read("name", name);
+  if (keys.good() && !is_folder_name(name))
+    keys.fail("name", "a name has letters, digits, '.', '_', '-' only");
+}
+
+std::string told_name(const toml::table& table, const char* kind, std::size_t number) {
+  if (const auto name = table["name"].value_exact<std::string>())
+    return std::string(kind) + " '" + *name + "'";
+  return std::string(kind) + " " + std::to_string(number);
+}
+
 Status read_gravity(TomlKeys& keys, const std::string& path, SceneGravity& gravity,
                     std::vector<std::string>& files) {
   const toml::node* node = keys.find("gravity");

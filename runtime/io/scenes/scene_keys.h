@@ -37,6 +37,10 @@ std::optional<DampingRatios> read_damping_ratio(TomlKeys& keys);
 
 // A name becomes that of a folder or a file.
 bool is_folder_name(const std::string& name);
+// Reads the key `name`, whose value becomes that of a folder.
+void read_folder_name(TomlKeys& keys, std::string& name);
+// "KIND 'NAME'", or "KIND NUMBER" if the table has no name, for errors.
+std::string told_name(const toml::table& table, const char* kind, std::size_t number);
 
 // One value, rows t, x, y, z, or a CSV file of these. path: of the scene. files: CSV files that
 // were read are added. Errors as read_world.

@@ -176,13 +176,10 @@ void read_what(TomlKeys& keys, SceneBody& body) {
 Result<SceneBody> read_body(const toml::table& table, std::size_t number, SceneFile& file,
                             Copies& copies) {
   SceneBody body;
-  std::string what = "body " + std::to_string(number);
-  if (const auto name = table["name"].value_exact<std::string>()) what = "body '" + *name + "'";
+  const std::string what = told_name(table, "body", number);
   TomlKeys keys(table, file.path, what);
-  keys.read("name", body.name);
   if (!keys.has("name")) keys.fail("name", "it has no `name`");
-  if (keys.good() && !is_folder_name(body.name))
-    keys.fail("name", "a name has letters, digits, '.', '_', '-' only");
+  read_folder_name(keys, body.name);
   read_what(keys, body);
   copies = read_copies(keys);
   read_method(keys, body);

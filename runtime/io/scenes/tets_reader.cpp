@@ -82,14 +82,11 @@ void read_tets_contact(TomlKeys& keys, const TetsPlace& scene, TetSceneBody& bod
 Result<TetSceneBody> read_tets_body(const toml::table& table, std::size_t number,
                                     const TetsPlace& scene) {
   TetSceneBody body;
-  std::string what = "body " + std::to_string(number);
-  if (const auto name = table["name"].value_exact<std::string>()) what = "body '" + *name + "'";
+  const std::string what = told_name(table, "body", number);
   TomlKeys keys(table, scene.path, what);
   keys.read_word("kind", {kTets}, 0);
-  keys.read("name", body.name);
   if (!keys.has("name")) keys.fail("name", "it has no `name`");
-  if (keys.good() && !is_folder_name(body.name))
-    keys.fail("name", "a name has letters, digits, '.', '_', '-' only");
+  read_folder_name(keys, body.name);
   keys.read_path("model", body.model);
   if (!keys.has("model")) keys.fail("model", "it has no key `model`");
   keys.read("made-by", body.made_by);

@@ -8,6 +8,7 @@
 
 #include "runtime/apps/tremolo/output/sound.h"
 #include "runtime/apps/tremolo/start/start_state.h"
+#include "runtime/io/scenes/scene_keys.h"
 #include "runtime/io/scenes/toml_keys.h"
 
 namespace tremolo {
@@ -186,9 +187,7 @@ Result<std::vector<RunOptions>> parse_scene(std::string_view text, const std::st
     RunOptions body;
     body.name = std::string(name.str());
     // It becomes the name of a folder.
-    if (body.name.empty() || body.name.front() == '.' ||
-        body.name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
-                                    "._-") != std::string::npos)
+    if (!is_folder_name(body.name))
       return error_at(path, name.source(),
                       "body '" + body.name + "': a name has letters, digits, '.', '_', '-' only");
     if (Status status = read_body(path, *table, body); !status) return status.error();
