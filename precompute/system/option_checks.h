@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <iostream>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,30 +17,30 @@
 
 namespace tremolo {
 
-// Accepts finite numbers above zero.
-inline CLI::Validator above_zero() {
+// Accepts numbers for which good(number) is true. expected: for the message.
+template <class Number, class Good>
+CLI::Validator number_check(const std::string& expected, const Good& good) {
   return CLI::Validator(
-      [](std::string& text) -> std::string {
-        double value = 0;
+      [expected, good](std::string& text) -> std::string {
+        Number value{};
         const char* end = text.data() + text.size();
         const auto [stop, error] = std::from_chars(text.data(), end, value);
-        if (error == std::errc{} && stop == end && std::isfinite(value) && value > 0) return "";
-        return "expected a number above 0, found " + text;
+        if (error == std::errc{} && stop == end && good(value)) return "";
+        return "expected " + expected + ", found " + text;
       },
       "");
 }
 
-// Accepts integers of at least one.
-inline CLI::Validator at_least_one() {
-  return CLI::Validator(
-      [](std::string& text) -> std::string {
-        int value = 0;
-        const char* end = text.data() + text.size();
-        const auto [stop, error] = std::from_chars(text.data(), end, value);
-        if (error == std::errc{} && stop == end && value >= 1) return "";
-        return "expected a whole number from 1 to 2147483647, found " + text;
-      },
-      "");
+// Accepts finite numbers above zero.
+inline CLI::Validator above_zero() {
+  return number_check<double>("a number above 0",
+                              [](double value) { return std::isfinite(value) && value > 0; });
+}
+
+// Accepts integers from one to `most`.
+inline CLI::Validator at_least_one(int most = std::numeric_limits<int>::max()) {
+  return number_check<int>("a whole number from 1 to " + std::to_string(most),
+                           [most](int value) { return value >= 1 && value <= most; });
 }
 
 // Accepts a number of bytes with or without a unit, as "500MB", and replaces it by the number.
@@ -81,18 +82,7 @@ inline std::string one_line_message(const CLI::App* app, const CLI::Error& error
 
 // Accepts numbers of threads.
 inline CLI::Validator thread_count() {
-  return CLI::Validator(
-      [](std::string& text) -> std::string {
-        int value = 0;
-        const char* end = text.data() + text.size();
-        const auto [stop, error] = std::from_chars(text.data(), end, value);
-        if (error == std::errc{} && stop == end && value >= 1 &&
-            std::cmp_less_equal(value, kMostThreads))
-          return "";
-        return "expected a whole number from 1 to " + std::to_string(kMostThreads) + ", found " +
-               text;
-      },
-      "");
+  return at_least_one(static_cast<int>(kMostThreads));
 }
 
 }  // namespace tremolo
