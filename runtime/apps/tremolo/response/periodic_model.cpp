@@ -23,13 +23,8 @@ Result<BodyScene> scene_of(const PeriodicOptions& options) {
     return usage_error(options.model +
                        ": periodic motions are those of one model: name a basis file, not a scene");
   RunOptions run;
-  run.model = options.model;
-  run.modes = options.modes;
-  run.linear = options.linear;
-  run.rescale = options.rescale;
+  static_cast<LoadedModelOptions&>(run) = options;
   run.load = "constant";
-  run.at = options.at;
-  run.force = options.force;
   return body_scene(run);
 }
 

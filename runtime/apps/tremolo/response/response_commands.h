@@ -4,19 +4,12 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-}
+#include "runtime/apps/tremolo/run/run_options.h"
 
 namespace tremolo {
 
 // Flags of both commands.
-struct PeriodicOptions {
-  std::string model;          // path of the basis file
-  int modes = 0;              // leading coordinates to keep; 0: all
-  bool linear = false;        // without the cubic and quartic terms
-  std::string rescale;        // another material (run_body.h)
-  std::string at, force;      // of the load, as of `tremolo run`
+struct PeriodicOptions : LoadedModelOptions {
   double static_scale = 0.0;  // the load's constant part
   std::string gravity;        // "X,Y,Z", m/s^2; empty: none
   int harmonics = 5;
@@ -25,10 +18,8 @@ struct PeriodicOptions {
   double longest_step = 0.1;  // along the curve
   int most_points = 4000;
   bool no_stability = false;
-  std::string probe;  // vertex or selector; empty: the vertex that moves most in the mode
-  double alpha = 0.0, beta = 0.0;
-  std::string damping_ratio;             // common/damping_ratios.h; empty: alpha and beta
-  std::string csv, page, out;            // outputs; empty: none
+  std::string probe;           // vertex or selector; empty: the vertex that moves most in the mode
+  std::string csv, page, out;  // outputs; empty: none
   std::vector<std::string> orbit_files;  // a period of one motion, by their endings
   std::string orbit_at = "peak";         // orbit_file.h
   int orbit_frames = 32;                 // of a period

@@ -7,10 +7,8 @@ namespace {
 
 void add_common_flags(CLI::App& app, PeriodicOptions& o) {
   app.add_option("file", o.model, "basis file")->required();
-  app.add_option("--modes", o.modes, "keep the first R coordinates only (0: all)");
-  app.add_flag("--linear", o.linear, "leave the cubic and quartic terms out");
-  app.add_option("--rescale", o.rescale,
-                 "young=PA,density=KG/M3, one or both: the model as if made of this");
+  add_modes_flag(app, o);
+  add_material_flags(app, o);
   app.add_option("--static-scale", o.static_scale,
                  "the load also acts constantly, times this factor")
       ->capture_default_str();
@@ -48,28 +46,11 @@ void add_common_flags(CLI::App& app, PeriodicOptions& o) {
   app.add_flag("--json", o.json, "print one JSON object on stdout");
 }
 
-void add_load_flags(CLI::App& app, PeriodicOptions& o) {
-  app.add_option("--at", o.at,
-                 "what the load acts on, a vertex's id or a selector (default: the model's)");
-  app.add_option("--force", o.force,
-                 "with --at: X,Y,Z in N, shared by the vertices, on a face by area");
-}
-
-void add_damping_flags(CLI::App& app, PeriodicOptions& o) {
-  CLI::Option* alpha = app.add_option("--alpha", o.alpha, "Rayleigh damping of the mass, 1/s");
-  CLI::Option* beta = app.add_option("--beta", o.beta, "Rayleigh damping of the stiffness, s");
-  app.add_option("--damping-ratio", o.damping_ratio,
-                 "fraction of critical damping: 2% of every mode, 2%,1%,0.5% of each, "
-                 "F1:Z1,F2:Z2 (Hz), or a table of more such pairs")
-      ->excludes(alpha)
-      ->excludes(beta);
-}
-
 }  // namespace
 
 void add_response_flags(CLI::App& app, ResponseOptions& o) {
   add_common_flags(app, o);
-  add_load_flags(app, o);
+  add_force_flags(app, o);
   app.add_option("--load-scale", o.load_scales,
                  "multiplies the load; several, as in 1,2,5, give a curve each")
       ->delimiter(',')
@@ -90,7 +71,7 @@ void add_response_flags(CLI::App& app, ResponseOptions& o) {
 
 void add_backbone_flags(CLI::App& app, BackboneOptions& o) {
   add_common_flags(app, o);
-  add_load_flags(app, o);
+  add_force_flags(app, o);
   add_damping_flags(app, o);
   app.add_flag("--damped", o.damped,
                "the motions that the load keeps in phase resonance against the damping: the ridge "

@@ -23,10 +23,7 @@ void add_load_flags(CLI::App& run, RunOptions& o) {
                  "CSV of times (s) and values: the load's course in time instead, straight lines "
                  "between")
       ->excludes(load);
-  run.add_option("--at", o.at,
-                 "what the load acts on, a vertex's id or a selector (default: the model's)");
-  run.add_option("--force", o.force,
-                 "with --at: X,Y,Z in N, shared by the vertices, on a face by area");
+  add_force_flags(run, o);
   CLI::Option* scale =
       run.add_option("--scale", o.scale, "multiplies the load")->capture_default_str();
   run.add_option("--deflect", o.deflect,
@@ -42,8 +39,32 @@ void add_load_flags(CLI::App& run, RunOptions& o) {
 
 }  // namespace
 
-void add_modes_flag(CLI::App& run, RunOptions& o) {
-  run.add_option("--modes", o.modes, "keep the first R coordinates only (0: all)");
+void add_modes_flag(CLI::App& app, LoadedModelOptions& o) {
+  app.add_option("--modes", o.modes, "keep the first R coordinates only (0: all)");
+}
+
+void add_material_flags(CLI::App& app, LoadedModelOptions& o) {
+  app.add_option("--rescale", o.rescale,
+                 "young=PA,density=KG/M3, one or both: the model as if made of this; exact for one "
+                 "material");
+  app.add_flag("--linear", o.linear, "leave the cubic and quartic terms out: not read, not kept");
+}
+
+void add_damping_flags(CLI::App& app, LoadedModelOptions& o) {
+  CLI::Option* alpha = app.add_option("--alpha", o.alpha, "Rayleigh damping of the mass, 1/s");
+  CLI::Option* beta = app.add_option("--beta", o.beta, "Rayleigh damping of the rest stiffness, s");
+  app.add_option("--damping-ratio", o.damping_ratio,
+                 "fraction of critical damping: 2% of every mode, 2%,1%,0.5% of each, 1:2%,30:5% "
+                 "Rayleigh damping by two frequencies (Hz), 1:2%,10:1%,30:5% a table")
+      ->excludes(alpha)
+      ->excludes(beta);
+}
+
+void add_force_flags(CLI::App& app, LoadedModelOptions& o) {
+  app.add_option("--at", o.at,
+                 "what the load acts on, a vertex's id or a selector (default: the model's)");
+  app.add_option("--force", o.force,
+                 "with --at: X,Y,Z in N, shared by the vertices, on a face by area");
 }
 
 void add_body_flags(CLI::App& run, RunOptions& o) {
@@ -51,17 +72,8 @@ void add_body_flags(CLI::App& run, RunOptions& o) {
                  fmt::format("{}", fmt::join(integrator_names(), ", ")))
       ->capture_default_str();
   run.add_option("--step", o.step, "h, s")->capture_default_str();
-  run.add_option("--rescale", o.rescale,
-                 "young=PA,density=KG/M3, one or both: the model as if made of this; exact for one "
-                 "material");
-  run.add_flag("--linear", o.linear, "leave the cubic and quartic terms out: not read, not kept");
-  CLI::Option* alpha = run.add_option("--alpha", o.alpha, "Rayleigh damping of the mass, 1/s");
-  CLI::Option* beta = run.add_option("--beta", o.beta, "Rayleigh damping of the rest stiffness, s");
-  run.add_option("--damping-ratio", o.damping_ratio,
-                 "fraction of critical damping: 2% of every mode, 2%,1%,0.5% of each, 1:2%,30:5% "
-                 "Rayleigh damping by two frequencies (Hz), 1:2%,10:1%,30:5% a table")
-      ->excludes(alpha)
-      ->excludes(beta);
+  add_material_flags(run, o);
+  add_damping_flags(run, o);
   run.add_option("--newmark-beta", o.newmark_beta, "Newmark's beta")->capture_default_str();
   run.add_option("--newmark-gamma", o.newmark_gamma, "Newmark's gamma")->capture_default_str();
   run.add_option("--split", o.split, "which coordinates are explicit: default, thesis or a count")

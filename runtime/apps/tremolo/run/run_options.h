@@ -15,27 +15,31 @@
 
 namespace tremolo {
 
-// One body. The names are those of the flags; units SI.
-struct RunOptions {
+// A model, its damping, and what its load acts on. The names are those of the flags; units SI.
+struct LoadedModelOptions {
+  std::string model;    // path of the basis file
+  int modes = 0;        // leading coordinates to keep; 0: all
+  bool linear = false;  // without the cubic and quartic terms
+  std::string rescale;  // "young=PA,density=KG/M3": another material (run_body.h)
+  std::string at;       // vertex or selector; with force; else the model's default load
+  std::string force;    // "X,Y,Z" in N, shared by the vertices, on a face by area
+  double alpha = 0.0, beta = 0.0;
+  std::string damping_ratio;  // common/damping_ratios.h; empty: alpha and beta
+};
+
+// One body.
+struct RunOptions : LoadedModelOptions {
   std::string name;   // the scene's table; empty: the stem of the model's file
-  std::string model;  // path of the basis file
   std::string scene;  // path of the scene; empty: none
   std::string integrator{kDefaultIntegrator};
   double step = 3e-3;
   double duration = 30.0;
-  int modes = 0;                // leading coordinates to keep; 0: all
-  std::string rescale;          // "young=PA,density=KG/M3": another material (run_body.h)
-  bool linear = false;          // without the cubic and quartic terms
   std::string load = "square";  // impulse, square, sine, chirp, ramp, constant, none
   SignalShape shape;            // of the load: --frequency, --sweep, --load-duration
-  std::string at;               // vertex or selector; with force; else the model's default load
-  std::string force;            // "X,Y,Z" in N, shared by the vertices, on a face by area
   std::string signal;           // CSV of the load's course in time, instead of `load`
   double scale = 1.0;
   std::string deflect;  // "5%": the load is scaled to this motion; empty: it is not
   std::string start;    // start_state.h; empty: at rest
-  double alpha = 0.0, beta = 0.0;
-  std::string damping_ratio;  // common/damping_ratios.h; empty: alpha and beta
   double newmark_beta = 0.25, newmark_gamma = 0.5;
   std::string split = "default";
   double safety = 0.9;
@@ -83,6 +87,10 @@ namespace tremolo {
 
 // Adds the flags of a body's model (except --modes), integrator, load and start.
 void add_body_flags(CLI::App& app, RunOptions& options);
-void add_modes_flag(CLI::App& app, RunOptions& options);
+// Parts of them that are those of any model.
+void add_modes_flag(CLI::App& app, LoadedModelOptions& options);
+void add_material_flags(CLI::App& app, LoadedModelOptions& options);
+void add_damping_flags(CLI::App& app, LoadedModelOptions& options);
+void add_force_flags(CLI::App& app, LoadedModelOptions& options);
 
 }  // namespace tremolo
