@@ -37,10 +37,6 @@ Json cloth_contents(const std::string& name, const ClothModel& model) {
           {"frequency_max_hz", number_or_null(omega / (2.0 * std::numbers::pi))}};
 }
 
-Json list(const Eigen::Vector3d& x) {
-  return Json::array({x[0], x[1], x[2]});
-}
-
 BoundingBox box_of(const Eigen::VectorXd& positions) {
   std::vector<Eigen::Vector3d> points;
   for (Eigen::Index i = 0; i < positions.size(); i += 3)
@@ -93,14 +89,14 @@ Json scene_contents(const ClothFile& file, const ClothWorld& world) {
   for (std::size_t i = 0; i < world.cloths(); ++i) {
     Json cloth = cloth_contents(world.scene().cloths[i].name, world.model(i));
     const BoundingBox box = box_of(world.positions(i));
-    cloth["low"] = list(box.low);
-    cloth["high"] = list(box.high);
+    cloth["low"] = vector_json(box.low);
+    cloth["high"] = vector_json(box.high);
     json["cloths"].push_back(std::move(cloth));
   }
   json["places"] = Json::array();
   for (std::size_t b = 0; b < world.balls().size(); ++b)
     json["places"].push_back({{"ball", file.scene.balls[b].name},
-                              {"position", list(world.balls()[b].position)},
+                              {"position", vector_json(world.balls()[b].position)},
                               {"radius", file.scene.balls[b].radius}});
   json["contacts"] = contacts_of(file, world);
   json["stability_limits_s"] = step_limits(world);

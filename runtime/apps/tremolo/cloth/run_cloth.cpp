@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 // The end of a run. each: processor time of every step, us.
-struct ClothEnding : SceneEnding {
+struct ClothEnding : RunEnding {
   std::vector<double> each;
 };
 
@@ -48,7 +48,7 @@ void add_energy_keys(Json& json, const ClothReport& report) {
   const ClothEnergy &start = report.start, &end = report.end;
   json["energy_initial"] = number_or_null(start.total());
   json["energy_final"] = number_or_null(end.total());
-  json["energy_max"] = number_or_null(report.energy_max);
+  json["energy_max"] = number_or_null(report.balance.energy_max);
   json["kinetic_final"] = number_or_null(end.kinetic);
   json["elastic_final"] = number_or_null(end.elastic);
   json["gravity_final"] = number_or_null(end.gravity);
@@ -57,13 +57,10 @@ void add_energy_keys(Json& json, const ClothReport& report) {
                              {"contact", number_or_null(end.contact)},
                              {"damping", number_or_null(-end.damped)},
                              {"method", number_or_null(end.numerical)}};
-  json["energy_balance_error"] = number_or_null(report.balance_error());
+  json["energy_balance_error"] = number_or_null(report.balance.error());
   json["work"] = number_or_null(end.wind + end.pins);
   json["dissipated"] = number_or_null(end.damped);
-  json["linear_momentum_initial"] = vector_json(report.momenta_start.linear);
-  json["linear_momentum_final"] = vector_json(report.momenta_end.linear);
-  json["angular_momentum_initial"] = vector_json(report.momenta_start.angular);
-  json["angular_momentum_final"] = vector_json(report.momenta_end.angular);
+  add_momenta(report.momenta_start, report.momenta_end, json);
 }
 
 void add_parts(Json& json, const ClothWorld& world) {
@@ -121,8 +118,7 @@ RunOutputs cloth_outputs(const ClothFile& file) {
   for (const SceneCloth& cloth : file.scene.cloths) names.push_back(cloth.name);
   outputs.add_folder(out, names);
   outputs.add_files(out, {kReportName, kTableName, kEnergyPageName});
-  for (const std::string& name : names)
-    if (!out.empty()) outputs.add_files((fs::path(out) / name).string(), {kFramesName});
+  outputs.add_files(out, names, {kFramesName});
   return outputs;
 }
 

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "common/energy.h"
 #include "formats/surface/surface_writer.h"
 #include "runtime/apps/tremolo/output/plot.h"
 #include "runtime/apps/tremolo/run/run_files.h"
@@ -90,11 +89,6 @@ double cloth_turnover(const ClothEnergy& energy) {
 
 }  // namespace
 
-double ClothReport::balance_error() const {
-  const double most = std::max(energy_max, turnover_max);
-  return most > 0.0 ? remainder_max / most : 0.0;
-}
-
 ClothLog::ClothLog(const ClothFile& file, const ClothWorld& world) : file_(&file) {
   report_.start = world.energy();
   report_.momenta_start = momenta_of(world);
@@ -105,13 +99,11 @@ Result<ClothLog> ClothLog::create(const ClothFile& file, const ClothWorld& world
   if (file.outputs.out.empty()) return log;
   const std::int64_t steps = std::llround(file.scene.duration / file.scene.options.step);
   for (const SceneCloth& cloth : file.scene.cloths) {
-    SceneOutputs outputs = file.outputs;
-    outputs.out = (fs::path(outputs.out) / cloth.name).string();
+    const SceneOutputs outputs = outputs_of_body(file.outputs, cloth.name);
     if (Status s = make_run_folder(outputs.out); !s) return s.error();
     log.frames_.emplace_back(outputs, StepRange{0, steps});
   }
-  const std::string csv = (fs::path(file.outputs.out) / kTableName).string();
-  Result<ClothTable> table = ClothTable::create(csv, file.scene);
+  Result<ClothTable> table = ClothTable::create(table_path(file.outputs), file.scene);
   if (!table) return table.error();
   log.table_.emplace(std::move(*table));
   return log;
@@ -121,9 +113,7 @@ void ClothLog::note_energy(const ClothEnergy& now) {
   const double remainder = now.total() - report_.start.total() - external_energy(now);
   const double moved = now.kinetic + now.elastic + std::abs(now.gravity - report_.start.gravity);
   report_.end = now;
-  report_.energy_max = larger(report_.energy_max, moved);
-  report_.remainder_max = larger(report_.remainder_max, std::abs(remainder));
-  report_.turnover_max = larger(report_.turnover_max, cloth_turnover(now));
+  report_.balance.observe(moved, remainder, cloth_turnover(now));
 }
 
 Result<bool> ClothLog::observe(const ClothWorld& world) {
@@ -147,10 +137,7 @@ Result<bool> ClothLog::observe(const ClothWorld& world) {
                        std::abs(report_.start.gravity - now.gravity) + cloth_turnover(now);
   const double present = now.kinetic + now.elastic;
   if (std::isfinite(present) && present <= kEnergyBound * given) return true;
-  report_.exit_code = exit_code(ErrorKind::kBound);
-  report_.reason = fmt::format(
-      "at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that was put in",
-      world.time(), present, kEnergyBound);
+  report_.leave_bound(present, world.time());
   return false;
 }
 
@@ -163,15 +150,11 @@ Status ClothLog::finish(const ClothWorld& world) {
   report_.momenta_end = momenta_of(world);
   const SceneOutputs& outputs = file_->outputs;
   if (outputs.out.empty()) return Success{};
-  const fs::path folder = outputs.out;
   if (Status s = table_->finish(); !s) return s;
-  report_.files.push_back((folder / kTableName).string());
-  if (outputs.plot) {
-    const std::string picture = (folder / kEnergyPageName).string();
-    const std::string label = fs::path(file_->path).stem().string();
-    if (Status s = write_energy_page({{label, report_.files[0]}}, picture); !s) return s;
-    report_.files.push_back(picture);
-  }
+  report_.files.push_back(table_path(outputs));
+  const std::string label = fs::path(file_->path).stem().string();
+  if (outputs.plot)
+    if (Status s = plot_run({label, report_.files[0]}, outputs.out, report_.files); !s) return s;
   for (Frames& frames : frames_) {
     if (Status s = frames.finish(); !s) return s;
     report_.files.insert(report_.files.end(), frames.files().begin(), frames.files().end());

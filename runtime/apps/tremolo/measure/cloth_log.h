@@ -9,7 +9,9 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
+#include "runtime/apps/tremolo/measure/energy_balance.h"
 #include "runtime/apps/tremolo/run/log_files.h"
+#include "runtime/apps/tremolo/run/scene_ending.h"
 #include "runtime/bodies/cloth/cloth_parts.h"
 #include "runtime/bodies/cloth/cloth_world.h"
 #include "runtime/io/scenes/nodal_readers.h"
@@ -37,20 +39,13 @@ class ClothTable {
   CsvTable table_;
 };
 
-// Energies in J. remainder_max: the largest |change of the energy - energy given by wind, pins,
-// contact and dampers|, which is the error of the method.
-struct ClothReport {
+struct ClothReport : RunEnding {
   ClothEnergy start, end;
   Momenta momenta_start, momenta_end;  // of all cloths and balls together
-  double energy_max = 0.0;  // largest sum of kinetic, elastic and |change of gravity's| energy
-  double remainder_max = 0.0;
-  double turnover_max = 0.0;  // the largest sum of |energy exchanged| over all causes
-  int exit_code = 0;          // 0, 4 or 5
-  std::string reason;
+  // Of the sum of kinetic, elastic and |change of gravity's| energy, with the energy given by wind,
+  // pins, contact and dampers; the remainder is the error of the method.
+  EnergyBalance balance;
   std::vector<std::string> files;
-
-  // Relative to the larger of energy_max and turnover_max; 0 if nothing ever moved.
-  double balance_error() const;
 };
 
 class ClothLog {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -21,14 +20,6 @@ constexpr const char* kTetsColumns =
     "lx,ly,lz,displacement";
 
 constexpr std::size_t kMostTables = 64;  // open at a time
-
-// In the folder of the body.
-SceneOutputs outputs_of(const TetScene& scene, std::size_t body) {
-  SceneOutputs outputs = scene.outputs;
-  if (!outputs.out.empty())
-    outputs.out = (std::filesystem::path(outputs.out) / scene.bodies[body].name).string();
-  return outputs;
-}
 
 RenderSurface drawn_surface(const TetSurface& surface, const std::vector<Eigen::Vector3d>& vertices,
                             const std::vector<Eigen::Vector3f>& normals) {
@@ -77,7 +68,7 @@ void MomentumLoss::note(const TetBody& body, bool alone) {
 }
 
 TetsLog::TetsLog(const TetScene& scene, const TetsKind& kind, std::size_t body)
-    : outputs_(outputs_of(scene, body)),
+    : outputs_(outputs_of_body(scene.outputs, scene.bodies[body].name)),
       steps_(std::llround(scene.duration / scene.step)),
       surface_(kind.surface),
       held_(kind.held),
@@ -88,12 +79,9 @@ TetsLog::TetsLog(const TetScene& scene, const TetsKind& kind, std::size_t body)
 
 Result<TetsLog> TetsLog::create(const TetScene& scene, const TetsKind& kind, std::size_t body) {
   TetsLog log(scene, kind, body);
-  const std::string& out = log.outputs_.out;
-  if (out.empty()) return log;
-  if (Status s = make_run_folder(out); !s) return s.error();
-  const std::string csv = (std::filesystem::path(out) / kTableName).string();
-  if (Status s =
-          take(log.table_, CsvTable::create(csv, kTetsColumns, scene.bodies.size() > kMostTables));
+  if (Status s = make_run_folder(log.outputs_.out); !s) return s.error();
+  if (Status s = take(log.table_, CsvTable::create(table_path(log.outputs_), kTetsColumns,
+                                                   scene.bodies.size() > kMostTables));
       !s)
     return s.error();
   return log;
@@ -193,12 +181,7 @@ Status TetsLog::observe(TetBody& body, const TetStepReport& step,
 }
 
 Status TetsLog::finish() {
-  if (!table_.is_written()) return Success{};
-  if (Status s = frames_.finish(); !s) return s;
-  report_.files = frames_.files();
-  if (Status s = table_.finish(); !s) return s;
-  report_.files.push_back((std::filesystem::path(outputs_.out) / kTableName).string());
-  return Success{};
+  return finish_files(outputs_, frames_, table_, report_.files);
 }
 
 nlohmann::ordered_json energies_json(const TetsEnergies& e) {

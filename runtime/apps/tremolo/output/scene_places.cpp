@@ -10,6 +10,7 @@
 
 #include "common/mesh/tet_mesh.h"
 #include "runtime/apps/tremolo/output/tell.h"
+#include "runtime/apps/tremolo/output/text_values.h"
 
 namespace tremolo {
 namespace {
@@ -17,10 +18,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kNearContact = 0.01;  // of a body's size: closer things are listed
-
-Json list(const Eigen::Vector3d& x) {
-  return Json::array({x[0], x[1], x[2]});
-}
 
 // The least distance of the body's vertices from the collider, m.
 double distance_to(const PlacedBody& body, const NamedCollider& collider) {
@@ -43,11 +40,10 @@ Json body_json(const PlacedBody& body, double step) {
   Json json{{"name", body.name},
             {"kind", body.kind},
             {"model", body.model},
-            {"position", list(body.pose.position)},
-            {"quaternion", Json::array({body.pose.rotation.w(), body.pose.rotation.x(),
-                                        body.pose.rotation.y(), body.pose.rotation.z()})},
-            {"low", list(box.low)},
-            {"high", list(box.high)}};
+            {"position", vector_json(body.pose.position)},
+            {"quaternion", quaternion_json(body.pose.rotation)},
+            {"low", vector_json(box.low)},
+            {"high", vector_json(box.high)}};
   if (!body.first_mode) return json;
   json["first_mode_hz"] = *body.first_mode;
   json["steps_a_period"] = 1.0 / (*body.first_mode * step);
@@ -103,7 +99,7 @@ Json places_json(const ScenePlaces& places) {
   for (const NamedCollider& collider : places.colliders)
     json["colliders"].push_back({{"name", collider.name},
                                  {"shape", shape_name(collider.shape)},
-                                 {"position", list(collider.pose.position)}});
+                                 {"position", vector_json(collider.pose.position)}});
   json["contacts"] = contacts_json(places);
   json["warnings"] = places.warnings;
   return json;

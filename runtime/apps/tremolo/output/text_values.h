@@ -7,9 +7,11 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
 #include "formats/file/scanner.h"
+#include "runtime/math/state.h"
 
 namespace tremolo {
 
@@ -38,6 +40,19 @@ inline nlohmann::ordered_json number_or_null(double value) {
 
 inline nlohmann::ordered_json vector_json(const Eigen::Vector3d& v) {
   return {number_or_null(v.x()), number_or_null(v.y()), number_or_null(v.z())};
+}
+
+inline nlohmann::ordered_json quaternion_json(const Eigen::Quaterniond& q) {
+  return {number_or_null(q.w()), number_or_null(q.x()), number_or_null(q.y()),
+          number_or_null(q.z())};
+}
+
+// Adds the momenta at the start and at the end of a run.
+inline void add_momenta(const Momenta& start, const Momenta& end, nlohmann::ordered_json& json) {
+  json["linear_momentum_initial"] = vector_json(start.linear);
+  json["linear_momentum_final"] = vector_json(end.linear);
+  json["angular_momentum_initial"] = vector_json(start.angular);
+  json["angular_momentum_final"] = vector_json(end.angular);
 }
 
 }  // namespace tremolo

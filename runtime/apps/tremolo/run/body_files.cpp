@@ -45,9 +45,7 @@ Status write_shape(const Body& body, const std::string& path, const std::string&
 Result<BodyFiles> BodyFiles::create(const SceneOutputs& outputs, const RecordedColumns& columns,
                                     const Model& model, StepRange steps, bool parked) {
   if (Status s = make_run_folder(outputs.out); !s) return s.error();
-  const std::string csv =
-      outputs.out.empty() ? std::string() : (fs::path(outputs.out) / kTableName).string();
-  Result<Recorder> recorder = Recorder::create(model, columns, csv, parked);
+  Result<Recorder> recorder = Recorder::create(model, columns, table_path(outputs), parked);
   if (!recorder) return value_error(recorder.error());
   return BodyFiles(outputs, std::move(*recorder), steps);
 }
@@ -70,7 +68,7 @@ Status BodyFiles::finish(const Model& model, const std::string& label,
     files.push_back(materials);
   }
   if (Status s = recorder_.finish(); !s) return s;
-  files.push_back((fs::path(folder()) / kTableName).string());
+  files.push_back(table_path(outputs_));
   if (!outputs_.plot || label.empty()) return Success{};
   return plot_run({label, files.back()}, folder(), files);
 }

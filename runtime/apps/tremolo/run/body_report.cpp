@@ -1,10 +1,5 @@
 #include "runtime/apps/tremolo/run/body_report.h"
 
-#include <cmath>
-
-#include <fmt/format.h>
-
-#include "common/energy.h"
 #include "runtime/apps/tremolo/output/text_values.h"
 
 namespace tremolo {
@@ -19,21 +14,6 @@ void BodyReport::take_end(const Moment& last) {
   work = last.work;
   dissipated = last.dissipated;
   split = last.split;
-}
-
-void BodyReport::give_up(const StepReport& step, double time) {
-  exit_code = tremolo::exit_code(error_kind(step.failure));
-  reason = failure_message(step, time);
-}
-
-void BodyReport::leave_bound(double energy, double time) {
-  exit_code = tremolo::exit_code(ErrorKind::kBound);
-  if (!std::isfinite(energy))
-    reason = fmt::format("at t = {:.6g} s the energy is no longer a finite number", time);
-  else
-    reason = fmt::format(
-        "at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that was put in", time,
-        energy, kEnergyBound);
 }
 
 void add_body(const BodyReport& report, Json& json) {
@@ -59,8 +39,7 @@ void add_body(const BodyReport& report, Json& json) {
 }
 
 void add_ending(const BodyReport& report, Json& json) {
-  json["exit_code"] = report.exit_code;
-  json["reason"] = report.reason.empty() ? Json(nullptr) : Json(report.reason);
+  add_ending(static_cast<const RunEnding&>(report), json);
   json["notes"] = report.notes;
   json["files"] = report.files;
 }

@@ -11,11 +11,12 @@
 
 #include "runtime/apps/tremolo/output/stretch.h"
 #include "runtime/apps/tremolo/run/recorder.h"
+#include "runtime/apps/tremolo/run/scene_ending.h"
 #include "runtime/body.h"
 
 namespace tremolo {
 
-struct BodyReport {
+struct BodyReport : RunEnding {
   std::string name;
   std::string model;       // path; of a rigid body its shape or mesh
   std::string integrator;  // its name
@@ -32,8 +33,6 @@ struct BodyReport {
   double size = 0.0;               // the largest extent of the surface at rest, m
   Excursion farthest;              // of the surface's vertices in the body's frame, in all samples
   double farthest_at = 0.0;        // s
-  int exit_code = 0;               // 0, 4 or 5; 128 + n when signal n ended the run early
-  std::string reason;              // why exit_code is not 0
   std::vector<std::string> notes;  // start/run_notes.h
   std::vector<std::string> files;  // written, in the body's folder
 
@@ -47,9 +46,6 @@ struct BodyReport {
     farthest = now;
     farthest_at = time;
   }
-  // Ends the run with the reason: a step failed; the energy (J) is beyond its bound. time: s.
-  void give_up(const StepReport& step, double time);
-  void leave_bound(double energy, double time);
 };
 
 // Adds the keys that all bodies have. Call add_ending() after the body's other keys.

@@ -1,7 +1,6 @@
 #include "runtime/apps/tremolo/run/follow.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -10,14 +9,6 @@
 #include "runtime/apps/tremolo/output/tell.h"
 
 namespace tremolo {
-namespace {
-
-double wall_time() {
-  const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  return std::chrono::duration<double>(now).count();
-}
-
-}  // namespace
 
 Status begin_run(const SceneFile& file, unsigned threads, SceneWorld& world) {
   if (Status s = world.set_threads(threads); !s) return s;
@@ -35,19 +26,19 @@ Status begin_run(const SceneFile& file, unsigned threads, SceneWorld& world) {
 Result<WorldEnding> follow(SceneWorld& world, const Following& how, WorldWatch& watch) {
   const std::int64_t before_it = world.steps();
   const std::int64_t last = std::llround(how.duration / world.step_size());
-  const auto clock = how.threads == 1 ? processor_time : wall_time;
+  const clockid_t clock = how.threads == 1 ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC;
   WorldEnding ending;
   watch.note(world);
   if (Status s = watch.look(world, {}, ending); !s) return s.error();
   while (ending.exit_code == 0 && world.steps() < last) {
     std::span<const SceneWorld::Failure> failures;
     const std::int64_t end = std::min(world.steps() + how.block, last);
-    const double before = clock();
+    const double before = clock_seconds(clock);
     while (world.steps() < end && failures.empty()) {
       failures = world.step();
       watch.note(world);
     }
-    ending.seconds += clock() - before;
+    ending.seconds += clock_seconds(clock) - before;
     ending.steps = world.steps() - before_it;
     if (Status s = watch.look(world, failures, ending); !s) return s.error();
     how.progress->reached(world.time());
@@ -56,7 +47,7 @@ Result<WorldEnding> follow(SceneWorld& world, const Following& how, WorldWatch& 
   return ending;
 }
 
-Status save_end(const SceneFile& file, const SceneWorld& world, const SceneEnding& ending) {
+Status save_end(const SceneFile& file, const SceneWorld& world, const RunEnding& ending) {
   const std::string& path = file.outputs.save;
   if (path.empty() || (ending.exit_code != 0 && ending.signal == 0)) return Success{};
   if (Status s = world.save(path); !s) return s;

@@ -13,7 +13,7 @@
 namespace tremolo {
 
 // The end of a run of a world.
-struct WorldEnding : SceneEnding {
+struct WorldEnding : RunEnding {
   double seconds = 0.0;    // of the steps: of the processor, with several threads real time
   std::int64_t steps = 0;  // that this run tried
 };
@@ -52,6 +52,6 @@ Result<WorldEnding> follow(SceneWorld& world, const Following& how, WorldWatch& 
 
 // Saves the world if the scene's outputs name a file for it, also at the end of a run that a signal
 // ended, but not if a step or an orbit failed. Errors: kSystem.
-Status save_end(const SceneFile& file, const SceneWorld& world, const SceneEnding& ending);
+Status save_end(const SceneFile& file, const SceneWorld& world, const RunEnding& ending);
 
 }  // namespace tremolo

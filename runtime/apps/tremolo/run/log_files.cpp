@@ -27,6 +27,16 @@ Status make_run_folder(const std::string& folder) {
   return Success{};
 }
 
+SceneOutputs outputs_of_body(const SceneOutputs& all, const std::string& body) {
+  SceneOutputs outputs = all;
+  if (!all.out.empty()) outputs.out = (fs::path(all.out) / body).string();
+  return outputs;
+}
+
+std::string table_path(const SceneOutputs& outputs) {
+  return outputs.out.empty() ? std::string() : (fs::path(outputs.out) / kTableName).string();
+}
+
 Result<CsvTable> CsvTable::create(const std::string& path, std::string head, bool parked) {
   CsvTable table;
   if (path.empty()) return table;
@@ -86,6 +96,16 @@ Status Frames::finish() {
   const std::string list = (fs::path(folder_) / kFramesName).string();
   if (Status s = write_file(list, list_); !s) return s;
   files_.push_back(list);
+  return Success{};
+}
+
+Status finish_files(const SceneOutputs& outputs, Frames& frames, CsvTable& table,
+                    std::vector<std::string>& files) {
+  if (!table.is_written()) return Success{};
+  if (Status s = frames.finish(); !s) return s;
+  files.insert(files.end(), frames.files().begin(), frames.files().end());
+  if (Status s = table.finish(); !s) return s;
+  files.push_back(table_path(outputs));
   return Success{};
 }
 

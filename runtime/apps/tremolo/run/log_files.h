@@ -16,6 +16,12 @@ namespace tremolo {
 // Makes the folder of a run and those above it; empty: none. Errors: kSystem.
 Status make_run_folder(const std::string& folder);
 
+// The outputs of one of several bodies: in the folder of its name in that of all.
+SceneOutputs outputs_of_body(const SceneOutputs& all, const std::string& body);
+
+// The table in the folder of the outputs; empty: nothing is written.
+std::string table_path(const SceneOutputs& outputs);
+
 // A CSV file. Whole lines are written to a temporary file, which finish() renames.
 class CsvTable {
  public:
@@ -46,6 +52,7 @@ struct StepRange {
 // Surfaces of one body, evenly spaced in time, in the folder of its outputs, which is there.
 class Frames {
  public:
+  Frames() = default;  // nothing is written
   // outputs: the body's folder, the number of surfaces and their format. Those that were due up to
   // the start of a restored run are not written.
   Frames(const SceneOutputs& outputs, StepRange steps);
@@ -66,5 +73,9 @@ class Frames {
   std::string list_ = "frame,t,file\n";
   std::vector<std::string> files_;
 };
+
+// Completes surfaces and the table of one body's outputs. files: all paths are added.
+Status finish_files(const SceneOutputs& outputs, Frames& frames, CsvTable& table,
+                    std::vector<std::string>& files);
 
 }  // namespace tremolo

@@ -44,11 +44,8 @@ Result<SceneWorld> unloaded_world(const RunInput& input) {
   body.loads.clear();
   Result<SceneWorld> world = SceneWorld::create(
       scene, [&input](const SceneBody&) { return Result<Model::Pointer>(input.model); });
-  if (world) return world;
-  Error error = value_error(world.error());
-  const std::string name = "body '" + body.name + "': ";
-  if (error.message.starts_with(name)) error.message.erase(0, name.size());
-  return error;
+  if (!world) return error_of_body(world.error(), body.name);
+  return world;
 }
 
 }  // namespace
@@ -56,6 +53,12 @@ Result<SceneWorld> unloaded_world(const RunInput& input) {
 Error value_error(Error error) {
   if (error.kind == ErrorKind::kUsage) error.kind = ErrorKind::kContent;
   return error;
+}
+
+Error error_of_body(Error error, const std::string& name) {
+  const std::string start = "body '" + name + "': ";
+  if (error.message.starts_with(start)) error.message.erase(0, start.size());
+  return value_error(std::move(error));
 }
 
 Result<Model::Pointer> load_model(const BodyScene& scene) {

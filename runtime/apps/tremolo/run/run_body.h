@@ -32,6 +32,10 @@ Result<RunInput> load_body(const BodyScene& scene);
 // SceneWorld::create, without the body's name, of Body::add_load, and of start_state.
 Result<SceneWorld> world_of_one(const RunInput& input);
 
+// The error of a world's body without that body's name, which a user of one body has not chosen;
+// kContent for kUsage, since the scene's values are the cause.
+Error error_of_body(Error error, const std::string& name);
+
 // The largest reduced force of the load in time, r: of a square, a sine and a constant one; zero
 // for an impulse, which is over before the body is where it would hold it, and for --signal.
 Result<Eigen::VectorXd> largest_load(const RunInput& input);

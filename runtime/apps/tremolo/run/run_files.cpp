@@ -56,6 +56,12 @@ void RunOutputs::add_files(const std::string& folder, const std::vector<const ch
   for (const char* name : names) in_folders_.push_back((fs::path(folder) / name).string());
 }
 
+void RunOutputs::add_files(const std::string& folder, const std::vector<std::string>& bodies,
+                           const std::vector<const char*>& names) {
+  if (folder.empty()) return;
+  for (const std::string& body : bodies) add_files((fs::path(folder) / body).string(), names);
+}
+
 Status RunOutputs::check(const std::vector<NamedFile>& inputs) const {
   std::vector<std::string> outputs = named_;
   outputs.insert(outputs.end(), in_folders_.begin(), in_folders_.end());

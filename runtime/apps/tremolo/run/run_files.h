@@ -36,8 +36,10 @@ class RunOutputs {
   void add(const std::string& path);
   // The folder of a run, made if need be; empty: none. bodies: names of folders in it.
   void add_folder(const std::string& folder, const std::vector<std::string>& bodies = {});
-  // Files in a folder that was added, or in that of one of its bodies.
+  // Files in a folder that was added; in those of some of its bodies.
   void add_files(const std::string& folder, const std::vector<const char*>& names);
+  void add_files(const std::string& folder, const std::vector<std::string>& bodies,
+                 const std::vector<const char*>& names);
 
   // Errors: kUsage if one of them is an input, another output or a folder for another output;
   // kSystem if one cannot be written.

@@ -9,6 +9,7 @@
 #include "formats/file/atomic_file.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/run/run_files.h"
+#include "runtime/energy_bound.h"
 
 namespace tremolo {
 
@@ -39,7 +40,7 @@ Status check_times(const GivenFlags& flags, double step, double duration) {
   return Success{};
 }
 
-bool SceneEnding::interrupted(int now, double time) {
+bool RunEnding::interrupted(int now, double time) {
   signal = now;
   if (signal == 0) return false;
   exit_code = 128 + signal;
@@ -48,7 +49,33 @@ bool SceneEnding::interrupted(int now, double time) {
   return true;
 }
 
-void add_ending(const SceneEnding& ending, nlohmann::ordered_json& json) {
+void RunEnding::give_up(const StepReport& step, double time) {
+  exit_code = tremolo::exit_code(error_kind(step.failure));
+  reason = failure_message(step, time);
+}
+
+void RunEnding::give_up(double time) {
+  exit_code = tremolo::exit_code(ErrorKind::kSolver);
+  reason = fmt::format("the step from t = {:.6g} s could not be solved: take a shorter step", time);
+}
+
+void RunEnding::leave_bound(double energy, double time) {
+  exit_code = tremolo::exit_code(ErrorKind::kBound);
+  if (!std::isfinite(energy))
+    reason = fmt::format("at t = {:.6g} s the energy is no longer a finite number", time);
+  else
+    reason = fmt::format(
+        "at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that was put in", time,
+        energy, kEnergyBound);
+}
+
+void RunEnding::take(const std::string& body, const RunEnding& ending) {
+  if (ending.exit_code == 0 || exit_code != 0) return;
+  exit_code = ending.exit_code;
+  reason = "body '" + body + "': " + ending.reason;
+}
+
+void add_ending(const RunEnding& ending, nlohmann::ordered_json& json) {
   json["exit_code"] = ending.exit_code;
   json["reason"] = ending.reason.empty() ? nlohmann::ordered_json(nullptr)
                                          : nlohmann::ordered_json(ending.reason);

@@ -11,6 +11,7 @@
 #include "formats/file/output_guard.h"
 #include "runtime/apps/tremolo/run/run_files.h"
 #include "runtime/apps/tremolo/run/run_options.h"
+#include "runtime/integrator.h"
 #include "runtime/io/scenes/scene_keys.h"
 
 namespace tremolo {
@@ -23,24 +24,31 @@ Status apply_output_flags(const GivenFlags& flags, SceneOutputs& outputs);
 // duration is shorter than half a step.
 Status check_times(const GivenFlags& flags, double step, double duration);
 
-// The end of the run of a scene. signal: the one that interrupted it; 0: none.
-struct SceneEnding {
-  int exit_code = 0;
-  int signal = 0;
-  std::string reason;
+// The end of a run, of a scene or of one of its bodies.
+struct RunEnding {
+  int exit_code = 0;   // 0; 4 or 5 if it broke off; 128 + n when signal n ended it
+  int signal = 0;      // 0: none
+  std::string reason;  // why exit_code is not 0
 
   // Whether `now` is a signal: then it ended the run at that time (s).
   bool interrupted(int now, double time);
+  // A step failed; the step of a guest that begins at `time`, s.
+  void give_up(const StepReport& step, double time);
+  void give_up(double time);
+  // The energy, J, is beyond its bound.
+  void leave_bound(double energy, double time);
+  // Ends as one of the bodies does, unless another one has ended it.
+  void take(const std::string& body, const RunEnding& ending);
 };
 
 // Adds exit_code and reason.
-void add_ending(const SceneEnding& ending, nlohmann::ordered_json& json);
+void add_ending(const RunEnding& ending, nlohmann::ordered_json& json);
 
 // The result of a run. written: the paths of all files but the report of all. ending.reason: empty
 // if it has been printed.
 struct SceneRun {
   nlohmann::ordered_json json;
-  SceneEnding ending;
+  RunEnding ending;
   std::vector<std::string> written;
 };
 

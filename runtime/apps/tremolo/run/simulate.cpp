@@ -61,16 +61,14 @@ Result<RunReport> run_body(const RunInput& input, unsigned threads,
     report.notes = notes_before(body, load);
     for (const std::string& note : report.notes) tell("{}: note: {}\n", report.name, note);
   }
-  Result<Watch> watch =
-      Watch::create(scene, body, kBlock, columns->probes.empty() ? nullptr : columns->probes.data(),
-                    steps, std::move(*files), report);
+  Result<Watch> watch = Watch::create(scene, *world, kBlock,
+                                      columns->probes.empty() ? nullptr : columns->probes.data(),
+                                      steps, std::move(*files), report);
   if (!watch) return value_error(watch.error());
   const Result<WorldEnding> ending =
       follow(*world, {scene.file.scene.duration, kBlock, threads, &progress, interruption}, *watch);
   if (!ending) return ending.error();
-  report.exit_code = ending->exit_code;
-  report.reason = ending->reason;
-  report.signal = ending->signal;
+  static_cast<RunEnding&>(report) = *ending;
   report.microseconds_per_step =
       1e6 * ending->seconds / static_cast<double>(std::max<std::int64_t>(ending->steps, 1));
   if (Status status = watch->finish(); !status) return status.error();

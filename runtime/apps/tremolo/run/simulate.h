@@ -58,7 +58,6 @@ struct RunReport : BodyReport {
   StretchRange stretch;              // of the surface, the widest in all samples
   double squeezed_at = -1;           // s; first of them with a stretch below kSofteningStretch
   std::optional<RigidLoss> rigid;    // of a free body with a load
-  int signal = 0;                    // that ended the run early; 0: none
 };
 
 // Runs one body. With --deflect the load's factor is found first, by runs that write nothing.

@@ -30,16 +30,12 @@ Result<Body> make_seen(const Body& body, const SplitOptions& split) {
   return Body::create(body.model().shared_from_this(), "verlet", settings);
 }
 
-// Between samples of the sound, s.
-double sound_interval(const BodyScene& scene) {
-  return scene.step() * scene.file.outputs.sound_steps;
-}
-
 }  // namespace
 
-Result<Watch> Watch::create(const BodyScene& scene, const Body& body, std::int64_t block,
+Result<Watch> Watch::create(const BodyScene& scene, const SceneWorld& world, std::int64_t block,
                             const int* first_probe, std::int64_t steps, BodyFiles files,
                             RunReport& report) {
+  const Body& body = world.body(0);
   Result<Body> seen = make_seen(body, scene.body().options.split);
   if (!seen) return seen.error();
   Watch watch(scene, std::move(*seen), steps, std::move(files), report);
@@ -52,10 +48,10 @@ Result<Watch> Watch::create(const BodyScene& scene, const Body& body, std::int64
   }
   const SceneOutputs& outputs = scene.file.outputs;
   if (!outputs.wav.empty())
-    if (Status s = take(watch.ear_,
-                        Ear::create(outputs.listen, body.model(), 1.0 / sound_interval(scene)));
+    if (Status s =
+            take(watch.sound_, WorldSound::create(outputs.listen, world, outputs.sound_steps));
         !s)
-      return s.error();
+      return error_of_body(s.error(), world.name(0));
   return watch;
 }
 
@@ -110,8 +106,9 @@ Result<bool> Watch::observe(const Moment& moment) {
   if (due && (moment.steps > 0 || !scene_->start.empty())) note_shape(moment);
   if (probe_.cols() > 0)
     report_->largest_probe = std::max(report_->largest_probe, (probe_ * moment.state.q).norm());
-  if (ear_ && moment.steps % scene_->file.outputs.sound_steps == 0)
-    sound_.add(ear_->place(moment.state.q));
+  if (sound_)
+    sound_->add(moment.steps,
+                [&moment](std::size_t) -> const Eigen::VectorXd& { return moment.state.q; });
   last_ = moment;
   return inside;
 }
@@ -146,9 +143,8 @@ Status Watch::finish() {
   if (last_.steps > 0 && shape_seen_ != last_.steps) note_shape(last_);
   report_->take_end(last_);
   report_->energy_drift_max = drift_.worst();
-  const SceneOutputs& outputs = scene_->file.outputs;
-  if (ear_)
-    if (Status status = sound_.write(outputs.wav, sound_interval(*scene_)); !status) return status;
+  if (sound_)
+    if (Status status = sound_->write(scene_->file.outputs.wav); !status) return status;
   const bool whole = report_->signal == 0;
   return files_.finish(seen_.model(), whole ? report_->integrator : "", report_->files);
 }

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "common/energy.h"
-#include "runtime/apps/tremolo/output/sound.h"
 #include "runtime/apps/tremolo/output/stretch.h"
+#include "runtime/apps/tremolo/output/world_sound.h"
 #include "runtime/apps/tremolo/run/body_files.h"
 #include "runtime/apps/tremolo/run/follow.h"
 #include "runtime/apps/tremolo/run/simulate.h"
@@ -20,10 +20,10 @@ namespace tremolo {
 
 class Watch : public WorldWatch {
  public:
-  // body: the world's only one; block: of the run, steps. Measurements are made on a copy, which is
-  // set to each recorded state. steps: the number of the whole run. Scene and report must outlive
-  // this. Errors of Body::create and Model::vertex.
-  static Result<Watch> create(const BodyScene& scene, const Body& body, std::int64_t block,
+  // world: of one body; block: of the run, steps. Measurements are made on a copy of the body,
+  // which is set to each recorded state. steps: the number of the whole run. Scene and report must
+  // outlive this. Errors of Body::create, Model::vertex and WorldSound::create.
+  static Result<Watch> create(const BodyScene& scene, const SceneWorld& world, std::int64_t block,
                               const int* first_probe, std::int64_t steps, BodyFiles files,
                               RunReport& report);
 
@@ -50,8 +50,7 @@ class Watch : public WorldWatch {
   BodyFiles files_;
   std::unique_ptr<SurfaceStretch> stretch_;
   Eigen::Matrix<double, 3, Eigen::Dynamic> probe_;
-  std::optional<Ear> ear_;  // of --wav
-  SoundTrack sound_;
+  std::optional<WorldSound> sound_;  // of --wav
   DriftMeter drift_;
   bool was_loaded_ = true;  // before the step
   ShapeLooks shape_looks_;

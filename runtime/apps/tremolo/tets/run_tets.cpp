@@ -30,7 +30,7 @@ struct TetsTimes {
 };
 
 // The end of a run. Times in s.
-struct TetsEnding : SceneEnding {
+struct TetsEnding : RunEnding {
   TetsTimes busy, wall;  // processor time of all threads; elapsed time
   double slowest = 0.0;  // the longest elapsed time, per second of motion
   double reached = 0.0;  // simulated
@@ -275,9 +275,7 @@ RunOutputs tets_outputs(const TetScene& scene) {
   for (const TetSceneBody& body : scene.bodies) names.push_back(body.name);
   outputs.add_folder(out, names);
   outputs.add_files(out, {kReportName});
-  for (const std::string& name : names)
-    if (!out.empty())
-      outputs.add_files((std::filesystem::path(out) / name).string(), {kTableName, kFramesName});
+  outputs.add_files(out, names, {kTableName, kFramesName});
   return outputs;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,8 +13,6 @@
 
 namespace tremolo {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr std::int64_t kStepsBetweenShapes = 10;
 constexpr std::size_t kMostOpen = 64;  // files of one run
@@ -78,13 +75,6 @@ double turnover(const EnergyAccount& account) {
   return sum;
 }
 
-// In the folder of the body.
-SceneOutputs outputs_of(const SceneFile& file, const SceneBody& body) {
-  SceneOutputs outputs = file.outputs;
-  if (!outputs.out.empty()) outputs.out = (fs::path(outputs.out) / body.name).string();
-  return outputs;
-}
-
 Result<RecordedColumns> columns_of(const SceneBody& body, const Model& model) {
   Result<RecordedColumns> columns = recorded_columns(body.columns, model);
   if (!columns) return value_error(columns.error());
@@ -110,8 +100,9 @@ Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, 
   const Result<RecordedColumns> columns = columns_of(known, model);
   if (!columns) return columns.error();
   const std::int64_t steps = std::llround(file.scene.duration / file.scene.step);
-  Result<BodyFiles> files = BodyFiles::create(outputs_of(file, known), *columns, model,
-                                              {world.steps(), steps}, world.size() > kMostOpen);
+  Result<BodyFiles> files =
+      BodyFiles::create(outputs_of_body(file.outputs, known.name), *columns, model,
+                        {world.steps(), steps}, world.size() > kMostOpen);
   if (!files) return files.error();
   const auto looks = shared.looks.find(&model);
   const ShapeLooks& first =
@@ -135,10 +126,8 @@ Status BodyLog::observe(const SceneWorld& world) {
   look_at(body, moment_);
   const EnergyAccount account = world.account(body_);
   report_.account = account;
-  report_.energy_max = larger(report_.energy_max, account.total());
-  report_.remainder_max = larger(report_.remainder_max, std::abs(account.remainder()));
+  report_.balance.observe(account.total(), account.remainder(), turnover(account));
   report_.slip_max = larger(report_.slip_max, body.contact_account().slip);
-  report_.turnover_max = larger(report_.turnover_max, turnover(account));
   if (shape_looks_.due(moment_.steps, moment_.state.q)) note_shape(world);
   // The drawn surface can be at its deepest only if the contact points are.
   if (world.penetration_max(body_) > deepest_) note_depth(world);
@@ -211,13 +200,13 @@ void BodyLog::note_depth(const SceneWorld& world) {
 void BodyLog::judge_balance() {
   const std::string& method = report_.integrator;
   if (method != "avf" && method != "ep2" && method != "ep4") return;
-  const double most = std::max(report_.energy_max, report_.turnover_max);
-  if (report_.exit_code != 0 || report_.remainder_max <= kBalanceBound * most) return;
+  const EnergyBalance& balance = report_.balance;
+  if (report_.exit_code != 0 || balance.remainder_max <= kBalanceBound * balance.most()) return;
   report_.exit_code = exit_code(ErrorKind::kBound);
   report_.reason = fmt::format(
       "the energy balance has an error of {:.3g} J, more than {:g} of the {:.3g} J that were "
       "there or were given",
-      report_.remainder_max, kBalanceBound, most);
+      balance.remainder_max, kBalanceBound, balance.most());
 }
 
 Status BodyLog::finish(const SceneWorld& world) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/apps/tremolo/measure/energy_balance.h"
 #include "runtime/apps/tremolo/output/stretch.h"
 #include "runtime/apps/tremolo/run/body_files.h"
 #include "runtime/apps/tremolo/run/body_report.h"
@@ -31,9 +32,7 @@ struct BodyPlace {
 struct SceneBodyReport : BodyReport {
   BodyPlace start, end;
   EnergyAccount account;                 // at the end
-  double energy_max = 0.0;               // of T + V and the energy stored in contact
-  double remainder_max = 0.0;            // the largest |change of that - all energy exchanged|
-  double turnover_max = 0.0;             // the largest sum of |energy exchanged| over all causes
+  EnergyBalance balance;                 // of T + V and the energy stored in contact
   std::int64_t contacts = 0;             // how often it began to touch something
   bool asleep = false;                   // at the end
   double begins_within = 0.0;            // of the margin of a collider, m
@@ -48,7 +47,9 @@ struct SceneBodyReport : BodyReport {
   std::int64_t passed_through = 0;
 
   // |change of the energy - all energy exchanged| over the largest energy; 0 if nothing ever moved.
-  double balance_error() const { return energy_max > 0.0 ? remainder_max / energy_max : 0.0; }
+  double balance_error() const {
+    return balance.energy_max > 0.0 ? balance.remainder_max / balance.energy_max : 0.0;
+  }
 };
 
 // Checks that the model has the columns requested for the body. Call it for all bodies before

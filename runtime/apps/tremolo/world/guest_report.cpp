@@ -1,7 +1,5 @@
 #include "runtime/apps/tremolo/world/guest_report.h"
 
-#include <filesystem>
-
 #include "runtime/apps/tremolo/output/text_values.h"
 
 namespace tremolo {
@@ -24,13 +22,6 @@ std::vector<std::string> guest_names(const MixedFile& mixed) {
   for (const TetSceneBody& body : mixed.tets) names.push_back(body.name);
   for (const ClothSceneBody& body : mixed.cloths) names.push_back(body.name());
   return names;
-}
-
-void add_guest_outputs(const MixedFile& mixed, RunOutputs& outputs) {
-  const std::string& out = mixed.file.outputs.out;
-  if (out.empty()) return;
-  for (const std::string& name : guest_names(mixed))
-    outputs.add_files((std::filesystem::path(out) / name).string(), {kTableName, kFramesName});
 }
 
 }  // namespace tremolo

@@ -7,7 +7,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "runtime/apps/tremolo/run/run_files.h"
 #include "runtime/io/scenes/nodal_readers.h"
 #include "runtime/mixed/mixed_guests.h"
 
@@ -19,8 +18,5 @@ void add_guest_contacts(const MixedGuests& guests, std::size_t guest, double h,
 
 // Names of bodies of tetrahedra, then of cloths.
 std::vector<std::string> guest_names(const MixedFile& mixed);
-
-// Adds the files that a run writes for the guests.
-void add_guest_outputs(const MixedFile& mixed, RunOutputs& outputs);
 
 }  // namespace tremolo

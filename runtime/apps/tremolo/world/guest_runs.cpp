@@ -17,7 +17,7 @@ Status GuestRuns::observe() {
   return cloths_.observe();
 }
 
-void GuestRuns::ended(SceneEnding& ending) const {
+void GuestRuns::ended(RunEnding& ending) const {
   tets_.ended(ending);
   cloths_.ended(ending);
 }

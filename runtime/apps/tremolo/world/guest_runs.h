@@ -19,7 +19,7 @@ class GuestRuns {
   // Takes the start and then every step.
   Status observe();
   // Sets the ending of the first body whose step failed or whose energy left its bound.
-  void ended(SceneEnding& ending) const;
+  void ended(RunEnding& ending) const;
   // Renames the files from their temporary names.
   Status finish();
 

@@ -14,6 +14,7 @@
 #include "runtime/apps/tremolo/output/plot.h"
 #include "runtime/apps/tremolo/output/run_progress.h"
 #include "runtime/apps/tremolo/output/tell.h"
+#include "runtime/apps/tremolo/output/world_sound.h"
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/run/run_files.h"
 #include "runtime/apps/tremolo/start/run_notes.h"
@@ -23,7 +24,6 @@
 #include "runtime/apps/tremolo/world/world_commands.h"
 #include "runtime/apps/tremolo/world/world_momentum.h"
 #include "runtime/apps/tremolo/world/world_report.h"
-#include "runtime/apps/tremolo/world/world_sound.h"
 #include "runtime/world/world_guests.h"
 
 namespace tremolo {
@@ -43,9 +43,9 @@ RunOutputs outputs_of(const MixedFile& mixed) {
   for (const std::string& name : guest_names(mixed)) names.push_back(name);
   outputs.add_folder(out, names);
   outputs.add_files(out, {kReportName});
-  for (const SceneBody& body : file.scene.bodies)
-    if (!out.empty()) outputs.add_files((fs::path(out) / body.name).string(), body_files());
-  add_guest_outputs(mixed, outputs);
+  const auto guests = names.begin() + static_cast<std::ptrdiff_t>(file.scene.bodies.size());
+  outputs.add_files(out, {names.begin(), guests}, body_files());
+  outputs.add_files(out, {guests, names.end()}, {kTableName, kFramesName});
   return outputs;
 }
 
@@ -70,18 +70,17 @@ Status WorldRun::look(const SceneWorld& world, std::span<const SceneWorld::Failu
       if (Status s = logs[i].observe(world); !s) return s;
   if (Status s = guests.observe(); !s) return s;
   momentum.observe(world, guests.guests());
-  if (sound) sound->add(world);
+  if (sound)
+    sound->add(world.steps(), [&world](std::size_t i) -> const Eigen::VectorXd& {
+      return world.body(i).state().q;
+    });
   end(ending);
   guests.ended(ending);
   return Success{};
 }
 
 void WorldRun::end(WorldEnding& ending) const {
-  for (const BodyLog& log : logs) {
-    if (log.report().exit_code == 0 || ending.exit_code != 0) continue;
-    ending.exit_code = log.report().exit_code;
-    ending.reason = "body '" + log.report().name + "': " + log.report().reason;
-  }
+  for (const BodyLog& log : logs) ending.take(log.report().name, log.report());
 }
 
 // Prints each note once, for the first body that has it.

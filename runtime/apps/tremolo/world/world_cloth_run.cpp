@@ -1,8 +1,6 @@
 #include "runtime/apps/tremolo/world/world_cloth_run.h"
 
-#include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <iterator>
 #include <utility>
 
@@ -31,32 +29,20 @@ double WorldClothRun::Account::turnover() const {
   return sum;
 }
 
-double WorldClothRun::Watched::balance_error() const {
-  const double most = std::max(energy_max, turnover_max);
-  return most > 0.0 ? remainder_max / most : 0.0;
-}
-
 Result<WorldClothRun> WorldClothRun::create(const MixedFile& mixed, const WorldGuests& guests) {
   WorldClothRun run;
   run.mixed_ = &mixed;
   run.guests_ = &guests;
   const std::int64_t steps = std::llround(mixed.file.scene.duration / mixed.file.scene.step);
   for (const ClothSceneBody& body : mixed.cloths) {
-    SceneOutputs outputs = mixed.file.outputs;
-    CsvTable table;
-    if (!outputs.out.empty()) {
-      outputs.out = (std::filesystem::path(outputs.out) / body.name()).string();
-      if (Status s = make_run_folder(outputs.out); !s) return s.error();
-      const std::string csv = (std::filesystem::path(outputs.out) / kTableName).string();
-      if (Status s = take(table, CsvTable::create(csv, kClothColumns)); !s) return s.error();
-    }
-    run.watched_.push_back({.start = {},
-                            .now = {},
-                            .momenta_start = {},
-                            .momenta_now = {},
-                            .reason = {},
-                            .table = std::move(table),
-                            .frames = Frames(outputs, {0, steps})});
+    Watched& watched = run.watched_.emplace_back();
+    watched.outputs = outputs_of_body(mixed.file.outputs, body.name());
+    watched.frames = Frames(watched.outputs, {0, steps});
+    if (Status s = make_run_folder(watched.outputs.out); !s) return s.error();
+    if (Status s =
+            take(watched.table, CsvTable::create(table_path(watched.outputs), kClothColumns));
+        !s)
+      return s.error();
   }
   return run;
 }
@@ -83,29 +69,20 @@ void WorldClothRun::watch(std::size_t i, bool first) {
     watched.momenta_start = watched.momenta_now;
   }
   const Account &now = watched.now, &start = watched.start;
-  watched.energy_max = std::max(watched.energy_max, now.total());
-  watched.turnover_max = std::max(watched.turnover_max, now.turnover());
-  watched.remainder_max =
-      std::max(watched.remainder_max, std::abs(now.total() - start.total() - now.by_causes()));
+  watched.balance.observe(now.total(), now.total() - start.total() - now.by_causes(),
+                          now.turnover());
   if (watched.exit_code != 0) return;
   const double own = now.kinetic + now.elastic;
-  if (guests_->guests->failed(number(i))) {
-    watched.exit_code = exit_code(ErrorKind::kSolver);
-    watched.reason = fmt::format(
-        "the step from t = {:.6g} s could not be solved: take a shorter step", body.time());
-  } else if (!std::isfinite(own) || own > kEnergyBound * (start.total() + now.turnover())) {
-    watched.exit_code = exit_code(ErrorKind::kBound);
-    watched.reason = fmt::format(
-        "at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that was put in",
-        body.time(), own, kEnergyBound);
-  }
+  if (guests_->guests->failed(number(i)))
+    watched.give_up(body.time());
+  else if (!std::isfinite(own) || own > kEnergyBound * (start.total() + now.turnover()))
+    watched.leave_bound(own, body.time());
 }
 
 Status WorldClothRun::write(std::size_t i) {
   Watched& watched = watched_[i];
   const ClothBody& body = step_of(i).body();
-  const SceneOutputs& outputs = mixed_->file.outputs;
-  if (watched.table.is_written() && body.steps() % outputs.every == 0) {
+  if (watched.table.is_written() && body.steps() % watched.outputs.every == 0) {
     const Account& now = watched.now;
     const Momenta& momenta = watched.momenta_now;
     auto out = std::back_inserter(watched.table.row());
@@ -135,26 +112,14 @@ Status WorldClothRun::observe() {
   return Success{};
 }
 
-bool WorldClothRun::ended(SceneEnding& ending) const {
-  for (std::size_t i = 0; i < watched_.size(); ++i) {
-    if (watched_[i].exit_code == 0 || ending.exit_code != 0) continue;
-    ending.exit_code = watched_[i].exit_code;
-    ending.reason = "body '" + mixed_->cloths[i].name() + "': " + watched_[i].reason;
-  }
-  return ending.exit_code != 0;
+void WorldClothRun::ended(RunEnding& ending) const {
+  for (std::size_t i = 0; i < watched_.size(); ++i)
+    ending.take(mixed_->cloths[i].name(), watched_[i]);
 }
 
 Status WorldClothRun::finish() {
-  for (std::size_t i = 0; i < watched_.size(); ++i) {
-    Watched& watched = watched_[i];
-    if (!watched.table.is_written()) continue;
-    if (Status s = watched.frames.finish(); !s) return s;
-    watched.files = watched.frames.files();
-    if (Status s = watched.table.finish(); !s) return s;
-    const std::filesystem::path folder =
-        std::filesystem::path(mixed_->file.outputs.out) / mixed_->cloths[i].name();
-    watched.files.push_back((folder / kTableName).string());
-  }
+  for (Watched& one : watched_)
+    if (Status s = finish_files(one.outputs, one.frames, one.table, one.files); !s) return s;
   return Success{};
 }
 
@@ -176,16 +141,13 @@ nlohmann::ordered_json WorldClothRun::body_json(std::size_t i) const {
       {"reached", body.time()},
       {"iterations_per_step",
        number_or_null(static_cast<double>(body.iterations()) / static_cast<double>(body.steps()))},
-      {"cut_steps", body.cut_steps()},
-      {"linear_momentum_initial", vector_json(watched.momenta_start.linear)},
-      {"linear_momentum_final", vector_json(watched.momenta_now.linear)},
-      {"angular_momentum_initial", vector_json(watched.momenta_start.angular)},
-      {"angular_momentum_final", vector_json(watched.momenta_now.angular)},
-      {"energy_initial", number_or_null(start.total())},
-      {"energy_final", number_or_null(now.total())},
-      {"energy_max", number_or_null(watched.energy_max)},
-      {"kinetic_final", number_or_null(now.kinetic)},
-      {"elastic_final", number_or_null(now.elastic)}};
+      {"cut_steps", body.cut_steps()}};
+  add_momenta(watched.momenta_start, watched.momenta_now, json);
+  json["energy_initial"] = number_or_null(start.total());
+  json["energy_final"] = number_or_null(now.total());
+  json["energy_max"] = number_or_null(watched.balance.energy_max);
+  json["kinetic_final"] = number_or_null(now.kinetic);
+  json["elastic_final"] = number_or_null(now.elastic);
   json["energy_by_cause"] = {{"gravity", number_or_null(now.work.gravity)},
                              {"wind", number_or_null(now.work.wind)},
                              {"support", number_or_null(now.work.pins)},
@@ -194,12 +156,10 @@ nlohmann::ordered_json WorldClothRun::body_json(std::size_t i) const {
                              {"restitution", number_or_null(now.restitution)},
                              {"damping", number_or_null(0.0 - now.work.damped)},
                              {"method", number_or_null(now.work.numerical)}};
-  json["energy_balance_error"] = number_or_null(watched.balance_error());
+  json["energy_balance_error"] = number_or_null(watched.balance.error());
   add_guest_contacts(*guests_->guests, number(i), body.options().step, json);
   json["thickness"] = body.cloth().thickness;
-  json["exit_code"] = watched.exit_code;
-  json["reason"] = watched.reason.empty() ? nlohmann::ordered_json(nullptr)
-                                          : nlohmann::ordered_json(watched.reason);
+  add_ending(watched, json);
   json["files"] = watched.files;
   return json;
 }

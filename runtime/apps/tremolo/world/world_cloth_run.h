@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/result.h"
+#include "runtime/apps/tremolo/measure/energy_balance.h"
 #include "runtime/apps/tremolo/run/log_files.h"
 #include "runtime/apps/tremolo/run/scene_ending.h"
 #include "runtime/io/scenes/nodal_readers.h"
@@ -22,9 +23,8 @@ class WorldClothRun {
 
   // Takes the start and then every step.
   Status observe();
-  // Sets the ending of the first cloth whose step failed or whose energy left its bound. False: all
-  // cloths are within it.
-  bool ended(SceneEnding& ending) const;
+  // Sets the ending of the first cloth whose step failed or whose energy left its bound.
+  void ended(RunEnding& ending) const;
   // Renames the files from their temporary names.
   Status finish();
 
@@ -48,18 +48,14 @@ class WorldClothRun {
     // Sum of the sizes of all energy exchanged.
     double turnover() const;
   };
-  struct Watched {
+  struct Watched : RunEnding {
     Account start, now;
-    double energy_max = 0.0, remainder_max = 0.0, turnover_max = 0.0;
+    EnergyBalance balance;
     Momenta momenta_start, momenta_now;
-    int exit_code = 0;
-    std::string reason;
+    SceneOutputs outputs;  // in the cloth's own folder
     CsvTable table;
     Frames frames;
-    std::vector<std::string> files = {};
-
-    // Relative to the larger of the largest energy and the largest turnover.
-    double balance_error() const;
+    std::vector<std::string> files;
   };
 
   const ClothStep& step_of(std::size_t i) const { return *guests_->guests->cloth(number(i)); }

@@ -22,11 +22,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kShown = 12;  // bodies whose lines a run prints
 
-Json json_quaternion(const Eigen::Quaterniond& q) {
-  return {number_or_null(q.w()), number_or_null(q.x()), number_or_null(q.y()),
-          number_or_null(q.z())};
-}
-
 Json json_causes(const EnergyAccount& account) {
   return {{"load", number_or_null(account.load)},
           {"support", number_or_null(account.support)},
@@ -48,11 +43,11 @@ Json body_json(const SceneBody& body, const SceneBodyReport& report) {
   for (const auto& [when, place] : places) {
     const std::string ending = when;
     json["position" + ending] = vector_json(place.pose.position);
-    json["quaternion" + ending] = json_quaternion(place.pose.rotation);
+    json["quaternion" + ending] = quaternion_json(place.pose.rotation);
     json["linear_momentum" + ending] = vector_json(place.momenta.linear);
     json["angular_momentum" + ending] = vector_json(place.momenta.angular);
   }
-  json["energy_max"] = number_or_null(report.energy_max);
+  json["energy_max"] = number_or_null(report.balance.energy_max);
   json["energy_by_cause"] = json_causes(report.account);
   json["energy_balance_error"] = number_or_null(report.balance_error());
   json["contacts"] = report.contacts;

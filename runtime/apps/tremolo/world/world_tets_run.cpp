@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/output/text_values.h"
 #include "runtime/apps/tremolo/world/guest_report.h"
@@ -45,16 +43,10 @@ void WorldTetsRun::watch(std::size_t i, bool first) {
   const bool sound = watched.bound.look(own, watched.now.gravity, tets_->guests->sums(i).work);
   watched.energy_max = std::max(watched.energy_max, watched.now.total());
   if (watched.exit_code != 0) return;
-  if (tets_->guests->failed(i)) {
-    watched.exit_code = exit_code(ErrorKind::kSolver);
-    watched.reason = fmt::format(
-        "the step from t = {:.6g} s could not be solved: take a shorter step", body.time());
-  } else if (!sound) {
-    watched.exit_code = exit_code(ErrorKind::kBound);
-    watched.reason = fmt::format(
-        "at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that was put in",
-        body.time(), own, kEnergyBound);
-  }
+  if (tets_->guests->failed(i))
+    watched.give_up(body.time());
+  else if (!sound)
+    watched.leave_bound(own, body.time());
 }
 
 Status WorldTetsRun::observe() {
@@ -75,13 +67,8 @@ Status WorldTetsRun::observe() {
   return Success{};
 }
 
-bool WorldTetsRun::ended(SceneEnding& ending) const {
-  for (std::size_t i = 0; i < watched_.size(); ++i) {
-    if (watched_[i].exit_code == 0 || ending.exit_code != 0) continue;
-    ending.exit_code = watched_[i].exit_code;
-    ending.reason = "body '" + mixed_->tets[i].name + "': " + watched_[i].reason;
-  }
-  return ending.exit_code != 0;
+void WorldTetsRun::ended(RunEnding& ending) const {
+  for (std::size_t i = 0; i < watched_.size(); ++i) ending.take(mixed_->tets[i].name, watched_[i]);
 }
 
 Status WorldTetsRun::finish() {
@@ -96,10 +83,7 @@ nlohmann::ordered_json WorldTetsRun::body_json(std::size_t i) const {
   const TetBody& body = tets_->guests->tets(i)->body();
   nlohmann::ordered_json json = tets_report_json(mixed_->tets[i], body, logs_[i].report());
   json["kind"] = "tets";
-  json["linear_momentum_initial"] = vector_json(watched.momenta_start.linear);
-  json["linear_momentum_final"] = vector_json(watched.momenta_now.linear);
-  json["angular_momentum_initial"] = vector_json(watched.momenta_start.angular);
-  json["angular_momentum_final"] = vector_json(watched.momenta_now.angular);
+  add_momenta(watched.momenta_start, watched.momenta_now, json);
   json["energy_initial"] = number_or_null(watched.start.total());
   json["energy_final"] = number_or_null(watched.now.total());
   json["energy_max"] = number_or_null(watched.energy_max);
@@ -115,9 +99,7 @@ nlohmann::ordered_json WorldTetsRun::body_json(std::size_t i) const {
   json["energy_balance_error"] =
       number_or_null(watched.energy_max > 0.0 ? std::abs(sums.error) / watched.energy_max : 0.0);
   add_guest_contacts(*tets_->guests, i, body.options().step, json);
-  json["exit_code"] = watched.exit_code;
-  json["reason"] = watched.reason.empty() ? nlohmann::ordered_json(nullptr)
-                                          : nlohmann::ordered_json(watched.reason);
+  add_ending(watched, json);
   return json;
 }
 

@@ -22,9 +22,8 @@ class WorldTetsRun {
 
   // Takes the start and then every step.
   Status observe();
-  // Sets the ending of the first body whose step failed or whose energy left its bound. False: all
-  // bodies are within it.
-  bool ended(SceneEnding& ending) const;
+  // Sets the ending of the first body whose step failed or whose energy left its bound.
+  void ended(RunEnding& ending) const;
   // Renames the files from their temporary names.
   Status finish();
 
@@ -39,13 +38,11 @@ class WorldTetsRun {
     double kinetic = 0.0, elastic = 0.0, gravity = 0.0, contact = 0.0;
     double total() const { return kinetic + elastic + contact; }
   };
-  struct Watched {
+  struct Watched : RunEnding {
     Account start, now;
     double energy_max = 0.0;
     GuestBound bound;
     Momenta momenta_start, momenta_now;
-    int exit_code = 0;
-    std::string reason;
   };
 
   void watch(std::size_t i, bool first);

@@ -1,4 +1,4 @@
-#include "runtime/apps/tremolo/world/world_sound.h"
+#include "runtime/apps/tremolo/output/world_sound.h"
 
 #include <algorithm>
 #include <string_view>
@@ -65,7 +65,8 @@ Result<WorldSound> WorldSound::create(const std::string& listen, const SceneWorl
   for (std::size_t i = 0; i < world.size(); ++i) {
     const Model& model = world.body(i).model();
     if (!name.empty() && !is_named(world.name(i), name)) continue;
-    if (selector.empty() && name.empty() && model.default_load().vertices.empty()) continue;
+    const bool named = !name.empty() || !selector.empty() || world.size() == 1;
+    if (!named && model.default_load().vertices.empty()) continue;
     Result<Ear> ear = Ear::create(selector, model, 1.0 / sound.interval_);
     if (!ear)
       return Error{ear.error().kind, "body '" + world.name(i) + "': " + ear.error().message};
@@ -75,13 +76,6 @@ Result<WorldSound> WorldSound::create(const std::string& listen, const SceneWorl
     return content_error(
         "--wav: no body of the scene has a default load: say where to --listen, as BODY:SELECTOR");
   return sound;
-}
-
-void WorldSound::add(const SceneWorld& world) {
-  if (world.steps() % steps_ != 0) return;
-  double place = 0.0;
-  for (const HeardBody& heard : heard_) place += heard.ear.place(world.body(heard.body).state().q);
-  track_.add(place);
 }
 
 }  // namespace tremolo

@@ -1,7 +1,8 @@
-// The sound of a scene with [[bodies]]: the sum over the bodies, all at equal distance.
+// The sound of a world: the sum over its bodies, all at equal distance.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,8 +26,15 @@ class WorldSound {
   // sample. Errors: those of Ear::create with the body's name; kContent if no body is heard.
   static Result<WorldSound> create(const std::string& listen, const SceneWorld& world, int steps);
 
-  // Call it at the start and after every step. Rigid motion makes no sound.
-  void add(const SceneWorld& world);
+  // Call it at the start and after every step, with the number of steps and a function that returns
+  // a body's q, r, by its index. Rigid motion makes no sound.
+  template <class StateOf>
+  void add(std::int64_t steps, const StateOf& q_of) {
+    if (steps % steps_ != 0) return;
+    double place = 0.0;
+    for (const HeardBody& heard : heard_) place += heard.ear.place(q_of(heard.body));
+    track_.add(place);
+  }
 
   // As SoundTrack::write.
   Status write(const std::string& path) const { return track_.write(path, interval_); }
