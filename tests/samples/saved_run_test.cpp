@@ -140,6 +140,17 @@ TEST_F(SavedRun, ThatIsFreeOfLoadsMeasuresItsDrift) {
   EXPECT_LE(report["energy_drift_max"].get<double>(), 1e-9);
 }
 
+// Also if its duration is not a multiple of the step: 66.67 steps are 67.
+TEST_F(SavedRun, ThatIsAtItsEndIsAtItsEndAgain) {
+  const std::string command = kTremolo + "run " + file_ + " --json --step 0.003 --duration 0.2 ";
+  ASSERT_EQ(run_program(folder_, command + "--save end.saved").code, 0);
+  const ProgramResult again =
+      run_program(folder_, command + "--restore end.saved --save again.saved");
+  ASSERT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(json::parse(again.out)["steps"], 67);
+  EXPECT_EQ(text_of("end.saved"), text_of("again.saved"));
+}
+
 TEST_F(SavedRun, ThatDoesNotBelongIsRefused) {
   ASSERT_EQ(run("--save cut.saved", 100).code, 0);
   const auto refused = [this](const std::string& flags, int code, const std::string& words,

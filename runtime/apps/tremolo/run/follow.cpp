@@ -9,13 +9,21 @@
 #include "runtime/apps/tremolo/output/tell.h"
 
 namespace tremolo {
+namespace {
+
+// duration: s, which need not be a multiple of the step.
+std::int64_t last_step(double duration, const SceneWorld& world) {
+  return std::llround(duration / world.step_size());
+}
+
+}  // namespace
 
 Status begin_run(const SceneFile& file, unsigned threads, SceneWorld& world) {
   if (Status s = world.set_threads(threads); !s) return s;
   const std::string& saved = file.outputs.restore;
   if (saved.empty()) return Success{};
   if (Status s = world.restore(saved); !s) return s;
-  if (world.time() > file.scene.duration * (1.0 + 1e-9))
+  if (world.steps() > last_step(file.scene.duration, world))
     return content_error(
         fmt::format("{}: it was saved at t = {:.6g} s, behind the duration of "
                     "{:.6g} s",
@@ -25,7 +33,7 @@ Status begin_run(const SceneFile& file, unsigned threads, SceneWorld& world) {
 
 Result<WorldEnding> follow(SceneWorld& world, const Following& how, WorldWatch& watch) {
   const std::int64_t before_it = world.steps();
-  const std::int64_t last = std::llround(how.duration / world.step_size());
+  const std::int64_t last = last_step(how.duration, world);
   const clockid_t clock = how.threads == 1 ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC;
   WorldEnding ending;
   watch.note(world);
