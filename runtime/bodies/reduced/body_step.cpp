@@ -87,16 +87,18 @@ void Body::take_place_forces() {
                          [this](Eigen::Index place) { return turn_at_place(place); });
 }
 
-// 1/2 (h |f|)^2 of the step's largest f, J.
+// 1/2 (h |f|)^2 of the step's largest f, or that of gravity on a free body, J. A body that has come
+// to rest has only rounding errors of energy, which nothing else would allow to grow.
 double Body::kick() const {
-  if (!step_load_.active) return 0.0;
+  const double h = options_.step;
+  const double falls = free_ ? 0.5 * free_->mass() * h * h * gravity_.squaredNorm() : 0.0;
+  if (!step_load_.active) return falls;
   const double largest = std::max({step_load_.start.squaredNorm(), step_load_.average.squaredNorm(),
                                    step_load_.end.squaredNorm()});
   // std::max skips a value that is not a number.
   const bool known =
       step_load_.start.allFinite() && step_load_.average.allFinite() && step_load_.end.allFinite();
-  return known ? 0.5 * options_.step * options_.step * largest
-               : std::numeric_limits<double>::infinity();
+  return known ? std::max(falls, 0.5 * h * h * largest) : std::numeric_limits<double>::infinity();
 }
 
 // T + V, from the method's known potential if it has one.

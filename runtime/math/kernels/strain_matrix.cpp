@@ -157,6 +157,7 @@ StrainMatrix::Workspace StrainMatrix::make_workspace() const {
 }
 
 double StrainMatrix::multiply(const double* q, const double* v, Workspace& w, double* out) const {
+  w.by_squares = false;
   std::copy_n(q, r_, w.z.begin() + 1);
   std::copy_n(v, r_, w.dz.begin() + 1);
   const StrainVectors vectors{r_ + 1,         padded_,         w.z.data(),      w.dz.data(),
@@ -179,6 +180,7 @@ double StrainMatrix::multiply_quickly(const double* q, const double* v, Workspac
     most_v = std::max(most_v, std::abs(v[i]));
   }
   if (most_q < kSmallest || most_q * most_v < kSmallestRate) return multiply(q, v, w, out);
+  w.by_squares = true;
   // The largest rate becomes about one. A number that is not finite stays so.
   const double scale = 1.0 / (most_q * most_v);
   const SquareVectors vectors{r_,
@@ -206,6 +208,18 @@ double StrainMatrix::multiply_quickly(const double* q, const double* v, Workspac
   const double excess = whole < 0.0 ? whole / square : 0.0;
   for (size_t i = 0; i < r_; ++i) out[i] = w.product[i] - excess * v[i];
   return power - excess * square;
+}
+
+void StrainMatrix::multiply_stress(const double* q, Workspace& w, double* out) const {
+  if (w.by_squares) {
+    std::copy_n(q, r_, w.q.begin());
+    TREMOLO_CALL(spread_stress, w.stress.data(), r_, w.q.data(), w.product.data());
+    for (size_t i = 0; i < r_; ++i) out[i] = w.product[i] + w.linear[i];
+    return;
+  }
+  std::copy_n(q, r_, w.z.begin() + 1);
+  TREMOLO_CALL(spread_stress, w.stress.data(), r_ + 1, w.z.data(), w.product.data());
+  std::copy_n(w.product.begin() + 1, r_, out);
 }
 
 }  // namespace tremolo

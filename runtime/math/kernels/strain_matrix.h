@@ -48,6 +48,7 @@ class StrainMatrix {
     AlignedFloats float_rates;    // w, scaled
     AlignedFloats float_stretch;  // v + Lambda^-1 B w, scaled
     AlignedFloats above;          // the other sums
+    bool by_squares = false;      // multiply_quickly() had the last product
   };
   Workspace make_workspace() const;
 
@@ -59,6 +60,10 @@ class StrainMatrix {
   // stresses, and v . (M(q) + Lambda) v is never negative but for the rounding of double.
   double multiply_quickly(const double* q, const double* v, Workspace& workspace,
                           double* out) const;
+
+  // out = J(q)^T S - Lambda v with the stresses S = G J v of the last product, which may be that of
+  // another q; r.
+  void multiply_stress(const double* q, Workspace& workspace, double* out) const;
 
   std::size_t size() const { return r_; }
 

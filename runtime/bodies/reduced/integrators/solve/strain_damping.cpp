@@ -15,6 +15,7 @@ StrainDamping::StrainDamping(const Model& model, double beta, double tolerance)
   strains_ = model.known_strain_matrix();
   if (strains_) {
     workspace_ = strains_->make_workspace();
+    between_.setZero(model.modes());
     return;
   }
   const Eigen::Index r = model.modes();
@@ -60,6 +61,17 @@ double StrainDamping::force(const VectorXd& q, const VectorXd& v, VectorXd& out)
   out.noalias() = tangent_->rest * v;
   out *= beta_;
   return v.dot(out);
+}
+
+// With the strains' change y over the step, the work d . beta J^T G J d is beta y^T G y. The move
+// changes y by e = J(q1 - move/2) move, and y^T G y by 2 S . e + e^T G e, S = G y; e^T G e is near
+// move . K move. The part of Lambda, d^T Lambda d, is not of this work.
+double StrainDamping::work_after(const VectorXd& move, const VectorXd& q1, const VectorXd& bent,
+                                 double work, VectorXd& scratch) {
+  between_ = q1 - 0.5 * move;
+  strains_->multiply_stress(between_.data(), workspace_, scratch.data());
+  const double square = move.dot(bent) - move.dot(potential_->lambda().cwiseProduct(move));
+  return work + beta_ * (2.0 * scratch.dot(move) + square);
 }
 
 namespace {

@@ -53,6 +53,14 @@ class StrainDamping {
   // is allocated.
   double force(const Eigen::VectorXd& q, const Eigen::VectorXd& v, Eigen::VectorXd& out);
 
+  // A step's d has moved by `move` since force(qm, d) returned `work`, d . rest(qm) d, to an end
+  // q1. Returns that work now, to second order in the move: by the strains' change from there to
+  // q1, with the stresses of the last product. bent: K move. scratch: r, overwritten. Only for a
+  // model with G, else take force() again, which costs little there: has_stresses().
+  double work_after(const Eigen::VectorXd& move, const Eigen::VectorXd& q1,
+                    const Eigen::VectorXd& bent, double work, Eigen::VectorXd& scratch);
+  bool has_stresses() const { return strains_ != nullptr; }
+
   // stand_at(q) and force(q, v): for methods that evaluate the force where it acts.
   double force_at(const Eigen::VectorXd& q, const Eigen::VectorXd& v, Eigen::VectorXd& out) {
     stand_at(q);
@@ -75,6 +83,7 @@ class StrainDamping {
   const Potential* potential_ = nullptr;
   std::shared_ptr<const StrainMatrix> strains_;
   StrainMatrix::Workspace workspace_;
+  Eigen::VectorXd between_;
   std::unique_ptr<Tangent> tangent_;
 };
 
