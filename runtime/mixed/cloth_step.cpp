@@ -75,17 +75,16 @@ ClothStep::ClothStep(ClothBody& body, const ContactOptions& options)
 }
 
 double ClothStep::mass_factor() const {
-  const double h = body_->options().step;
+  const double h = step_size();
   return (method_ == Method::kImplicitEuler ? 1.0 : 2.0) / (h * h);
 }
 
-void ClothStep::start() {
-  body_->begin_step();
+StepBall ClothStep::find_ball() {
   const ClothModel& model = body_->model();
   const VectorXd &x = body_->state().x, &v = body_->state().v;
-  const double h = body_->options().step;
+  const double h = step_size();
   x1_ = x;
-  put_held_nodes(model, body_->time() + h, h, x, x1_, v1_);
+  put_held_nodes(model, end_time(), h, x, x1_, v1_);
   model.force(x, v, ForcePart::kAll, force_);
   Vector3d low = x.head<3>(), high = low;
   double travel = 0.0;
@@ -100,7 +99,7 @@ void ClothStep::start() {
                                   : h * at(v, i).norm() + falls + std::min(pulled, law_.margin);
     travel = std::max(travel, way);
   }
-  ball_ = {0.5 * (low + high), 0.5 * (high - low).norm(), travel};
+  return {0.5 * (low + high), 0.5 * (high - low).norm(), travel};
 }
 
 bool ClothStep::step_alone() {
@@ -110,9 +109,9 @@ bool ClothStep::step_alone() {
 
 void ClothStep::begin() {
   const VectorXd &x = body_->state().x, &v = body_->state().v;
-  const double h = body_->options().step;
+  const double h = step_size();
   x1_ = x + h * v;
-  put_held_nodes(body_->model(), body_->time() + h, h, x, x1_, v1_);
+  put_held_nodes(body_->model(), end_time(), h, x, x1_, v1_);
   way_ = x1_ - x;
   known_ = false;
 }
@@ -130,7 +129,7 @@ void ClothStep::evaluate(const ContactRenewal& renewal) {
   if (known_ && way_ == known_way_) return;
   const VectorXd &x = body_->state().x, &v = body_->state().v;
   const ClothModel& model = body_->model();
-  const double h = body_->options().step;
+  const double h = step_size();
   x1_ = x + way_;
   if (method_ == Method::kEnergy) {
     work_ = model.step_force(x, x1_, h, force_);
@@ -176,7 +175,7 @@ double ClothStep::enough() const {
 // full: with the indefinite terms of springs under compression.
 void ClothStep::assemble(bool full, bool with_contact) {
   const ClothModel& model = body_->model();
-  const double h = body_->options().step, mu = (1.0 + heavier_) * mass_factor();
+  const double h = step_size(), mu = (1.0 + heavier_) * mass_factor();
   matrix_.set_zero();
   for (std::size_t i = 0; i < points(); ++i)
     matrix_.diagonal(i).diagonal().setConstant(mu * model.mass()[static_cast<Index>(i)]);
@@ -241,7 +240,7 @@ bool ClothStep::factor(bool fresh) {
 // have no motion in in_, and no rows of their own.
 void ClothStep::add_missing_terms() const {
   const ClothModel& model = body_->model();
-  const double h = body_->options().step;
+  const double h = step_size();
   for (std::size_t i = 0; i < points(); ++i)
     if (is_held(i)) in_.segment<3>(row_of(i)).setZero();
   missing_.setZero();
@@ -292,11 +291,11 @@ void ClothStep::add_image(std::size_t point, const Vector3d& fall, Out rows) con
 void ClothStep::finish(const ContactAccount& account, double start) {
   take_account(account, start);
   const VectorXd& x0 = body_->state().x;
-  const double h = body_->options().step;
+  const double h = step_size();
   x1_ = x0 + way_;
   v1_ = way_ / h;
   if (method_ != Method::kImplicitEuler) v1_ = 2.0 * v1_ - body_->state().v;
-  put_held_nodes(body_->model(), body_->time() + h, h, x0, x1_, v1_);
+  put_held_nodes(body_->model(), end_time(), h, x0, x1_, v1_);
   double pinned = 0.0;
   for (std::size_t i = 0; i < points(); ++i)
     if (is_held(i)) pinned += pushed_.segment<3>(row_of(i)).dot(way_.segment<3>(row_of(i)));
@@ -304,7 +303,10 @@ void ClothStep::finish(const ContactAccount& account, double start) {
   report.made = true;
   const double held = held_work(body_->model(), force_, x0, x1_);
   ledger_.begin(body_->state());
-  body_->end_step(x1_, v1_);
+  if (part().whole)
+    body_->end_step(x1_, v1_);
+  else
+    body_->end_part(x1_, v1_);
   if (method_ == Method::kEnergy)
     ledger_.end(body_->state(), work_, held, report);
   else
@@ -312,6 +314,13 @@ void ClothStep::finish(const ContactAccount& account, double start) {
   report.numerical += pinned - pushed_.dot(way_);
   report.held_work -= pinned;
   body_->add_work(report);
+}
+
+void ClothStep::end_whole(int parts) {
+  if (parts > 0)
+    body_->end_parts(parts);
+  else
+    body_->put_back(whole_);
 }
 
 }  // namespace tremolo

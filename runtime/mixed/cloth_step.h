@@ -33,7 +33,6 @@ class ClothStep final : public GuestStep {
   // body: stays in memory; its method has no cloth_method_problem(). options.margin is not used.
   ClothStep(ClothBody& body, const ContactOptions& options);
 
-  void start() override;
   // Same as the step of a ClothWorld without obstacles.
   bool step_alone() override;
   ClothBody& body() const { return *body_; }
@@ -56,7 +55,7 @@ class ClothStep final : public GuestStep {
   void add_force(std::size_t point, const Eigen::Vector3d& force) override;
   double close() override;
   double enough() const override;
-  double momentum_of_size() const override { return body_->options().step; }
+  double momentum_of_size() const override { return step_size(); }
   void residual(Out rows) const override { rows = residual_; }
   double work_along(In direction) const override { return residual_.dot(direction); }
 
@@ -75,6 +74,13 @@ class ClothStep final : public GuestStep {
   void end() override { sort_memories(); }
   void give_up() override {}
 
+ protected:
+  void prepare() override { body_->begin_step(); }
+  StepBall find_ball() override;
+  void keep_whole() override { whole_ = body_->moment(); }
+  void begin_part() override {}
+  void end_whole(int parts) override;
+
  private:
   enum class Method { kImplicitEuler, kMidpoint, kEnergy };
   struct Slope {
@@ -86,6 +92,9 @@ class ClothStep final : public GuestStep {
     return x.segment<3>(3 * static_cast<Eigen::Index>(point));
   }
   bool is_held(std::size_t point) const { return body_->model().held()[point] != 0; }
+  double step_size() const { return length(body_->options().step); }  // of the present part, s
+  // At the end of the present part, s. Moved particles follow their own path through the step.
+  double end_time() const { return body_->time() + part().to * body_->options().step; }
   double mass_factor() const;
   void assemble(bool full, bool with_contact);
   void invert_diagonal();
@@ -111,6 +120,7 @@ class ClothStep final : public GuestStep {
   StepWork work_;                                        // of step_force(), J
   mutable Eigen::VectorXd in_, out_, missing_;
   std::vector<Slope> slopes_;
+  ClothMoment whole_;  // at the start of a step that is taken in parts
 };
 
 }  // namespace tremolo

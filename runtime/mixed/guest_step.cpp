@@ -24,6 +24,46 @@ const ContactMemory* GuestStep::memory(std::size_t obstacle, std::size_t point) 
   return found != memories_.end() && !is_before(wanted, *found) ? &*found : nullptr;
 }
 
+void GuestStep::start() {
+  part_ = {};
+  prepare();
+  ball_ = find_ball();
+}
+
+void GuestStep::start_parts() {
+  before_ = {memories_, contacted_, account_};
+  sum_ = {};
+  parts_ = 0;
+  keep_whole();
+}
+
+void GuestStep::start_part(double from, double to) {
+  part_ = {from, to, false};
+  begin_part();
+  ball_ = find_ball();
+}
+
+void GuestStep::end_part() {
+  ++parts_;
+  ContactRecord part;
+  part.account = account_;
+  part.contacted = contacted_;
+  sum_.add_part(part);
+}
+
+void GuestStep::end_parts(bool made) {
+  part_ = {};
+  if (made) {
+    account_ = sum_.account;
+    contacted_ = sum_.contacted;
+  } else {
+    memories_ = before_.memories;
+    contacted_ = before_.contacted;
+    account_ = before_.account;
+  }
+  end_whole(made ? parts_ : 0);
+}
+
 void GuestStep::forget_contact() {
   account_ = {};
   memories_.clear();

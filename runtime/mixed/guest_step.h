@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "runtime/contact/contact_record.h"
 #include "runtime/math/sparse/block_cholesky.h"
 #include "runtime/mixed/step_body.h"
 
@@ -24,11 +25,20 @@ std::optional<BlockCholesky> make_guest_factor(const BlockPatternPointer& patter
 
 class GuestStep : public StepBody {
  public:
-  // Finds the body's ball at the start of the step.
-  virtual void start() = 0;
+  // Prepares the body for its next step and finds its ball at the start.
+  void start();
   // Takes the step without contact, with the same bits as outside a world. False: it failed; the
   // state is that before the step.
   virtual bool step_alone() = 0;
+
+  // A step that failed, in parts (runtime/contact/solve/step_parts.h): start_parts() stores the
+  // body; start_part() begins a part, whose ends are fractions of the step, and end_part() adds
+  // one that was solved to the sums. end_parts(): made: the sums are those of the step, which
+  // counts as one; otherwise the body is as before the first part.
+  void start_parts();
+  void start_part(double from, double to);
+  void end_part();
+  void end_parts(bool made);
 
   // Of contact in the last step.
   const ContactAccount& account() const { return account_; }
@@ -40,6 +50,20 @@ class GuestStep : public StepBody {
   void note(const ContactedPoint& point) override { contacted_.push_back(point); }
 
  protected:
+  // The present step or part of a step, as fractions of the step.
+  struct Part {
+    double from = 0.0, to = 1.0;
+    bool whole = true;
+  };
+
+  virtual void prepare() = 0;             // the body itself, for its next step
+  virtual StepBall find_ball() = 0;       // at the start of the present part
+  virtual void keep_whole() = 0;          // stores the body
+  virtual void begin_part() = 0;          // after part() has changed
+  virtual void end_whole(int parts) = 0;  // counts the step; 0: it failed, and the body is put back
+
+  const Part& part() const { return part_; }
+  double length(double step) const { return step * (part_.to - part_.from); }  // of the part, s
   // Ends a step without contact.
   void forget_contact();
   // Sets the account as for finish(), and clears memories and points for those of this step.
@@ -47,9 +71,19 @@ class GuestStep : public StepBody {
   // Call it once all contacts are remembered.
   void sort_memories();
 
-  StepBall ball_;
-
  private:
+  // Contact of the body before the first part.
+  struct Before {
+    std::vector<ContactMemory> memories;
+    std::vector<ContactedPoint> contacted;
+    ContactAccount account;
+  };
+
+  StepBall ball_;
+  Part part_;
+  Before before_;
+  ContactRecord sum_;  // of the parts
+  int parts_ = 0;
   std::vector<ContactMemory> memories_;  // by obstacle and point
   std::vector<ContactedPoint> contacted_;
   ContactAccount account_;

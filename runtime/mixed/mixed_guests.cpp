@@ -89,6 +89,7 @@ double MixedGuests::deepest_in(std::size_t i, std::span<const PlacedCollider> co
 
 void MixedGuests::start(std::span<const PlacedCollider> colliders) {
   colliders_ = colliders;
+  length_ = step_;
   report_ = {};
   in_islands_ = 0;
   for (const auto& guest : guests_)
@@ -96,16 +97,17 @@ void MixedGuests::start(std::span<const PlacedCollider> colliders) {
 }
 
 SharedRate* MixedGuests::next_rate() {
-  if (rate_count_ == rates_.size()) rates_.emplace_back();
-  return &rates_[rate_count_++];
+  if (counts_.rates == rates_.size()) rates_.emplace_back();
+  return &rates_[counts_.rates++];
 }
 
 void MixedGuests::meet_colliders(std::size_t guest) {
   for (std::size_t c = 0; c < colliders_.size(); ++c) {
-    if (collider_count_ == on_colliders_.size()) on_colliders_.emplace_back();
-    ColliderContact& contact = on_colliders_[collider_count_];
-    if (!contact.gather(*guests_[guest]->step, colliders_[c], kFirstCollider + c, step_)) continue;
-    ++collider_count_;
+    if (counts_.colliders == on_colliders_.size()) on_colliders_.emplace_back();
+    ColliderContact& contact = on_colliders_[counts_.colliders];
+    if (!contact.gather(*guests_[guest]->step, colliders_[c], kFirstCollider + c, length_))
+      continue;
+    ++counts_.colliders;
     contact.shared = next_rate();
     met_.push_back({bodies_ + guest, PairForces::kNobody, &contact});
   }
@@ -116,10 +118,10 @@ void MixedGuests::meet_colliders(std::size_t guest) {
 bool MixedGuests::meet_hull(StepBody& points, std::size_t number, std::size_t guest,
                             SharedRate* shared) {
   if (guests_[guest]->tets == nullptr) return false;
-  if (hull_count_ == hulls_.size()) hulls_.emplace_back();
-  HullContact& contact = hulls_[hull_count_];
-  if (!contact.gather(points, *guests_[guest]->tets, bodies_ + guest, step_)) return false;
-  ++hull_count_;
+  if (counts_.hulls == hulls_.size()) hulls_.emplace_back();
+  HullContact& contact = hulls_[counts_.hulls];
+  if (!contact.gather(points, *guests_[guest]->tets, bodies_ + guest, length_)) return false;
+  ++counts_.hulls;
   contact.shared = shared;
   met_.push_back({number, bodies_ + guest, &contact});
   return true;
@@ -129,12 +131,12 @@ bool MixedGuests::meet_hull(StepBody& points, std::size_t number, std::size_t gu
 void MixedGuests::meet_bodies(std::size_t guest, std::span<ContactStep* const> contacts) {
   for (std::size_t b = 0; b < contacts.size(); ++b) {
     if (contacts[b] == nullptr) continue;
-    if (bent_count_ == bent_.size()) bent_.emplace_back();
-    BentContact& contact = bent_[bent_count_];
+    if (counts_.bent == bent_.size()) bent_.emplace_back();
+    BentContact& contact = bent_[counts_.bent];
     SharedRate* shared = next_rate();
     const bool on_body = contact.gather(*guests_[guest]->step, *contacts[b], b);
     if (on_body) {
-      ++bent_count_;
+      ++counts_.bent;
       contact.shared = shared;
       met_.push_back({bodies_ + guest, b, &contact});
     }
@@ -144,9 +146,8 @@ void MixedGuests::meet_bodies(std::size_t guest, std::span<ContactStep* const> c
   }
 }
 
-void MixedGuests::meet_guests(std::size_t guest) {
-  for (std::size_t other = guest + 1; other < guests_.size(); ++other) {
-    if (guests_[other]->failed) continue;
+void MixedGuests::meet_guests(std::size_t guest, std::span<const std::size_t> others) {
+  for (const std::size_t other : others) {
     SharedRate* shared = next_rate();
     const bool here = meet_hull(*guests_[other]->step, bodies_ + other, guest, shared);
     const bool there = meet_hull(*guests_[guest]->step, bodies_ + guest, other, shared);
@@ -154,34 +155,52 @@ void MixedGuests::meet_guests(std::size_t guest) {
   }
 }
 
-void MixedGuests::find_contacts(std::span<ContactStep* const> contacts) {
-  bodies_ = contacts.size();
-  while (reduced_.size() < bodies_) reduced_.emplace_back();
-  bent_count_ = hull_count_ = collider_count_ = rate_count_ = 0;
-  met_.clear();
-  links_.clear();
-  for (std::size_t guest = 0; guest < guests_.size(); ++guest) {
-    if (guests_[guest]->failed) continue;
-    meet_colliders(guest);
-    meet_bodies(guest, contacts);
-    meet_guests(guest);
+// Finds the contacts of these guests with each other, with bodies and with colliders.
+void MixedGuests::meet(std::span<const std::size_t> guests,
+                       std::span<ContactStep* const> contacts) {
+  for (std::size_t k = 0; k < guests.size(); ++k) {
+    meet_colliders(guests[k]);
+    meet_bodies(guests[k], contacts);
+    meet_guests(guests[k], guests.subspan(k + 1));
   }
 }
 
-void MixedGuests::begin_island() {
+// Forgets all contacts but the first ones.
+void MixedGuests::forget_contacts(const Counts& known) {
+  counts_ = known;
+  met_.resize(known.met);
+  links_.resize(known.links);
+}
+
+void MixedGuests::find_contacts(std::span<ContactStep* const> contacts) {
+  bodies_ = contacts.size();
+  while (reduced_.size() < bodies_) reduced_.emplace_back();
+  forget_contacts({});
   who_.clear();
+  for (std::size_t guest = 0; guest < guests_.size(); ++guest)
+    if (!guests_[guest]->failed) who_.push_back(guest);
+  meet(who_, contacts);
+}
+
+// The guests of that root are those of the present island.
+void MixedGuests::choose_guests(std::span<const std::size_t> roots, std::size_t root) {
+  who_.clear();
+  for (std::size_t guest = 0; guest < guests_.size(); ++guest)
+    if (roots[guest] == root && !guests_[guest]->failed) who_.push_back(guest);
+}
+
+// The members of an island are bodies, then guests.
+void MixedGuests::add_members(std::span<const IslandMember> members) {
   island_.clear();
   couplings_.clear();
   pair_count_ = 0;
-  member_.resize(guests_.size());
-}
-
-// The guests of that root follow the members so far.
-void MixedGuests::add_guests(std::span<const std::size_t> roots, std::size_t root) {
-  for (std::size_t guest = 0; guest < guests_.size(); ++guest) {
-    if (roots[guest] != root || guests_[guest]->failed) continue;
+  for (const IslandMember& member : members) {
+    reduced_[member.number].set(member);
+    island_.push_back(&reduced_[member.number]);
+  }
+  member_.assign(guests_.size(), PairForces::kNobody);
+  for (const std::size_t guest : who_) {
     member_[guest] = island_.size();
-    who_.push_back(guest);
     island_.push_back(guests_[guest]->step.get());
   }
 }
@@ -196,7 +215,7 @@ void MixedGuests::pair_bodies(std::span<const IslandMember> members, std::span<P
       if (couplings_[c]->first == low && couplings_[c]->second == high) return pairs_[c - before];
     if (pair_count_ == pairs_.size()) pairs_.emplace_back();
     ReducedPair& pair = pairs_[pair_count_++];
-    pair.set(members[low], members[high], step_);
+    pair.set(members[low], members[high], length_);
     pair.first = low;
     pair.second = high;
     pair.shared = next_rate();
@@ -210,9 +229,8 @@ void MixedGuests::pair_bodies(std::span<const IslandMember> members, std::span<P
   for (const IslandJoint& joint : joints) pair_of(joint.a, joint.b).take(joint, joint.a < joint.b);
 }
 
-// Adds the contacts of the guests of that root, once all members are in the island.
-void MixedGuests::couple(std::span<const std::size_t> roots, std::size_t root,
-                         std::span<const IslandMember> members) {
+// Adds the contacts of the island's guests, of those found from index `from` on.
+void MixedGuests::couple(std::size_t from, std::span<const IslandMember> members) {
   const auto place = [&](std::size_t number) {
     if (number == PairForces::kNobody) return number;
     if (number >= bodies_) return member_[number - bodies_];
@@ -222,9 +240,10 @@ void MixedGuests::couple(std::span<const std::size_t> roots, std::size_t root,
     return found != members.end() ? static_cast<std::size_t>(found - members.begin())
                                   : island_.size();
   };
-  for (const Met& met : met_) {
+  for (std::size_t k = from; k < met_.size(); ++k) {
+    const Met& met = met_[k];
     const std::size_t guest = (met.first >= bodies_ ? met.first : met.second) - bodies_;
-    if (roots[guest] != root) continue;
+    if (member_[guest] == PairForces::kNobody) continue;
     met.forces->first = place(met.first);
     met.forces->second = place(met.second);
     // A body whose step could not begin is not a member.
@@ -234,51 +253,108 @@ void MixedGuests::couple(std::span<const std::size_t> roots, std::size_t root,
   }
 }
 
-void MixedGuests::step_island(std::span<const std::size_t> roots,
-                              std::span<const IslandMember> members, std::vector<PairPoint>& points,
-                              std::size_t& count, std::span<IslandJoint> joints,
-                              std::span<StepReport> reports) {
-  begin_island();
-  for (const IslandMember& member : members) {
-    reduced_[member.number].set(member);
-    island_.push_back(&reduced_[member.number]);
-  }
-  pair_bodies(members, std::span(points).first(count), joints);
-  add_guests(roots, members[0].number);
-  couple(roots, members[0].number, members);
-  const MixedReport report = solve_island();
-  count = 0;
-  for (std::size_t c = 0; c < pair_count_; ++c)
-    pairs_[c].give_back(pairs_[c].first, pairs_[c].second, points, count);
-  for (std::size_t m = 0; m < members.size(); ++m) {
-    reports[m] = report.converged ? reduced_[members[m].number].report() : StepReport{};
-    reports[m].converged = report.converged;
-    reports[m].iterations = report.iterations;
-  }
-}
-
-MixedReport MixedGuests::solve_island() {
+// Solves a step, or a part of one, with the contacts from index `from` on.
+MixedReport MixedGuests::solve(const HostIsland& island, std::size_t from) {
+  const std::span<const IslandMember> members = island.members;
+  add_members(members);
+  pair_bodies(members, std::span(island.points).first(island.count), island.joints);
+  couple(from, members);
   const MixedReport report = solver_.step(island_, couplings_);
-  report_.iterations += report.iterations;
-  report_.linear += report.linear;
-  report_.residual = std::max(report_.residual, report.residual);
-  report_.converged = report_.converged && report.converged;
-  in_islands_ += island_.size();
-  for (const std::size_t guest : who_) {
-    guests_[guest]->failed = !report.converged;
-    if (report.converged) book(guest);
+  island.count = 0;
+  for (std::size_t c = 0; c < pair_count_; ++c)
+    pairs_[c].give_back(pairs_[c].first, pairs_[c].second, island.points, island.count);
+  for (std::size_t m = 0; m < members.size(); ++m) {
+    StepReport& of_body = island.reports[m];
+    of_body = report.converged ? reduced_[members[m].number].report() : StepReport{};
+    of_body.converged = report.converged;
+    of_body.iterations = report.iterations;
   }
   return report;
 }
 
+void MixedGuests::add_report(const MixedReport& report) {
+  report_.iterations += report.iterations;
+  report_.linear += report.linear;
+  report_.residual = std::max(report_.residual, report.residual);
+  report_.converged = report_.converged && report.converged;
+  report_.cut += report.cut;
+  report_.parts += report.parts;
+}
+
+// Takes the whole step of the present island.
+bool MixedGuests::solve_island(const HostIsland& island) {
+  other_report_ = report_;
+  part_report_ = solve(island, 0);
+  add_report(part_report_);
+  in_islands_ += island_.size();
+  for (const std::size_t guest : who_) {
+    guests_[guest]->failed = !part_report_.converged;
+    if (part_report_.converged) book(guest);
+  }
+  return part_report_.converged;
+}
+
+void MixedGuests::step_island(std::span<const std::size_t> roots, const HostIsland& island) {
+  choose_guests(roots, island.members[0].number);
+  (void)solve_island(island);
+}
+
+void MixedGuests::start_parts() {
+  whole_counts_ = counts_;
+  whole_counts_.met = met_.size();
+  whole_counts_.links = links_.size();
+  whole_colliders_ = colliders_;
+  part_report_.residual = 0.0;
+  part_report_.cut = 1;
+  for (const std::size_t guest : who_) {
+    guests_[guest]->failed = false;
+    guests_[guest]->step->start_parts();
+  }
+}
+
+bool MixedGuests::step_part(const GuestPart& part, const HostIsland& island) {
+  forget_contacts(whole_counts_);
+  colliders_ = part.colliders;
+  length_ = step_ * (part.to - part.from);
+  for (const std::size_t guest : who_) guests_[guest]->step->start_part(part.from, part.to);
+  part_contacts_.assign(bodies_, nullptr);
+  for (const IslandMember& member : island.members) part_contacts_[member.number] = member.contact;
+  meet(who_, part_contacts_);
+  const MixedReport report = solve(island, whole_counts_.met);
+  part_report_.iterations += report.iterations;
+  part_report_.linear += report.linear;
+  if (!report.converged) return false;
+  part_report_.residual = std::max(part_report_.residual, report.residual);
+  ++part_report_.parts;
+  for (const std::size_t guest : who_) guests_[guest]->step->end_part();
+  return true;
+}
+
+void MixedGuests::end_parts(bool made) {
+  forget_contacts(whole_counts_);
+  colliders_ = whole_colliders_;
+  length_ = step_;
+  part_report_.converged = made;
+  report_ = other_report_;
+  add_report(part_report_);
+  for (const std::size_t guest : who_) {
+    guests_[guest]->step->end_parts(made);
+    guests_[guest]->failed = !made;
+    if (made) book(guest);
+  }
+}
+
 void MixedGuests::step_others(std::span<const std::size_t> roots) {
+  std::vector<PairPoint> none;
+  std::size_t count = 0;
   for (std::size_t root = 0; root < guests_.size(); ++root) {
     if (roots[root] != bodies_ + root || guests_[root]->failed) continue;
-    begin_island();
-    add_guests(roots, bodies_ + root);
-    couple(roots, bodies_ + root, {});
+    choose_guests(roots, bodies_ + root);
+    add_members({});
+    couple(0, {});
     if (!couplings_.empty()) {
-      solve_island();
+      if (!solve_island({{}, none, count, {}, {}}))
+        (void)parts_.step({{}, colliders_, {}, {}, this}, step_, {});
       continue;
     }
     guests_[root]->failed = !guests_[root]->step->step_alone();

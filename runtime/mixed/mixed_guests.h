@@ -18,6 +18,7 @@
 
 #include "common/result.h"
 #include "runtime/contact/solve/island_guests.h"
+#include "runtime/contact/solve/step_parts.h"
 #include "runtime/contact_body.h"
 #include "runtime/mixed/bent_contact.h"
 #include "runtime/mixed/cloth_step.h"
@@ -67,7 +68,7 @@ class MixedGuests final : public IslandGuests {
   // The deepest contact point inside one of the colliders now, and the margin, m.
   double deepest_in(std::size_t i, std::span<const PlacedCollider> colliders) const;
   double margin(std::size_t i) const { return guests_[i]->step->area_law().margin; }
-  // Of the last step: iterations of all islands together, and the number of bodies in them.
+  // Of the last step: sums over all islands, and the number of bodies in them.
   const MixedReport& mixed_report() const { return report_; }
   std::size_t in_islands() const { return in_islands_; }
 
@@ -75,10 +76,11 @@ class MixedGuests final : public IslandGuests {
   void start(std::span<const PlacedCollider> colliders) override;
   void find_contacts(std::span<ContactStep* const> contacts) override;
   std::span<const std::pair<std::size_t, std::size_t>> links() const override { return links_; }
-  void step_island(std::span<const std::size_t> roots, std::span<const IslandMember> members,
-                   std::vector<PairPoint>& points, std::size_t& count,
-                   std::span<IslandJoint> joints, std::span<StepReport> reports) override;
+  void step_island(std::span<const std::size_t> roots, const HostIsland& island) override;
   void step_others(std::span<const std::size_t> roots) override;
+  void start_parts() override;
+  bool step_part(const GuestPart& part, const HostIsland& island) override;
+  void end_parts(bool made) override;
 
  private:
   struct Guest {
@@ -100,22 +102,30 @@ class MixedGuests final : public IslandGuests {
     std::size_t first = 0, second = 0;
     PairForces* forces = nullptr;
   };
+  // Numbers of contacts.
+  struct Counts {
+    std::size_t bent = 0, hulls = 0, colliders = 0, rates = 0, met = 0, links = 0;
+  };
 
+  void meet(std::span<const std::size_t> guests, std::span<ContactStep* const> contacts);
   void meet_colliders(std::size_t guest);
   void meet_bodies(std::size_t guest, std::span<ContactStep* const> contacts);
-  void meet_guests(std::size_t guest);
+  void meet_guests(std::size_t guest, std::span<const std::size_t> others);
   bool meet_hull(StepBody& points, std::size_t number, std::size_t guest, SharedRate* shared);
-  void couple(std::span<const std::size_t> roots, std::size_t root,
-              std::span<const IslandMember> members);
+  void couple(std::size_t from, std::span<const IslandMember> members);
   SharedRate* next_rate();
-  void begin_island();
-  void add_guests(std::span<const std::size_t> roots, std::size_t root);
+  void forget_contacts(const Counts& known);
+  void choose_guests(std::span<const std::size_t> roots, std::size_t root);
+  void add_members(std::span<const IslandMember> members);
   void pair_bodies(std::span<const IslandMember> members, std::span<PairPoint> points,
                    std::span<IslandJoint> joints);
-  MixedReport solve_island();
+  MixedReport solve(const HostIsland& island, std::size_t from);
+  bool solve_island(const HostIsland& island);
+  void add_report(const MixedReport& report);
   void book(std::size_t guest);
 
   double step_;
+  double length_ = 0.0;  // of the present part of the step, s
   std::vector<std::unique_ptr<Guest>> guests_;
   std::vector<std::pair<const TetModel*, std::shared_ptr<const TetPoints>>> points_;
   std::span<const PlacedCollider> colliders_;
@@ -126,18 +136,25 @@ class MixedGuests final : public IslandGuests {
   std::deque<ColliderContact> on_colliders_;
   std::deque<ReducedPair> pairs_;
   std::deque<SharedRate> rates_;
-  std::size_t bent_count_ = 0, hull_count_ = 0, collider_count_ = 0, pair_count_ = 0,
-              rate_count_ = 0;
+  Counts counts_;  // those in use, without met and links
+  std::size_t pair_count_ = 0;
   std::vector<Met> met_;
   std::vector<std::pair<std::size_t, std::size_t>> links_;
   // Of the present island.
-  std::deque<ReducedStep> reduced_;        // of the group's bodies, by their numbers
-  std::vector<std::size_t> who_, member_;  // its guests; the member's index of each guest
+  std::deque<ReducedStep> reduced_;  // of the group's bodies, by their numbers
+  std::vector<std::size_t> who_;     // its guests
+  std::vector<std::size_t> member_;  // the member's index of each guest; kNobody: of no other
   std::vector<StepBody*> island_;
   std::vector<PairForces*> couplings_;
   MixedIsland solver_;
   MixedReport report_;
   std::size_t in_islands_ = 0;
+  // Of an island whose step is taken in parts.
+  StepParts parts_;
+  Counts whole_counts_;  // contacts of the whole step
+  std::span<const PlacedCollider> whole_colliders_;
+  MixedReport other_report_, part_report_;   // of the islands before it; sums of its parts
+  std::vector<ContactStep*> part_contacts_;  // as find_contacts() has them
 };
 
 }  // namespace tremolo

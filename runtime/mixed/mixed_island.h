@@ -24,6 +24,8 @@ struct MixedReport {
   int iterations = 0;     // moves of Newton's method
   int linear = 0;         // iterations of GMRES
   double residual = 0.0;  // the largest of a body, in units of its small size
+  int cut = 0;            // islands whose step was subdivided
+  int parts = 0;          // the parts of those
 };
 
 class MixedIsland {

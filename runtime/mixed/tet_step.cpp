@@ -51,7 +51,7 @@ Index TetStep::unknowns() const {
   return body_->model().rest().size();
 }
 
-void TetStep::start() {
+StepBall TetStep::find_ball() {
   const VectorXd &x = body_->now_.x, &v = body_->now_.v;
   Vector3d low = x.head<3>(), high = low;
   double speed2 = 0.0;
@@ -62,9 +62,9 @@ void TetStep::start() {
   }
   follows_hull_ = false;
   if (has_hull()) hull_->tree.fit(x, boxes_at_start_);
-  const double h = body_->options_.step;
-  ball_ = {0.5 * (low + high), 0.5 * (high - low).norm(),
-           h * std::sqrt(speed2) + 0.5 * h * h * body_->options_.gravity.norm()};
+  const double h = step_size();
+  return {0.5 * (low + high), 0.5 * (high - low).norm(),
+          h * std::sqrt(speed2) + 0.5 * h * h * body_->options_.gravity.norm()};
 }
 
 bool TetStep::step_alone() {
@@ -85,7 +85,7 @@ Vector3d TetStep::start_of(std::size_t point) const {
 void TetStep::begin() {
   const TetMethod method = body_->options_.method;
   body_->keep_state();
-  body_->begin(method == TetMethod::kNewmark ? TetMethod::kMidpoint : method, body_->options_.step);
+  body_->begin(method == TetMethod::kNewmark ? TetMethod::kMidpoint : method, step_size());
   body_->guess(false);
   ends_ = body_->stage_.method == TetMethod::kMidpoint ? 2.0 : 1.0;
   known_ = false;
@@ -318,8 +318,36 @@ void TetStep::finish(const ContactAccount& account, double start) {
 
 void TetStep::end() {
   sort_memories();
+  whole_.made = part().to - part().from;
+  if (!part().whole) return;
   body_->skip_step();
   body_->choose_degrees(report_);
+}
+
+void TetStep::keep_whole() {
+  whole_ = {body_->now_, body_->before_, body_->has_before_};
+}
+
+// bdf2 needs the step before it, of the same length.
+void TetStep::begin_part() {
+  body_->has_before_ = whole_.made == part().to - part().from;
+}
+
+// The step before the next one is the whole step.
+void TetStep::end_whole(int parts) {
+  TetBody& body = *body_;
+  if (parts > 0) {
+    body.before_.x = whole_.now.x;
+    body.before_.v = whole_.now.v;
+    body.has_before_ = true;
+    report_.parts = parts;
+    body.skip_step();
+    body.choose_degrees(report_);
+    return;
+  }
+  body.now_ = whole_.now;
+  body.before_ = whole_.before;
+  body.has_before_ = whole_.has_before;
 }
 
 void TetStep::give_up() {

@@ -43,7 +43,6 @@ class TetStep final : public GuestStep {
   TetStep(TetBody& body, std::shared_ptr<const TetPoints> points, const ContactOptions& options,
           TetHullPointer hull);
 
-  void start() override;
   // Same as TetBody::step(), with the same bits.
   bool step_alone() override;
   const TetStepReport& report() const { return report_; }
@@ -85,7 +84,7 @@ class TetStep final : public GuestStep {
   void add_force(std::size_t point, const Eigen::Vector3d& force) override;
   double close() override;
   double enough() const override;
-  double momentum_of_size() const override { return body_->options().step; }
+  double momentum_of_size() const override { return step_size(); }
   void residual(Out rows) const override;
   double work_along(In direction) const override;
 
@@ -104,7 +103,21 @@ class TetStep final : public GuestStep {
   void end() override;
   void give_up() override;
 
+ protected:
+  void prepare() override {}
+  StepBall find_ball() override;
+  void keep_whole() override;
+  void begin_part() override;
+  void end_whole(int parts) override;
+
  private:
+  // The body before the first part of a step.
+  struct Whole {
+    TetMotion now, before;
+    bool has_before = false;
+    double made = 0.0;  // length of the last part that was solved, a fraction of the step
+  };
+
   // The slope of a force on a point, with its condensed weights. Fixed control points have none.
   struct Slope {
     std::span<const std::uint32_t> nodes;
@@ -121,6 +134,7 @@ class TetStep final : public GuestStep {
   void condense(std::span<const std::uint32_t> nodes, std::array<double, kMostNodes>& shares) const;
   std::optional<TetDepth> depth_at(const Eigen::VectorXd& x, const std::vector<TetTree::Box>& boxes,
                                    const Eigen::Vector3d& place) const;
+  double step_size() const { return length(body_->options().step); }  // of the present part, s
   void assemble(double heavier, TangentKind tangent, bool with_contact);
   void add_contact(const Slope& slope);
 
@@ -144,6 +158,7 @@ class TetStep final : public GuestStep {
   std::vector<std::uint8_t> still_;  // a flag for each control point that is not active
   std::optional<BlockCholesky> factor_;
   std::vector<Eigen::Matrix3d> inverse_;  // of the diagonal's blocks, without a factor
+  Whole whole_;
 };
 
 }  // namespace tremolo

@@ -1,6 +1,8 @@
 // Sheets of cloth for tests of their contact with bodies of other kinds.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -52,6 +54,46 @@ inline ClothBody sheet_body(const Sheet& sheet, const MixedKind& kind) {
 // Energy that a cloth has lost or got by its method and its dampers since the start, J.
 inline double own_energy(const ClothBody& body) {
   return body.work().numerical - body.work().damped + body.work().wind + body.work().gravity;
+}
+
+// Errors of the sums over all bodies in several steps.
+struct WorstErrors {
+  double linear = 0.0, angular = 0.0, energy = 0.0;  // kg m/s, N m s, J
+  double start = 0.0;                                // J
+  int touched = 0, cut = 0;
+};
+
+// Energy of the tetrahedra's method since the start is known only as the change without a cause.
+inline WorstErrors follow(MixedWorld& world, int steps) {
+  WorstErrors worst;
+  const MixedSum start = sum_of(world);
+  worst.start = start.energy;
+  double taken = 0.0, own = 0.0;
+  for (int i = 0; i < steps; ++i) {
+    double before = 0.0;
+    for (std::size_t k = 0; k < world.size(); ++k)
+      if (TetBody* tets = world.tets(k)) before = tets->kinetic_energy() + tets->elastic_energy();
+    const Status made = world.step();
+    EXPECT_TRUE(made) << i << made.error().message;
+    if (!made) break;
+    worst.cut += world.report().cut;
+    double cloth = 0.0;
+    for (std::size_t k = 0; k < world.size(); ++k) {
+      taken += world.account(k).lost + world.account(k).friction_loss;
+      if (const ClothBody* body = world.cloth(k)) {
+        cloth = own_energy(*body);
+        worst.touched += world.account(k).active;
+      }
+      if (TetBody* tets = world.tets(k))
+        own += tets->kinetic_energy() + tets->elastic_energy() - before - world.account(k).work;
+    }
+    const MixedSum now = sum_of(world);
+    worst.linear = std::max(worst.linear, (now.linear - start.linear).norm());
+    worst.angular = std::max(worst.angular, (now.angular - start.angular).norm());
+    worst.energy =
+        std::max(worst.energy, std::abs(now.energy + taken - own - cloth - start.energy));
+  }
+  return worst;
 }
 
 }  // namespace tremolo::testing

@@ -1,5 +1,4 @@
 // A sheet of cloth and a body of another kind in contact: momenta, energy, shorter steps.
-#include <algorithm>
 #include <cmath>
 
 #include "tests/mixed/cloth_bodies.h"
@@ -9,47 +8,8 @@ namespace {
 
 using Eigen::Vector3d;
 using testing::MixedKind;
-using testing::MixedSum;
 using testing::MixedWorld;
 using testing::Sheet;
-
-struct WorstErrors {
-  double linear = 0.0, angular = 0.0, energy = 0.0;  // kg m/s, N m s, J
-  double start = 0.0;                                // J
-  int touched = 0;
-};
-
-// Energy of the tetrahedra's method since the start is known only as the change without a cause.
-WorstErrors follow(MixedWorld& world, int steps) {
-  WorstErrors worst;
-  const MixedSum start = testing::sum_of(world);
-  worst.start = start.energy;
-  double taken = 0.0, own = 0.0;
-  for (int i = 0; i < steps; ++i) {
-    double before = 0.0;
-    for (std::size_t k = 0; k < world.size(); ++k)
-      if (TetBody* tets = world.tets(k)) before = tets->kinetic_energy() + tets->elastic_energy();
-    const Status made = world.step();
-    EXPECT_TRUE(made) << i << made.error().message;
-    if (!made) break;
-    double cloth = 0.0;
-    for (std::size_t k = 0; k < world.size(); ++k) {
-      taken += world.account(k).lost + world.account(k).friction_loss;
-      if (const ClothBody* body = world.cloth(k)) {
-        cloth = testing::own_energy(*body);
-        worst.touched += world.account(k).active;
-      }
-      if (TetBody* tets = world.tets(k))
-        own += tets->kinetic_energy() + tets->elastic_energy() - before - world.account(k).work;
-    }
-    const MixedSum now = testing::sum_of(world);
-    worst.linear = std::max(worst.linear, (now.linear - start.linear).norm());
-    worst.angular = std::max(worst.angular, (now.angular - start.angular).norm());
-    worst.energy =
-        std::max(worst.energy, std::abs(now.energy + taken - own - cloth - start.energy));
-  }
-  return worst;
-}
 
 // The sheet arrives from above, at an angle.
 Sheet thrown(const char* integrator) {
@@ -65,7 +25,7 @@ TEST(ClothAndAReducedBody, KeepBothMomentaAndTheEnergyOfThePair) {
       ASSERT_TRUE(reduced.set_motion({0, 0, 0.2}, {0.3, 0.5, -1}));
       ASSERT_TRUE(world.add("cube", std::move(reduced)));
       ASSERT_TRUE(world.add(testing::sheet_body(thrown(integrator), kind)));
-      const WorstErrors worst = follow(world, 120);
+      const testing::WorstErrors worst = testing::follow(world, 120);
       EXPECT_GT(worst.touched, 50);
       // Sums of 0.3 kg m/s and 0.01 N m s: solved to 1e-10 of the forces in each step.
       EXPECT_LT(worst.linear, 1e-10) << integrator;
@@ -86,7 +46,7 @@ TEST(ClothAndTetrahedra, KeepBothMomentaAndTheEnergyOfThePair) {
     ASSERT_TRUE(world.add("cube", std::move(tets),
                           testing::contact_of(kind, Eigen::Vector3d::Ones()), hull));
     ASSERT_TRUE(world.add(testing::sheet_body(thrown("energy"), kind)));
-    const WorstErrors worst = follow(world, 120);
+    const testing::WorstErrors worst = testing::follow(world, 120);
     EXPECT_GT(worst.touched, 50);
     EXPECT_LT(worst.linear, 1e-10);
     EXPECT_LT(worst.angular, 1e-11);

@@ -163,6 +163,7 @@ class MixedWorld {
   double time() const { return steps_ * step_; }
   std::size_t in_islands() const { return guests_.in_islands(); }
   BodyGroup& group() { return group_; }
+  MixedGuests& guests() { return guests_; }
   const MixedReport& report() const { return guests_.mixed_report(); }
 
  private:

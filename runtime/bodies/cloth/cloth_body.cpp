@@ -118,12 +118,27 @@ NodalReport ClothBody::step() {
 }
 
 void ClothBody::end_step(VectorXd& x1, VectorXd& v1) {
+  end_part(x1, v1);
+  end_parts(1);
+}
+
+void ClothBody::end_part(VectorXd& x1, VectorXd& v1) {
   before_ = state_.x;
   state_.x.swap(x1);
   state_.v.swap(v1);
+}
+
+void ClothBody::end_parts(int parts) {
   ++steps_;
+  if (parts > 1) ++cut_steps_;
   state_.time = time();
   integrator_->reset();
+}
+
+void ClothBody::put_back(const ClothMoment& moment) {
+  state_ = moment.state;
+  work_ = moment.work;
+  iterations_ = moment.iterations;
 }
 
 void ClothBody::add_work(const NodalReport& report) {

@@ -30,6 +30,13 @@ struct ClothWork {
   double numerical = 0.0;  // added by the method itself
 };
 
+// A cloth's motion and its balance at a time.
+struct ClothMoment {
+  NodalState state;
+  ClothWork work;
+  std::int64_t iterations = 0;
+};
+
 class ClothBody {
  public:
   // scene: with one cloth; its balls, colliders and hands are not used. velocity: of all particles
@@ -59,6 +66,12 @@ class ClothBody {
   // work is added to the balance.
   void end_step(Eigen::VectorXd& x1, Eigen::VectorXd& v1);
   void add_work(const NodalReport& report);
+  // The same for a step that others solve in parts: end_part() takes the end of each part, then
+  // end_parts() counts the step. put_back() undoes parts; moment: of the start of the step.
+  void end_part(Eigen::VectorXd& x1, Eigen::VectorXd& v1);
+  void end_parts(int parts);
+  ClothMoment moment() const { return {state_, work_, iterations_}; }
+  void put_back(const ClothMoment& moment);
 
   double kinetic_energy() const;  // of the particles that are not fixed, J
   double elastic_energy() const { return model_->elastic_energy(state_.x); }

@@ -116,19 +116,18 @@ void BodyGroup::step_island(const Island& island, Worker& worker) {
   gather_joints(parent_[who[0]], worker.joints);
   std::vector<StepReport>& reports = worker.reports;
   reports.resize(island.count);
-  const bool cuts = !hosting && std::all_of(who.begin(), who.end(), [this](std::size_t i) {
-    return bodies_[i]->can_be_cut();
-  });
+  const bool cuts = std::all_of(who.begin(), who.end(),
+                                [this](std::size_t i) { return bodies_[i]->can_be_cut(); });
   if (hosting)
-    guests_->step_island(std::span(parent_).subspan(bodies_.size()), worker.members, worker.points,
-                         used, worker.joints, reports);
+    guests_->step_island(std::span(parent_).subspan(bodies_.size()),
+                         {worker.members, worker.points, used, worker.joints, reports});
   else
     worker.island.step(worker.members, worker.points, used, worker.joints,
                        bodies_[who[0]]->options_.step, !cuts, reports);
   const bool whole = reports[0].converged;
   if (whole)
     note_touches(std::span(worker.points).first(used), who, worker.touches);
-  else if (!hosting && step_in_parts(island, worker))
+  else if (step_in_parts(island, worker))
     note_touches(worker.parts.points(), who, worker.touches);
   for (std::size_t m = 0; m < island.count; ++m) {
     ContactBody& body = *bodies_[who[m]];
@@ -137,7 +136,8 @@ void BodyGroup::step_island(const Island& island, Worker& worker) {
   }
 }
 
-// Steps the island in parts after its whole step failed.
+// Steps the island in parts after its whole step failed. With guests that was the last one that
+// they tried.
 bool BodyGroup::step_in_parts(const Island& island, Worker& worker) {
   worker.bodies.clear();
   worker.pairs.clear();
@@ -149,8 +149,10 @@ bool BodyGroup::step_in_parts(const Island& island, Worker& worker) {
     const Pair& pair = pairs_[by_island_[p]];
     worker.pairs.push_back({member_of_[pair.a], member_of_[pair.b]});
   }
-  const bool made =
-      worker.parts.step(worker.bodies, colliders_, worker.pairs, worker.joints, worker.reports);
+  IslandGuests* guests = hosts(islands_[island.first]) ? guests_ : nullptr;
+  const double h = worker.bodies.front().body->options_.step;
+  const bool made = worker.parts.step(
+      {worker.bodies, colliders_, worker.pairs, worker.joints, guests}, h, worker.reports);
   for (const PartBody& one : worker.bodies) one.body->booked_ = made;
   return made;
 }

@@ -138,7 +138,8 @@ StepReport ContactBody::advance_in_parts(const StepReport& failure) {
   StepReport report = failure;
   StepParts parts;
   const PartBody self{this, 0};
-  booked_ = parts.step({&self, 1}, contact_->gathered().colliders, {}, {}, {&report, 1});
+  booked_ = parts.step({{&self, 1}, contact_->gathered().colliders, {}, {}, nullptr}, options_.step,
+                       {&report, 1});
   return report;
 }
 

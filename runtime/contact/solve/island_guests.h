@@ -12,6 +12,22 @@
 
 namespace tremolo {
 
+// A part of a step that is taken in parts (step_parts.h): its ends, as fractions of the step, and
+// the colliders' motions in it.
+struct GuestPart {
+  double from = 0.0, to = 1.0;
+  std::span<const PlacedCollider> colliders;
+};
+
+// An island of a group's bodies for its guests: as the arguments of ContactIsland::step().
+struct HostIsland {
+  std::span<const IslandMember> members;
+  std::vector<PairPoint>& points;
+  std::size_t& count;  // of points
+  std::span<IslandJoint> joints;
+  std::span<StepReport> reports;
+};
+
 class IslandGuests {
  public:
   virtual ~IslandGuests() = default;
@@ -27,14 +43,17 @@ class IslandGuests {
   // guest's.
   virtual std::span<const std::pair<std::size_t, std::size_t>> links() const = 0;
   // Takes the step of an island with guests, those whose entry in `roots` is the number of its
-  // first member. The other arguments are those of ContactIsland::step(). If the step fails, no
-  // member moves.
-  virtual void step_island(std::span<const std::size_t> roots,
-                           std::span<const IslandMember> members, std::vector<PairPoint>& points,
-                           std::size_t& count, std::span<IslandJoint> joints,
-                           std::span<StepReport> reports) = 0;
+  // first member. If the step fails, no member moves.
+  virtual void step_island(std::span<const std::size_t> roots, const HostIsland& island) = 0;
   // Takes the steps of the guests without bodies: those whose root is a guest.
   virtual void step_others(std::span<const std::size_t> roots) = 0;
+
+  // After the last step_island() failed, the same step in parts: start_parts() stores the guests;
+  // step_part() takes each part, in which the island's bodies have gathered. False: it failed, and
+  // no member moved. end_parts() ends the step; made: false: the guests are put back to its start.
+  virtual void start_parts() = 0;
+  virtual bool step_part(const GuestPart& part, const HostIsland& island) = 0;
+  virtual void end_parts(bool made) = 0;
 };
 
 }  // namespace tremolo

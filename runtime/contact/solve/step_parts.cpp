@@ -20,67 +20,70 @@ Pose pose_at(const Pose& start, const Pose& end, double fraction) {
 
 }  // namespace
 
-bool StepParts::step(std::span<const PartBody> bodies, std::span<const PlacedCollider> colliders,
-                     std::span<const PartPair> pairs, std::span<const IslandJoint> joints,
-                     std::span<StepReport> reports) {
-  for (const PartBody& one : bodies)
+bool StepParts::step(const PartIsland& island, double h, std::span<StepReport> reports) {
+  for (const PartBody& one : island.bodies)
     if (!one.body->can_be_cut()) return false;
-  bodies_ = bodies;
-  all_colliders_ = colliders;
-  pairs_ = pairs;
-  joints_ = joints;
+  of_ = island;
+  step_ = h;
   reports_ = reports;
   touched_.clear();
-  wholes_.resize(bodies.size());
-  part_reports_.resize(bodies.size());
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const ContactBody& body = *bodies[i].body;
-    Whole& whole = wholes_[i];
-    whole.bytes = state_bytes(body);
-    whole.load = body.step_load_;
-    whole.q_before = body.q_before_;
-    whole.step = body.options_.step;
-    whole.from.clear();
-    whole.to.clear();
-    whole.sums.assign(body.grips_.size(), Grip{});
-    for (const Grip& grip : body.grips_) {
-      whole.from.push_back(grip.start);
-      whole.to.push_back(grip.end);
-    }
-    whole.record = {};
-    reports_[i].parts = 0;
-    reports_[i].dissipated = 0.0;
-  }
+  wholes_.resize(of_.bodies.size());
+  part_reports_.resize(of_.bodies.size());
+  for (std::size_t i = 0; i < of_.bodies.size(); ++i) keep(i);
   joints_before_.clear();
-  for (const IslandJoint& joint : joints) joints_before_.push_back(*joint.joint);
+  for (const IslandJoint& joint : of_.joints) joints_before_.push_back(*joint.joint);
+  if (of_.guests != nullptr) of_.guests->start_parts();
   const bool made = halves(0.0, 1.0, 1);
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    ContactBody& body = *bodies[i].body;
-    const Whole& whole = wholes_[i];
-    body.options_.step = whole.step;
-    body.contact_->set_options(body.options_);
-    body.step_load_ = whole.load;
-    body.q_before_ = whole.q_before;
-    reports_[i].converged = made;
-    if (!made) continue;
-    body.contact_->record() = whole.record;
-    for (std::size_t k = 0; k < whole.sums.size(); ++k) {
-      body.grips_[k].force = whole.sums[k].force;
-      body.grips_[k].work = whole.sums[k].work;
-      body.grips_[k].damped = whole.sums[k].damped;
-    }
-  }
+  for (std::size_t i = 0; i < of_.bodies.size(); ++i) finish(i, made);
+  if (of_.guests != nullptr) of_.guests->end_parts(made);
   if (!made) put_back();
   return made;
 }
 
+// Stores a body before the first part.
+void StepParts::keep(std::size_t i) {
+  const ContactBody& body = *of_.bodies[i].body;
+  Whole& whole = wholes_[i];
+  whole.bytes = state_bytes(body);
+  whole.load = body.step_load_;
+  whole.q_before = body.q_before_;
+  whole.from.clear();
+  whole.to.clear();
+  whole.sums.assign(body.grips_.size(), Grip{});
+  for (const Grip& grip : body.grips_) {
+    whole.from.push_back(grip.start);
+    whole.to.push_back(grip.end);
+  }
+  whole.record = {};
+  reports_[i].parts = 0;
+  reports_[i].dissipated = 0.0;
+}
+
+// Gives a body the step's length and load again and, after a step that was made, its sums.
+void StepParts::finish(std::size_t i, bool made) {
+  ContactBody& body = *of_.bodies[i].body;
+  const Whole& whole = wholes_[i];
+  body.options_.step = step_;
+  body.contact_->set_options(body.options_);
+  body.step_load_ = whole.load;
+  body.q_before_ = whole.q_before;
+  reports_[i].converged = made;
+  if (!made) return;
+  body.contact_->record() = whole.record;
+  for (std::size_t k = 0; k < whole.sums.size(); ++k) {
+    body.grips_[k].force = whole.sums[k].force;
+    body.grips_[k].work = whole.sums[k].work;
+    body.grips_[k].damped = whole.sums[k].damped;
+  }
+}
+
 void StepParts::put_back() {
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    ContactBody& body = *bodies_[i].body;
+  for (std::size_t i = 0; i < of_.bodies.size(); ++i) {
+    ContactBody& body = *of_.bodies[i].body;
     (void)restore_state(body, wholes_[i].bytes);
     for (std::size_t k = 0; k < body.grips_.size(); ++k) body.grips_[k].end = wholes_[i].to[k];
   }
-  for (std::size_t k = 0; k < joints_.size(); ++k) *joints_[k].joint = joints_before_[k];
+  for (std::size_t k = 0; k < of_.joints.size(); ++k) *of_.joints[k].joint = joints_before_[k];
 }
 
 // Takes [from, to] in two parts.
@@ -94,25 +97,23 @@ bool StepParts::halves(double from, double to, int depth) {
 
 // Takes the part [from, to] of the step as a step of its own. last: it is not divided again.
 bool StepParts::part(double from, double to, bool last) {
-  colliders_.assign(all_colliders_.begin(), all_colliders_.end());
+  colliders_.assign(of_.colliders.begin(), of_.colliders.end());
   for (PlacedCollider& collider : colliders_) {
     const Pose start = collider.start, end = collider.end;
     collider.start = pose_at(start, end, from);
     collider.end = pose_at(start, end, to);
   }
   members_.clear();
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+  for (std::size_t i = 0; i < of_.bodies.size(); ++i) {
     begin(i, from, to);
-    ContactBody& body = *bodies_[i].body;
-    members_.push_back(
-        {body.contact_.get(), &body.state_, &body.step_load_, body.free_.get(), bodies_[i].number});
+    ContactBody& body = *of_.bodies[i].body;
+    members_.push_back({body.contact_.get(), &body.state_, &body.step_load_, body.free_.get(),
+                        of_.bodies[i].number});
   }
   find_points();
-  part_joints_.assign(joints_.begin(), joints_.end());
-  const double h = wholes_.front().step * (to - from);
-  island_.step(members_, points_, used_, part_joints_, h, last, part_reports_);
-  const bool made = part_reports_.front().converged;
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+  part_joints_.assign(of_.joints.begin(), of_.joints.end());
+  const bool made = solve_part(from, to, last);
+  for (std::size_t i = 0; i < of_.bodies.size(); ++i) {
     reports_[i].iterations += part_reports_[i].iterations;
     reports_[i].residual = part_reports_[i].residual;
     if (made) book(i, part_reports_[i], to - from);
@@ -125,10 +126,18 @@ bool StepParts::part(double from, double to, bool last) {
   return true;
 }
 
+bool StepParts::solve_part(double from, double to, bool last) {
+  if (of_.guests != nullptr)
+    return of_.guests->step_part({from, to, colliders_},
+                                 {members_, points_, used_, part_joints_, part_reports_});
+  island_.step(members_, points_, used_, part_joints_, step_ * (to - from), last, part_reports_);
+  return part_reports_.front().converged;
+}
+
 void StepParts::begin(std::size_t i, double from, double to) {
-  ContactBody& body = *bodies_[i].body;
+  ContactBody& body = *of_.bodies[i].body;
   const Whole& whole = wholes_[i];
-  body.options_.step = whole.step * (to - from);
+  body.options_.step = step_ * (to - from);
   body.contact_->set_options(body.options_);
   restrict_load(whole.load, from, to, body.step_load_);
   if (body.free_) body.free_->prepare_again();
@@ -140,11 +149,11 @@ void StepParts::begin(std::size_t i, double from, double to) {
 
 void StepParts::find_points() {
   used_ = 0;
-  for (const PartPair& pair : pairs_) {
+  for (const PartPair& pair : of_.pairs) {
     const ContactStep& first = *members_[pair.a].contact;
     const ContactStep& second = *members_[pair.b].contact;
-    const PairNames forth{pair.a, pair.b, bodies_[pair.b].number};
-    const PairNames back{pair.b, pair.a, bodies_[pair.a].number};
+    const PairNames forth{pair.a, pair.b, of_.bodies[pair.b].number};
+    const PairNames back{pair.b, pair.a, of_.bodies[pair.a].number};
     used_ = add_pair_points(first, second, forth, points_, used_);
     used_ = add_pair_points(second, first, back, points_, used_);
   }
@@ -152,7 +161,7 @@ void StepParts::find_points() {
 
 // Adds a part that succeeded to the sums. share: fraction of the step.
 void StepParts::book(std::size_t i, const StepReport& report, double share) {
-  ContactBody& body = *bodies_[i].body;
+  ContactBody& body = *of_.bodies[i].body;
   wholes_[i].record.add_part(body.contact_->record());
   for (std::size_t k = 0; k < body.grips_.size(); ++k) {
     Grip& sum = wholes_[i].sums[k];

@@ -12,6 +12,7 @@
 #include "runtime/contact/contact_record.h"
 #include "runtime/contact/joint.h"
 #include "runtime/contact/solve/contact_island.h"
+#include "runtime/contact/solve/island_guests.h"
 #include "runtime/contact_body.h"
 
 namespace tremolo {
@@ -27,15 +28,22 @@ struct PartPair {
   std::size_t a = 0, b = 0;
 };
 
+// Bodies whose step is taken in parts, and what acts on them.
+struct PartIsland {
+  std::span<const PartBody> bodies;
+  std::span<const PlacedCollider> colliders;  // of the whole step
+  std::span<const PartPair> pairs;
+  std::span<const IslandJoint> joints;  // their members are indices in `bodies`
+  IslandGuests* guests = nullptr;       // whose step of the island has failed; null: none
+};
+
 class StepParts {
  public:
-  // Takes the step of all bodies in parts. colliders: of the whole step. joints: their members are
-  // indices in the list. reports: one for each body, of the whole step. False, with everything
-  // unchanged: one of the bodies has a prescribed frame, or a part failed as well. Otherwise the
-  // energy of all parts has been added to the bodies, and only end_step() is left.
-  bool step(std::span<const PartBody> bodies, std::span<const PlacedCollider> colliders,
-            std::span<const PartPair> pairs, std::span<const IslandJoint> joints,
-            std::span<StepReport> reports);
+  // Takes the step of h, s, of all bodies and guests in parts. reports: one for each body, of the
+  // whole step. False, with everything unchanged: one of the bodies has a prescribed frame, or a
+  // part failed as well. Otherwise the energy of all parts has been added to the bodies, and only
+  // end_step() is left; nothing is left for guests.
+  bool step(const PartIsland& island, double h, std::span<StepReport> reports);
   // The points of pairs in all parts; each force is multiplied by the part's fraction of the step.
   const std::vector<PairPoint>& points() const { return touched_; }
 
@@ -48,20 +56,20 @@ class StepParts {
     std::vector<Eigen::Vector3d> from, to;  // path of its grabs, m, world
     std::vector<Grip> sums;                 // force, work and damped of the parts
     ContactRecord record;                   // sums of the parts
-    double step = 0.0;                      // s
   };
 
   bool halves(double from, double to, int depth);
   bool part(double from, double to, bool last);
+  bool solve_part(double from, double to, bool last);
+  void keep(std::size_t i);
+  void finish(std::size_t i, bool made);
   void begin(std::size_t i, double from, double to);
   void find_points();
   void book(std::size_t i, const StepReport& report, double share);
   void put_back();
 
-  std::span<const PartBody> bodies_;
-  std::span<const PlacedCollider> all_colliders_;
-  std::span<const PartPair> pairs_;
-  std::span<const IslandJoint> joints_;
+  PartIsland of_;
+  double step_ = 0.0;  // s
   std::span<StepReport> reports_;
   std::vector<Whole> wholes_;
   std::vector<Joint> joints_before_;
