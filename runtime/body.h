@@ -246,7 +246,8 @@ class Body {
   // step are in the sums already.
   StepReport end_step(StepReport report, double outside, bool summed);
   // Adds the energies of a step, or of a part of it, to the sums.
-  void book_step(const StepReport& report, double outside);
+  // kick: the energy that those forces give the body at rest, J (runtime/energy_bound.h).
+  void book_step(const StepReport& report, double outside, double kick = 0.0);
   // Undoes advance(): the state is that of begin_step(). p: the momentum before it.
   void take_back(const Eigen::VectorXd& p);
   // Poses of the frame at both ends of the step, as far as they are known.

@@ -1,6 +1,8 @@
 // Rigid bodies in contact: closed forms at the default settings, at h, h/2 and h/4.
 #include <cmath>
 #include <numbers>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "runtime/contact/solve/contact_step.h"
@@ -245,6 +247,28 @@ TEST(RigidContact, LetsAStackRest) {
   EXPECT_NEAR(top.z(), 0.55, 6 * 0.001);
   for (std::size_t i = 0; i < world.size(); ++i) EXPECT_TRUE(world.asleep(i)) << i;
   EXPECT_LT(growth.worst, 1e-6 * weight * 0.6);
+}
+
+// Its energy falls to that of rounding, 1e-30 J, whose relative growth is no explosion.
+TEST(RigidContact, DroppedBodiesComeToRestAndStayThere) {
+  const std::pair<const char*, Collider> shapes[] = {{"ball", SphereShape{0.05}},
+                                                     {"capsule", CapsuleShape{0.05, 0.1}},
+                                                     {"box", BoxShape{{0.05, 0.05, 0.05}}}};
+  for (const auto& [name, shape] : shapes)
+    for (const double step : {3e-3, 1e-3, 3e-4})
+      for (const double height : {0.0, 0.01, 0.05, 0.12, 0.31})
+        for (const double restitution : {0.0, 0.2, 0.5}) {
+          SceneBody body = rigid_body(name, shape, {0.0, 0.0, 0.05 + height});
+          if (std::string_view(name) == "capsule") body.pose.rotation = lying();
+          Scene scene = testing::on_slope(body, 0.0, 0.3, step);
+          scene.colliders[0].restitution = restitution;
+          SceneWorld world = testing::make_world(scene);
+          testing::run_until(world, 4.0);
+          const double h = testing::centre_of(world, 0).z() - 0.05;
+          EXPECT_LT(std::abs(h), 1e-3) << name << ", " << step << ", " << height;
+          EXPECT_LT(world.body(0).rigid_state().velocity.norm(), 1e-2)
+              << name << ", " << step << ", " << height << ", " << restitution;
+        }
 }
 
 TEST(RigidContact, RefusesBodiesInsideEachOtherByDepthAndName) {

@@ -43,12 +43,12 @@ StepReport Body::end_step(StepReport report, double outside, bool summed) {
   return report;
 }
 
-void Body::book_step(const StepReport& report, double outside) {
+void Body::book_step(const StepReport& report, double outside, double kick) {
   const double frame_work = outside + end_frame_motion(true);
   const double work = frame_work + step_load_.average.dot(state_.q - q_before_) + report.extra_work;
   sums_.work += work;
   sums_.dissipated += report.dissipated;
-  bound_.put_in(work, kick_);
+  bound_.put_in(work, std::max(kick_, kick));
 }
 
 void Body::take_back(const Eigen::VectorXd& p) {

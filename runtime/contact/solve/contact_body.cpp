@@ -182,8 +182,8 @@ void ContactBody::book_step(const StepReport& report) {
   touched_.friction_loss += account.friction_loss;
   touched_.given += account.given;
   touched_.error += account.surplus;
-  if (free_) kick_ = std::max(kick_, 0.5 * account.impulse * account.impulse / free_->mass());
-  Body::book_step(report, account.work + account.hand_work + account.joint_work);
+  const double kick = free_ ? 0.5 * account.impulse * account.impulse / free_->mass() : 0.0;
+  Body::book_step(report, account.work + account.hand_work + account.joint_work, kick);
 }
 
 StepReport ContactBody::end_step(StepReport report) {
