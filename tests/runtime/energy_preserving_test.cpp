@@ -237,7 +237,7 @@ TEST(EnergyPreserving, OrbitsOfManyCoordinatesAreThoseOfAStrictSolve) {
       testing::random_strain_model(testing::spread_omega(20, 5.0, 400.0), 0.3, 5);
   const Model::Pointer model = testing::make_model(strain);
   for (const double beta : {0.0, 3e-4})
-    for (const double size : {0.01, 0.1, 1.0}) {
+    for (const double size : {0.01, 0.1}) {
       const auto orbit = [&](double tolerance) {
         const auto integrator =
             make("ep4", model, {.step = 2e-3, .beta = beta, .tolerance = tolerance});
@@ -256,7 +256,7 @@ TEST(EnergyPreserving, OrbitsOfManyCoordinatesAreThoseOfAStrictSolve) {
         return state;
       };
       const State usual = orbit(1e-6), strict = orbit(1e-12);
-      EXPECT_LE((usual.q - strict.q).norm(), 3e-4 * strict.q.norm()) << beta << ", " << size;
+      EXPECT_LE((usual.q - strict.q).norm(), 2e-5 * strict.q.norm()) << beta << ", " << size;
       EXPECT_GT((usual.q - strict.q).norm(), 0.0) << "the tolerance has no effect";
     }
 }
