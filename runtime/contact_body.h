@@ -128,7 +128,7 @@ class ContactBody : public Body {
   }
   bool near_something(std::span<const PlacedCollider> colliders);
   StepReport advance_near(bool near);
-  StepReport advance_in_parts(const StepReport& failure);
+  StepReport advance_in_parts(const StepReport& failure, int cuts);
   void end_contact();
   StepReport end_step(StepReport report);
   void book_step(const StepReport& report);

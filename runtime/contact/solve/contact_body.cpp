@@ -128,18 +128,28 @@ StepReport ContactBody::advance_near(bool near) {
     if (!report.converged || !contact_->find_missed(step_end(), state_.q)) return report;
     take_back(p_before_);
   }
+  if (model_->modes() == 0 && free_) {
+    const int cuts = contact_->impact_cuts(free_->rigid());
+    const auto colliders = contact_->gathered().colliders;
+    if (cuts > 0) {
+      StepReport report = advance_in_parts({}, cuts);
+      report.parts = 1;  // they are part of the plan
+      if (report.converged) return report;
+      (void)near_something(colliders);
+    }
+  }
   const StepReport report = contact_->step(state_, step_load_, free_.get(), !can_be_cut());
-  if (!report.converged) return advance_in_parts(report);
+  if (!report.converged) return advance_in_parts(report, 1);
   end_contact();
   return report;
 }
 
-StepReport ContactBody::advance_in_parts(const StepReport& failure) {
+StepReport ContactBody::advance_in_parts(const StepReport& failure, int cuts) {
   StepReport report = failure;
   StepParts parts;
   const PartBody self{this, 0};
   booked_ = parts.step({{&self, 1}, contact_->gathered().colliders, {}, {}, nullptr}, options_.step,
-                       {&report, 1});
+                       {&report, 1}, cuts);
   return report;
 }
 

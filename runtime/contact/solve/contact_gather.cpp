@@ -1,6 +1,7 @@
 // ContactStep: finds points that may be in contact in a step, and points that were missed.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "runtime/contact/solve/contact_step.h"
 
@@ -114,6 +115,40 @@ void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t ind
         candidates_.push_back(make_candidate(i, index, x));
     }
   }
+}
+
+// Restitution takes nothing of the speed that a body has at the deepest end of a step, so that
+// steps must be short beside the contact. With the stiffness S of all points that come into contact
+// with the speed v, m v^2/2 = S x^3/3 at the depth x, and the contact takes some 3 x/v; where it is
+// linear, half a period.
+int ContactStep::impact_cuts(const RigidState& rigid) const {
+  constexpr double kHard = 4.0;   // times rebound_speed
+  constexpr double kParts = 8.0;  // of the time of contact
+  constexpr int kMost = 5;        // halvings
+  const double h = options_.step;
+  const Eigen::Matrix3d turned = rigid.rotation.toRotationMatrix();
+  const Vector3d spin = turned * rigid.spin;
+  double fastest = 0.0, stiffness = 0.0;
+  for (const Candidate& candidate : touching()) {
+    const PlacedCollider& collider = gathered_.colliders[candidate.collider];
+    if (candidate.law.restitution == 1.0) continue;
+    const Vector3d x = collider.start * candidate.start.place;
+    const Vector3d own = (collider.end * candidate.start.place - x) / h;
+    const Vector3d speed = rigid.velocity + spin.cross(x - rigid.centre) - own;
+    const double rate = speed.dot(collider.start.rotation * candidate.start.normal);
+    if (candidate.start.distance + h * std::min(rate, 0.0) > candidate.law.begins) continue;
+    fastest = std::max(fastest, std::abs(rate));
+    stiffness += candidate.law.stiffness;
+  }
+  const ContactLaw& law = surface().law;
+  if (!(fastest > kHard * law.rebound_speed)) return 0;
+  const double mass = surface().mass;
+  const double depth = std::cbrt(1.5 * mass * fastest * fastest / stiffness);
+  const double time =
+      depth > law.linear_from
+          ? 0.5 * std::numbers::pi * std::sqrt(2.0 * mass / (stiffness * law.linear_from))
+          : 3.0 * depth / fastest;
+  return std::clamp(static_cast<int>(std::ceil(std::log2(kParts * h / time))), 0, kMost);
 }
 
 // A point farther than the reach of gather() cannot be missed while the body travels no farther

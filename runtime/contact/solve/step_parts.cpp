@@ -20,7 +20,8 @@ Pose pose_at(const Pose& start, const Pose& end, double fraction) {
 
 }  // namespace
 
-bool StepParts::step(const PartIsland& island, double h, std::span<StepReport> reports) {
+bool StepParts::step(const PartIsland& island, double h, std::span<StepReport> reports, int cuts) {
+  cuts_ = std::min(cuts, kMostCuts);
   for (const PartBody& one : island.bodies)
     if (!one.body->can_be_cut()) return false;
   of_ = island;
@@ -89,9 +90,10 @@ void StepParts::put_back() {
 // Takes [from, to] in two parts.
 bool StepParts::halves(double from, double to, int depth) {
   const double middle = 0.5 * (from + to);
-  for (const auto& [a, b] : {std::pair{from, middle}, std::pair{middle, to}})
-    if (!part(a, b, depth == kMostCuts) && (depth == kMostCuts || !halves(a, b, depth + 1)))
-      return false;
+  for (const auto& [a, b] : {std::pair{from, middle}, std::pair{middle, to}}) {
+    if (depth >= cuts_ && part(a, b, depth == kMostCuts)) continue;
+    if (depth == kMostCuts || !halves(a, b, depth + 1)) return false;
+  }
   return true;
 }
 

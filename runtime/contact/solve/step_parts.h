@@ -1,6 +1,7 @@
 // A step with contact whose solve fails is taken in parts: two halves, each of which may be divided
-// again. Bodies, colliders, grabs and loads follow the same path as in the whole step. Every part
-// has the energy balance of the law for its own length, so that the energy closes.
+// again. So is one with a hard impact (ContactStep::impact_cuts). Bodies, colliders, grabs and
+// loads follow the same path as in the whole step. Every part has the energy balance of the law for
+// its own length, so that the energy closes.
 //
 // Divided steps allocate.
 #pragma once
@@ -42,8 +43,9 @@ class StepParts {
   // Takes the step of h, s, of all bodies and guests in parts. reports: one for each body, of the
   // whole step. False, with everything unchanged: one of the bodies has a prescribed frame, or a
   // part failed as well. Otherwise the energy of all parts has been added to the bodies, and only
-  // end_step() is left; nothing is left for guests.
-  bool step(const PartIsland& island, double h, std::span<StepReport> reports);
+  // end_step() is left; nothing is left for guests. cuts: the step is halved that often before a
+  // part is tried.
+  bool step(const PartIsland& island, double h, std::span<StepReport> reports, int cuts = 1);
   // The points of pairs in all parts; each force is multiplied by the part's fraction of the step.
   const std::vector<PairPoint>& points() const { return touched_; }
 
@@ -70,6 +72,7 @@ class StepParts {
 
   PartIsland of_;
   double step_ = 0.0;  // s
+  int cuts_ = 1;
   std::span<StepReport> reports_;
   std::vector<Whole> wholes_;
   std::vector<Joint> joints_before_;
