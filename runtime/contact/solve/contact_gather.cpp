@@ -129,7 +129,7 @@ int ContactStep::impact_cuts(const RigidState& rigid) const {
   const Eigen::Matrix3d turned = rigid.rotation.toRotationMatrix();
   const Vector3d spin = turned * rigid.spin;
   double fastest = 0.0, stiffness = 0.0;
-  for (const Candidate& candidate : touching()) {
+  for (const Candidate& candidate : candidates_) {
     const PlacedCollider& collider = gathered_.colliders[candidate.collider];
     if (candidate.law.restitution == 1.0) continue;
     const Vector3d x = collider.start * candidate.start.place;
