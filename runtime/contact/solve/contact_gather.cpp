@@ -122,9 +122,9 @@ void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t ind
 // with the speed v, m v^2/2 = S x^3/3 at the depth x, and the contact takes some 3 x/v; where it is
 // linear, half a period.
 int ContactStep::impact_cuts(const RigidState& rigid) const {
-  constexpr double kHard = 4.0;   // times rebound_speed
-  constexpr double kParts = 8.0;  // of the time of contact
-  constexpr int kMost = 5;        // halvings
+  constexpr double kHard = 4.0;    // times rebound_speed
+  constexpr double kParts = 16.0;  // of the time of contact
+  constexpr int kMost = 5;         // halvings
   const double h = options_.step;
   const Eigen::Matrix3d turned = rigid.rotation.toRotationMatrix();
   const Vector3d spin = turned * rigid.spin;

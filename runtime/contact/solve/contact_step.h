@@ -82,7 +82,7 @@ class ContactStep {
   bool find_missed(const Pose& end, const Eigen::VectorXd& q);
 
   // How often the step must be halved, so that the rebound of a rigid body, whose step gather() has
-  // prepared, is that of its restitution: an eighth of the time of contact. 0: nothing hits hard.
+  // prepared, is that of its restitution: a sixteenth of the time of contact. 0: nothing hits hard.
   int impact_cuts(const RigidState& rigid) const;
 
   // Takes the step. free: null unless the body is free; the poses of gather() are used then. load:
