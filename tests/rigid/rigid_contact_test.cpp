@@ -1,4 +1,5 @@
 // Rigid bodies in contact: closed forms at the default settings, at h, h/2 and h/4.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string_view>
@@ -247,6 +248,31 @@ TEST(RigidContact, LetsAStackRest) {
   EXPECT_NEAR(top.z(), 0.55, 6 * 0.001);
   for (std::size_t i = 0; i < world.size(); ++i) EXPECT_TRUE(world.asleep(i)) << i;
   EXPECT_LT(growth.worst, 1e-6 * weight * 0.6);
+}
+
+// A point mass leaves with e times its speed, whatever part of a step the impact falls into.
+TEST(RigidContact, ReboundsFromTheFloorWithItsRestitutionAtAnyStep) {
+  for (const double restitution : {0.0, 0.2, 0.5, 0.8, 1.0})
+    for (const double step : {3e-3, 1.5e-3, 0.75e-3, 0.3e-3})
+      for (const double height : {0.05, 0.12, 0.2, 0.31, 0.5, 0.8}) {
+        const SceneBody ball = rigid_body("ball", SphereShape{0.05}, {0.0, 0.0, 0.05 + height});
+        Scene scene = testing::on_slope(ball, 0.0, 0.3, step);
+        scene.colliders[0].restitution = restitution;
+        SceneWorld world = testing::make_world(scene);
+        const double arrival = std::sqrt(2.0 * kG * height);
+        double leaving = 0.0;
+        testing::run_until(world, arrival / kG + 0.015, [&] {
+          leaving = std::max(leaving, world.body(0).rigid_state().velocity.z());
+        });
+        // What is left is the speed at the deepest end of a part, some eighth of the arrival's:
+        // e^2 + (1 - e^2)/64 of the energy; and gravity's work within a step.
+        const double left = (1.0 - restitution * restitution) / 40.0;
+        const double most = std::sqrt(restitution * restitution + left);
+        EXPECT_GT(leaving, (restitution - 0.01) * arrival - kG * step)
+            << restitution << ", " << step << ", " << height;
+        EXPECT_LT(leaving, (most + 0.01) * arrival)
+            << restitution << ", " << step << ", " << height;
+      }
 }
 
 // Its energy falls to that of rounding, 1e-30 J, whose relative growth is no explosion.
