@@ -82,7 +82,7 @@ constexpr int kFilterFollows = 3;      // corrections at most, lest N and d chas
 constexpr double kFarthestFix = 0.1;  // of T(p1): no larger energy defect is given back (give_back)
 constexpr double kStrict = 1e-13;     // the solve's tolerance where the defect cannot be given back
 constexpr int kTrustedSteps = 8;      // steps for which a measured rate of correction is used
-constexpr double kRateMargin = 8.0;   // by which a residual must stay below what the rate tells
+constexpr double kRateMargin = 8.0;   // times below the limit must be what the rate predicts
 
 template <class Filter>
 class EnergyPreserving final : public Integrator {
