@@ -264,11 +264,11 @@ TEST(RigidContact, ReboundsFromTheFloorWithItsRestitutionAtAnyStep) {
         testing::run_until(world, arrival / kG + 0.015, [&] {
           leaving = std::max(leaving, world.body(0).rigid_state().velocity.z());
         });
-        // What is left is the speed at the deepest end of a part, some eighth of the arrival's:
-        // e^2 + (1 - e^2)/64 of the energy; and gravity's work within a step.
+        // Gravity acts for some 4 ms while the ball is pushed out slowly. At the deepest end of a
+        // part some eighth of the speed is left: (1 - e^2)/64 of the energy.
         const double left = (1.0 - restitution * restitution) / 40.0;
         const double most = std::sqrt(restitution * restitution + left);
-        EXPECT_GT(leaving, (restitution - 0.01) * arrival - kG * step)
+        EXPECT_GT(leaving, (restitution - 0.01) * arrival - 4e-3 * kG)
             << restitution << ", " << step << ", " << height;
         EXPECT_LT(leaving, (most + 0.01) * arrival)
             << restitution << ", " << step << ", " << height;
