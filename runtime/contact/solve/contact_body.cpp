@@ -134,7 +134,7 @@ StepReport ContactBody::advance_near(bool near) {
     if (cuts > 0) {
       StepReport report = advance_in_parts({}, cuts);
       report.parts = 1;  // they are part of the plan
-      if (report.converged) return report;
+      if (booked_) return report;
       (void)near_something(colliders);
     }
   }
