@@ -21,6 +21,7 @@ namespace tremolo {
 
 class BodyGroup;
 class ContactStep;
+enum class PartReason;
 
 // Sums of contact since the start. work = given - lost - friction_loss - growth of
 // contact_account().energy + error.
@@ -128,7 +129,7 @@ class ContactBody : public Body {
   }
   bool near_something(std::span<const PlacedCollider> colliders);
   StepReport advance_near(bool near);
-  StepReport advance_in_parts(const StepReport& failure, int cuts);
+  StepReport advance_in_parts(const StepReport& failure, PartReason reason);
   void end_contact();
   StepReport end_step(StepReport report);
   void book_step(const StepReport& report);

@@ -354,7 +354,7 @@ void MixedGuests::step_others(std::span<const std::size_t> roots) {
     couple(0, {});
     if (!couplings_.empty()) {
       if (!solve_island({{}, none, count, {}, {}}))
-        (void)parts_.step({{}, colliders_, {}, {}, this}, step_, {});
+        (void)parts_.step({{}, colliders_, {}, {}, this}, step_, {}, PartReason::kFailure);
       continue;
     }
     guests_[root]->failed = !guests_[root]->step->step_alone();

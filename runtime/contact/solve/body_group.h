@@ -122,6 +122,7 @@ class BodyGroup {
     std::vector<PartBody> bodies;
     std::vector<PartPair> pairs;
     StepParts parts;
+    ImpactSearch impacts;
   };
 
   // A joint, a < b.
@@ -147,7 +148,8 @@ class BodyGroup {
   void list_islands();
   void step_alone(std::size_t i);
   void step_island(const Island& island, Worker& worker);
-  bool step_in_parts(const Island& island, Worker& worker);
+  bool step_in_parts(const Island& island, Worker& worker, PartReason reason);
+  bool step_impact(const Island& island, std::size_t points, Worker& worker);
   void step_islands();
   void note_touches(std::span<const PairPoint> points, std::span<const std::size_t> who,
                     std::vector<Touch>& touches) const;

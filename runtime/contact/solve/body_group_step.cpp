@@ -118,16 +118,19 @@ void BodyGroup::step_island(const Island& island, Worker& worker) {
   reports.resize(island.count);
   const bool cuts = std::all_of(who.begin(), who.end(),
                                 [this](std::size_t i) { return bodies_[i]->can_be_cut(); });
-  if (hosting)
+  const bool parts = cuts && !hosting && step_impact(island, used, worker);
+  if (parts)
+    note_touches(worker.parts.points(), who, worker.touches);
+  else if (hosting)
     guests_->step_island(std::span(parent_).subspan(bodies_.size()),
                          {worker.members, worker.points, used, worker.joints, reports});
   else
     worker.island.step(worker.members, worker.points, used, worker.joints,
                        bodies_[who[0]]->options_.step, !cuts, reports);
-  const bool whole = reports[0].converged;
+  const bool whole = !parts && reports[0].converged;
   if (whole)
     note_touches(std::span(worker.points).first(used), who, worker.touches);
-  else if (step_in_parts(island, worker))
+  else if (!parts && step_in_parts(island, worker, PartReason::kFailure))
     note_touches(worker.parts.points(), who, worker.touches);
   for (std::size_t m = 0; m < island.count; ++m) {
     ContactBody& body = *bodies_[who[m]];
@@ -136,9 +139,28 @@ void BodyGroup::step_island(const Island& island, Worker& worker) {
   }
 }
 
-// Steps the island in parts after its whole step failed. With guests that was the last one that
-// they tried.
-bool BodyGroup::step_in_parts(const Island& island, Worker& worker) {
+// Steps a small island in parts if rigid bodies of it hit hard. False: its step is still to be
+// taken. points: number of entries in use of the worker's.
+bool BodyGroup::step_impact(const Island& island, std::size_t points, Worker& worker) {
+  // Parts cost up to 40 times the step, so that heaps take it whole.
+  constexpr std::size_t kMostBodies = 16, kDeformable = 12;
+  std::size_t bodies = 0;
+  for (const IslandMember& member : worker.members)
+    bodies += member.contact->surface().points->rigid() ? 1 : kDeformable;
+  const double h = bodies_[islands_[island.first]]->options_.step;
+  if (bodies > kMostBodies ||
+      !worker.impacts.divides(worker.members, std::span(worker.points).first(points), h, false))
+    return false;
+  const bool made = step_in_parts(island, worker, PartReason::kImpact);
+  for (StepReport& report : worker.reports) report.parts = 1;  // they are part of the plan
+  if (!made)
+    for (const PartBody& one : worker.bodies) (void)one.body->near_something(colliders_);
+  return made;
+}
+
+// Steps the island in parts. After a failure of its whole step with guests that was the last one
+// that they tried.
+bool BodyGroup::step_in_parts(const Island& island, Worker& worker, PartReason reason) {
   worker.bodies.clear();
   worker.pairs.clear();
   for (std::size_t m = 0; m < island.count; ++m) {
@@ -152,7 +174,7 @@ bool BodyGroup::step_in_parts(const Island& island, Worker& worker) {
   IslandGuests* guests = hosts(islands_[island.first]) ? guests_ : nullptr;
   const double h = worker.bodies.front().body->options_.step;
   const bool made = worker.parts.step(
-      {worker.bodies, colliders_, worker.pairs, worker.joints, guests}, h, worker.reports);
+      {worker.bodies, colliders_, worker.pairs, worker.joints, guests}, h, worker.reports, reason);
   for (const PartBody& one : worker.bodies) one.body->booked_ = made;
   return made;
 }

@@ -128,28 +128,25 @@ StepReport ContactBody::advance_near(bool near) {
     if (!report.converged || !contact_->find_missed(step_end(), state_.q)) return report;
     take_back(p_before_);
   }
-  if (model_->modes() == 0 && free_) {
-    const int cuts = contact_->impact_cuts(free_->rigid());
+  if (model_->modes() == 0 && free_ && contact_->hits_hard(free_->rigid())) {
     const auto colliders = contact_->gathered().colliders;
-    if (cuts > 0) {
-      StepReport report = advance_in_parts({}, cuts);
-      report.parts = 1;  // they are part of the plan
-      if (booked_) return report;
-      (void)near_something(colliders);
-    }
+    StepReport report = advance_in_parts({}, PartReason::kImpact);
+    report.parts = 1;  // they are part of the plan
+    if (booked_) return report;
+    (void)near_something(colliders);
   }
   const StepReport report = contact_->step(state_, step_load_, free_.get(), !can_be_cut());
-  if (!report.converged) return advance_in_parts(report, 1);
+  if (!report.converged) return advance_in_parts(report, PartReason::kFailure);
   end_contact();
   return report;
 }
 
-StepReport ContactBody::advance_in_parts(const StepReport& failure, int cuts) {
+StepReport ContactBody::advance_in_parts(const StepReport& failure, PartReason reason) {
   StepReport report = failure;
   StepParts parts;
   const PartBody self{this, 0};
   booked_ = parts.step({{&self, 1}, contact_->gathered().colliders, {}, {}, nullptr}, options_.step,
-                       {&report, 1}, cuts);
+                       {&report, 1}, reason);
   return report;
 }
 

@@ -1,7 +1,6 @@
 // ContactStep: finds points that may be in contact in a step, and points that were missed.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "runtime/contact/solve/contact_step.h"
 
@@ -43,9 +42,11 @@ bool ContactStep::gather(const ContactNear& near, const StepPoses& poses, const 
   grips_ = near.grips;
   gathered_.colliders = colliders;
   gathered_.poses = poses;
+  gathered_.acceleration = push.acceleration;
   candidates_.clear();
   candidates_.reserve(points.size() * colliders.size());
   memories_.reserve(points.size() * colliders.size());
+  impacts_.reserve(points.rigid() ? points.size() * colliders.size() : 0);
   listed_.resize(points.size());
   record_.reserve(points.size(), colliders.size());
   rates_.resize(colliders.size());
@@ -117,38 +118,33 @@ void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t ind
   }
 }
 
-// Restitution takes nothing of the speed that a body has at the deepest end of a step, so that
-// steps must be short beside the contact. With the stiffness S of all points that come into contact
-// with the speed v, m v^2/2 = S x^3/3 at the depth x, and the contact takes some 3 x/v; where it is
-// linear, half a period.
-int ContactStep::impact_cuts(const RigidState& rigid) const {
-  constexpr double kHard = 4.0;    // times rebound_speed
-  constexpr double kParts = 16.0;  // of the time of contact
-  constexpr int kMost = 5;         // halvings
-  const double h = options_.step;
-  const Eigen::Matrix3d turned = rigid.rotation.toRotationMatrix();
-  const Vector3d spin = turned * rigid.spin;
-  double fastest = 0.0, stiffness = 0.0;
+ImpactBody ContactStep::impact_body(const RigidState& rigid) const {
+  return {.centre = rigid.centre,
+          .velocity = rigid.velocity,
+          .spin = rigid.rotation * rigid.spin,
+          .acceleration = gathered_.acceleration,
+          .mass = surface().mass};
+}
+
+void ContactStep::add_impacts(std::size_t number, std::vector<ImpactPoint>& points) const {
   for (const Candidate& candidate : candidates_) {
     const PlacedCollider& collider = gathered_.colliders[candidate.collider];
-    if (candidate.law.restitution == 1.0) continue;
     const Vector3d x = collider.start * candidate.start.place;
-    const Vector3d own = (collider.end * candidate.start.place - x) / h;
-    const Vector3d speed = rigid.velocity + spin.cross(x - rigid.centre) - own;
-    const double rate = speed.dot(collider.start.rotation * candidate.start.normal);
-    if (candidate.start.distance + h * std::min(rate, 0.0) > candidate.law.begins) continue;
-    fastest = std::max(fastest, std::abs(rate));
-    stiffness += candidate.law.stiffness;
+    points.push_back({.a = number,
+                      .law = candidate.law,
+                      .distance = candidate.start.distance,
+                      .energy = candidate.start.energy,
+                      .place = x,
+                      .normal = collider.start.rotation * candidate.start.normal,
+                      .collider = (collider.end * candidate.start.place - x) / options_.step});
   }
-  const ContactLaw& law = surface().law;
-  if (!(fastest > kHard * law.rebound_speed)) return 0;
-  const double mass = surface().mass;
-  const double depth = std::cbrt(1.5 * mass * fastest * fastest / stiffness);
-  const double time =
-      depth > law.linear_from
-          ? 0.5 * std::numbers::pi * std::sqrt(2.0 * mass / (stiffness * law.linear_from))
-          : 3.0 * depth / fastest;
-  return std::clamp(static_cast<int>(std::ceil(std::log2(kParts * h / time))), 0, kMost);
+}
+
+bool ContactStep::hits_hard(const RigidState& rigid) {
+  ImpactBody body = impact_body(rigid);
+  impacts_.clear();
+  add_impacts(0, impacts_);
+  return longest_for_impacts({&body, 1}, impacts_, options_.step, false) < options_.step;
 }
 
 // A point farther than the reach of gather() cannot be missed while the body travels no farther

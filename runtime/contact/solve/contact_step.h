@@ -20,6 +20,7 @@
 #include "runtime/contact/contact_memories.h"
 #include "runtime/contact/contact_record.h"
 #include "runtime/contact/contact_values.h"
+#include "runtime/contact/impact.h"
 #include "runtime/contact/solve/contact_equations.h"
 #include "runtime/integrator.h"
 #include "runtime/parts.h"
@@ -37,7 +38,8 @@ struct ContactNear {
 struct GatheredStep {
   ContactBall ball;
   StepPoses poses;
-  std::span<const PlacedCollider> colliders;  // that the body feels
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  // of a free body by gravity, m/s^2
+  std::span<const PlacedCollider> colliders;               // that the body feels
 };
 
 // Returns the parts of ContactHeld that are renewed before iteration `iteration` (from 0) of
@@ -81,9 +83,13 @@ class ContactStep {
   // any: the step must be repeated with them.
   bool find_missed(const Pose& end, const Eigen::VectorXd& q);
 
-  // How often the step must be halved, so that the rebound of a rigid body, whose step gather() has
-  // prepared, is that of its restitution: a sixteenth of the time of contact. 0: nothing hits hard.
-  int impact_cuts(const RigidState& rigid) const;
+  // For impact.h, of a rigid body whose step gather() has prepared: the body, and its points near
+  // colliders, which are added as those of the body `number`.
+  ImpactBody impact_body(const RigidState& rigid) const;
+  void add_impacts(std::size_t number, std::vector<ImpactPoint>& points) const;
+
+  // True if such a body alone hits a collider so hard that the step must be divided.
+  bool hits_hard(const RigidState& rigid);
 
   // Takes the step. free: null unless the body is free; the poses of gather() are used then. load:
   // as for an integrator. whole: tries all means, because the step will not be subdivided. If the
@@ -184,7 +190,8 @@ class ContactStep {
   Eigen::MatrixXd taken_push_, taken_growth_;
   ContactMemories memories_;  // of colliders
   ContactMemories pair_memories_;
-  std::vector<char> listed_;  // points that are candidates; scratch
+  std::vector<ImpactPoint> impacts_;  // scratch
+  std::vector<char> listed_;          // points that are candidates; scratch
   std::span<Grip> grips_;
   std::vector<ContactTouch> held_;  // one a grip
   ContactRecord record_;

@@ -364,6 +364,18 @@ void add_site_slopes(PairPoint& pair, ContactEquations& second, const ContactTim
         0.5 * second.motion.turn_of_arm(-pair.now.force) * second.motion.R0.transpose();
 }
 
+ImpactPoint impact_point(const PairPoint& pair, const ContactStep& second) {
+  const Pose& pose = second.gathered().poses.start;
+  const Vector3d normal = signed_distance(*second.surface().shape, pair.place_at_start).normal;
+  return {.a = pair.a,
+          .b = pair.b,
+          .law = pair.law,
+          .distance = pair.distance,
+          .energy = pair.energy,
+          .place = pose * pair.place_at_start,
+          .normal = (pose.rotation * normal).normalized()};
+}
+
 void settle_pair(const PairPoint& pair, const ContactEquations& second, double h, ContactAccount& a,
                  ContactAccount& b) {
   const double way = (pair.place - pair.place_at_start).norm();

@@ -157,6 +157,9 @@ void remember_pair(const PairPoint& pair, ContactStep& first, std::size_t obstac
 void add_pair_slopes(PairPoint& pair, const PairBodies& bodies, const ContactTime& time,
                      bool follows, PairScratch& scratch, const PairSides& sides);
 
+// The point of a pair of rigid bodies, for impact.h. second: the body of the shape; gathered.
+ImpactPoint impact_point(const PairPoint& pair, const ContactStep& second);
+
 // Adds the pair to the accounts of its bodies. second: the body of the shape.
 void settle_pair(const PairPoint& pair, const ContactEquations& second, double h, ContactAccount& a,
                  ContactAccount& b);

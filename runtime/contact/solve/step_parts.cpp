@@ -11,7 +11,11 @@ namespace {
 
 using Eigen::Vector3d;
 
+// Halvings of a step whose solve failed, and of one with an impact, which has at most so many parts
+// for its impacts.
 constexpr int kMostCuts = 5;
+constexpr int kMostForImpact = 10;
+constexpr int kMostParts = 200;
 
 Pose pose_at(const Pose& start, const Pose& end, double fraction) {
   return {start.position + fraction * (end.position - start.position),
@@ -20,8 +24,28 @@ Pose pose_at(const Pose& start, const Pose& end, double fraction) {
 
 }  // namespace
 
-bool StepParts::step(const PartIsland& island, double h, std::span<StepReport> reports, int cuts) {
-  cuts_ = std::min(cuts, kMostCuts);
+bool ImpactSearch::divides(std::span<const IslandMember> members, std::span<const PairPoint> points,
+                           double h, bool inside) {
+  bodies_.assign(members.size(), {});
+  points_.clear();
+  const auto rigid = [&](std::size_t m) {
+    return members[m].free != nullptr && members[m].contact->surface().points->rigid();
+  };
+  for (std::size_t m = 0; m < members.size(); ++m) {
+    if (!rigid(m)) continue;
+    bodies_[m] = members[m].contact->impact_body(members[m].free->rigid());
+    members[m].contact->add_impacts(m, points_);
+  }
+  for (const PairPoint& pair : points)
+    if (rigid(pair.a) && rigid(pair.b))
+      points_.push_back(impact_point(pair, *members[pair.b].contact));
+  return longest_for_impacts(bodies_, points_, h, inside) < h;
+}
+
+bool StepParts::step(const PartIsland& island, double h, std::span<StepReport> reports,
+                     PartReason reason) {
+  reason_ = reason;
+  made_ = 0;
   for (const PartBody& one : island.bodies)
     if (!one.body->can_be_cut()) return false;
   of_ = island;
@@ -34,7 +58,7 @@ bool StepParts::step(const PartIsland& island, double h, std::span<StepReport> r
   joints_before_.clear();
   for (const IslandJoint& joint : of_.joints) joints_before_.push_back(*joint.joint);
   if (of_.guests != nullptr) of_.guests->start_parts();
-  const bool made = halves(0.0, 1.0, 1);
+  const bool made = reason == PartReason::kImpact ? part(0.0, 1.0, 0) : halves(0.0, 1.0, 1);
   for (std::size_t i = 0; i < of_.bodies.size(); ++i) finish(i, made);
   if (of_.guests != nullptr) of_.guests->end_parts(made);
   if (!made) put_back();
@@ -87,18 +111,30 @@ void StepParts::put_back() {
   for (std::size_t k = 0; k < of_.joints.size(); ++k) *of_.joints[k].joint = joints_before_[k];
 }
 
-// Takes [from, to] in two parts.
+// Takes [from, to] in two parts, which are the result of `depth` halvings.
 bool StepParts::halves(double from, double to, int depth) {
   const double middle = 0.5 * (from + to);
-  for (const auto& [a, b] : {std::pair{from, middle}, std::pair{middle, to}}) {
-    if (depth >= cuts_ && part(a, b, depth == kMostCuts)) continue;
-    if (depth == kMostCuts || !halves(a, b, depth + 1)) return false;
-  }
-  return true;
+  return part(from, middle, depth) && part(middle, to, depth);
 }
 
-// Takes the part [from, to] of the step as a step of its own. last: it is not divided again.
-bool StepParts::part(double from, double to, bool last) {
+// Takes [from, to] as a step of its own, or in two parts.
+bool StepParts::part(double from, double to, int depth) {
+  const bool last = depth >= (reason_ == PartReason::kImpact ? kMostForImpact : kMostCuts);
+  begin_part(from, to);
+  if (last || !hits_hard(step_ * (to - from))) {
+    if (take_part(from, to, last)) return true;
+    if (last) return false;
+  }
+  return halves(from, to, depth + 1);
+}
+
+bool StepParts::hits_hard(double h) {
+  return reason_ == PartReason::kImpact && made_ < kMostParts &&
+         impacts_.divides(members_, std::span(points_).first(used_), h, true);
+}
+
+// Prepares the bodies for the part [from, to].
+void StepParts::begin_part(double from, double to) {
   colliders_.assign(of_.colliders.begin(), of_.colliders.end());
   for (PlacedCollider& collider : colliders_) {
     const Pose start = collider.start, end = collider.end;
@@ -114,6 +150,10 @@ bool StepParts::part(double from, double to, bool last) {
   }
   find_points();
   part_joints_.assign(of_.joints.begin(), of_.joints.end());
+}
+
+// last: the part is not divided again.
+bool StepParts::take_part(double from, double to, bool last) {
   const bool made = solve_part(from, to, last);
   for (std::size_t i = 0; i < of_.bodies.size(); ++i) {
     reports_[i].iterations += part_reports_[i].iterations;
@@ -121,6 +161,7 @@ bool StepParts::part(double from, double to, bool last) {
     if (made) book(i, part_reports_[i], to - from);
   }
   if (!made) return false;
+  ++made_;
   for (std::size_t k = 0; k < used_; ++k) {
     touched_.push_back(points_[k]);
     touched_.back().now.force *= to - from;

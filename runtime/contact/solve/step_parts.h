@@ -1,5 +1,6 @@
 // A step with contact whose solve fails is taken in parts: two halves, each of which may be divided
-// again. So is one with a hard impact (ContactStep::impact_cuts). Bodies, colliders, grabs and
+// again. So is one with a hard impact of rigid bodies (runtime/contact/impact.h), before it is
+// tried: only the parts in which bodies are in contact are short. Bodies, colliders, grabs and
 // loads follow the same path as in the whole step. Every part has the energy balance of the law for
 // its own length, so that the energy closes.
 //
@@ -29,6 +30,22 @@ struct PartPair {
   std::size_t a = 0, b = 0;
 };
 
+// Finds out whether the step of an island must be divided for its impacts.
+class ImpactSearch {
+ public:
+  // True if the hard impacts of rigid members need a shorter step than h, s. points: of pairs of
+  // the members, which have gathered. inside: see longest_for_impacts().
+  bool divides(std::span<const IslandMember> members, std::span<const PairPoint> points, double h,
+               bool inside);
+
+ private:
+  std::vector<ImpactBody> bodies_;
+  std::vector<ImpactPoint> points_;
+};
+
+// The reason for which a step is taken in parts: its solve has failed, or bodies hit hard.
+enum class PartReason { kFailure, kImpact };
+
 // Bodies whose step is taken in parts, and what acts on them.
 struct PartIsland {
   std::span<const PartBody> bodies;
@@ -43,9 +60,9 @@ class StepParts {
   // Takes the step of h, s, of all bodies and guests in parts. reports: one for each body, of the
   // whole step. False, with everything unchanged: one of the bodies has a prescribed frame, or a
   // part failed as well. Otherwise the energy of all parts has been added to the bodies, and only
-  // end_step() is left; nothing is left for guests. cuts: the step is halved that often before a
-  // part is tried.
-  bool step(const PartIsland& island, double h, std::span<StepReport> reports, int cuts = 1);
+  // end_step() is left; nothing is left for guests. After an impact that could not be resolved the
+  // bodies must gather again.
+  bool step(const PartIsland& island, double h, std::span<StepReport> reports, PartReason reason);
   // The points of pairs in all parts; each force is multiplied by the part's fraction of the step.
   const std::vector<PairPoint>& points() const { return touched_; }
 
@@ -61,8 +78,11 @@ class StepParts {
   };
 
   bool halves(double from, double to, int depth);
-  bool part(double from, double to, bool last);
+  bool part(double from, double to, int depth);
+  void begin_part(double from, double to);
+  bool take_part(double from, double to, bool last);
   bool solve_part(double from, double to, bool last);
+  bool hits_hard(double h);
   void keep(std::size_t i);
   void finish(std::size_t i, bool made);
   void begin(std::size_t i, double from, double to);
@@ -72,7 +92,8 @@ class StepParts {
 
   PartIsland of_;
   double step_ = 0.0;  // s
-  int cuts_ = 1;
+  PartReason reason_ = PartReason::kFailure;
+  int made_ = 0;  // parts so far
   std::span<StepReport> reports_;
   std::vector<Whole> wholes_;
   std::vector<Joint> joints_before_;
@@ -83,6 +104,7 @@ class StepParts {
   std::vector<PairPoint> points_, touched_;
   std::size_t used_ = 0;
   ContactIsland island_;
+  ImpactSearch impacts_;
 };
 
 }  // namespace tremolo
