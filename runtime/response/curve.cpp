@@ -10,7 +10,9 @@ namespace {
 constexpr int kMostCorrections = 24;
 constexpr int kMostFactorizations = 8;
 constexpr double kSlowContraction = 0.2;  // of one correction with an old factor
-constexpr int kMostEvaluations = 40;      // of find_zero
+// Of find_zero: evaluations, and the value and the part of the step that count as zero.
+constexpr int kMostEvaluations = 40;
+constexpr double kZeroValue = 1e-11, kZeroLength = 1e-12;
 
 // The matrix [g'; border] at y.
 Eigen::MatrixXd bordered(CurveEquations& equations, const Eigen::VectorXd& y,
@@ -57,7 +59,7 @@ struct Corrector {
       const Eigen::VectorXd correction = factor->solve(right);
       const double length = (weights.array() * correction.array()).matrix().norm();
       if (!std::isfinite(length) || length > 1e3) return report;
-      y += correction;
+        y += correction;
       ++report.corrections;
       if (length < tolerance || (length < kCurveTolerance && length >= before)) {
         report.converged = true;
@@ -108,36 +110,44 @@ CorrectorReport advance(CurveEquations& equations, const CurveState& from, doubl
   equations.refer_to(from.y);
   y = from.y + ds * from.tangent;
   const double tolerance = sharp ? kSharpTolerance : kCurveTolerance;
-  return Corrector{equations, from.border, from.weights, tolerance}.run(
-      sharp ? nullptr : &from.factor, y);
+  return Corrector{equations, from.border, from.weights, tolerance}.run(&from.factor, y);
 }
 
-Result<CurveState> find_zero(CurveEquations& equations, const CurveState& from, double ds,
-                             double at_start, double at_end, const CurveFunction& function) {
-  double low = 0.0, high = ds, f_low = at_start, f_high = at_end;
-  Result<CurveState> state = from;
-  const Eigen::VectorXd direction = (from.weights.array().square() * from.tangent.array()).matrix();
+// Chandrupatla (1997): inverse quadratic interpolation where three points allow it, else halves.
+Result<Eigen::VectorXd> find_zero(CurveEquations& equations, const CurveState& from, double ds,
+                                  double at_start, double at_end, const CurveFunction& function) {
+  // The zero is between a, the newest point, and b; c was left out last.
+  double a = 0.0, b = ds, c = 0.0, f_a = at_start, f_b = at_end, f_c = at_start;
+  double t = f_a / (f_a - f_b);
+  Eigen::VectorXd y;
   for (int i = 0; i < kMostEvaluations; ++i) {
-    // The secant's zero, kept off the ends so that the bracket shrinks (the Illinois rule below).
-    double s = (low * f_high - high * f_low) / (f_high - f_low);
-    if (!std::isfinite(s) || i % 8 == 7) s = 0.5 * (low + high);
-    Eigen::VectorXd y;
-    if (!advance(equations, from, s, true, y).converged)
-      return Error{ErrorKind::kSolver, "a point of the curve was not found"};
-    state = curve_state(equations, std::move(y), direction);
-    if (!state) return state;
-    const double f = function(*state);
-    if (f == 0.0) return state;
-    if ((f > 0.0) == (f_low > 0.0)) {
-      low = s, f_low = f;
-      f_high *= 0.5;
-    } else {
-      high = s, f_high = f;
-      f_low *= 0.5;
+    const double x = a + t * (b - a);
+    if (!advance(equations, from, x, true, y).converged) {
+      // A branch point may be there, at which the equations are singular.
+      if (t == 0.5) return Error{ErrorKind::kSolver, "a point of the curve was not found"};
+      t = 0.5;
+      continue;
     }
-    if (std::abs(f) < 1e-11 || std::abs(high - low) < 1e-12 * std::abs(ds)) return state;
+    const double f = function(y);
+    if (!std::isfinite(f))
+      return Error{ErrorKind::kSolver, "the curve is singular near one of its points"};
+    if ((f > 0.0) == (f_a > 0.0)) {
+      c = a, f_c = f_a;
+    } else {
+      c = b, f_c = f_b;
+      b = a, f_b = f_a;
+    }
+    a = x, f_a = f;
+    const double least = kZeroLength * std::abs(ds) / std::abs(b - a);
+    if (std::abs(f) < kZeroValue || least > 0.5) return y;
+    const double xi = (a - b) / (c - b), phi = (f_a - f_b) / (f_c - f_b);
+    const bool smooth = phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi;
+    t = smooth ? f_a / (f_b - f_a) * f_c / (f_b - f_c) +
+                     (c - a) / (b - a) * f_a / (f_c - f_a) * f_b / (f_c - f_b)
+               : 0.5;
+    t = std::clamp(t, least, 1.0 - least);
   }
-  return state;
+  return y;
 }
 
 }  // namespace tremolo

@@ -69,10 +69,11 @@ CorrectorReport solve_on_border(CurveEquations& equations, const Eigen::VectorXd
 CorrectorReport advance(CurveEquations& equations, const CurveState& from, double ds, bool sharp,
                         Eigen::VectorXd& y);
 
-// The state between `from` and the length ds at which the function is zero. at_start, at_end: its
-// values at both, of opposite signs. Errors: kSolver if a correction fails on the way.
-using CurveFunction = std::function<double(const CurveState&)>;
-Result<CurveState> find_zero(CurveEquations& equations, const CurveState& from, double ds,
-                             double at_start, double at_end, const CurveFunction& function);
+// The solution between `from` and the length ds at which the function is zero. at_start, at_end:
+// its values at both, of opposite signs. Errors: kSolver if a correction fails on the way, or the
+// function is not finite.
+using CurveFunction = std::function<double(const Eigen::VectorXd& y)>;
+Result<Eigen::VectorXd> find_zero(CurveEquations& equations, const CurveState& from, double ds,
+                                  double at_start, double at_end, const CurveFunction& function);
 
 }  // namespace tremolo

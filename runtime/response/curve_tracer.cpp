@@ -39,7 +39,7 @@ class Tracer {
     if (!state) return state.error();
     state_ = std::move(*state);
     if (!adapt_harmonics()) return Error{ErrorKind::kSolver, "more harmonics give no motion"};
-    add_point(point_of(state_));
+    add_point(point_of(state_.y));
     while (!ended()) {
       if (!advance_once()) curve_.end = CurveEnd::kStuck, finished_ = true;
     }
@@ -59,14 +59,10 @@ class Tracer {
   }
   double circle() const { return 1.0 + (conservative_ ? kOutsideConservative : kOutside); }
 
-  CurvePoint point_of(const CurveState& state) const {
-    CurvePoint point;
-    point.omega = equations_.omega(state.y);
-    point.motion = equations_.motion(state.y);
+  CurvePoint point_of(const Eigen::VectorXd& y) const {
+    CurvePoint point = bare_point(y);
     point.share = last_share(point.motion);
-    point.missing = equations_.missing_share(state.y);
-    point.amplitude = options_.amplitude(point.motion);
-    point.load = equations_.load_factor(state.y);
+    point.missing = equations_.missing_share(y);
     point.length = length_;
     if (!options_.stability) return point;
     point.multipliers =
@@ -142,14 +138,18 @@ class Tracer {
     return false;
   }
 
+  // The direction of the curve at state_, for curve_state().
+  Eigen::VectorXd onwards() const {
+    return state_.weights.array().square() * state_.tangent.array();
+  }
+
   // One accepted step; shortens it until it succeeds. False: even the shortest fails.
   bool advance_once() {
     while (ds_ > kShortestStep) {
       Eigen::VectorXd y;
       const CorrectorReport report = advance(equations_, state_, ds_, false, y);
       if (report.converged) {
-        const Eigen::VectorXd direction = state_.weights.array().square() * state_.tangent.array();
-        Result<CurveState> next = curve_state(equations_, std::move(y), direction);
+        Result<CurveState> next = curve_state(equations_, std::move(y), onwards());
         if (next && tangent_cosine(state_, *next) > kLeastCosine) return accept(*next, report);
       }
       ds_ *= 0.5;
@@ -159,14 +159,14 @@ class Tracer {
 
   bool accept(CurveState& next, const CorrectorReport& report) {
     length_ += ds_;
-    CurvePoint point = point_of(next);
+    CurvePoint point = point_of(next.y);
     if (goal_.ends_at_half_period && meets_half_period(next)) return join(next);
-    if (goal_.beyond(point) >= 0.0) return arrive(next, point);
+    if (goal_.beyond(point) >= 0.0) return arrive(point);
     find_events(next, point);
     state_ = std::move(next);
     const Eigen::Index before = equations_.harmonics();
     if (!adapt_harmonics()) return add_point(std::move(point)), false;
-    if (equations_.harmonics() != before) point = point_of(state_);
+    if (equations_.harmonics() != before) point = point_of(state_.y);
     add_point(std::move(point));
     // The coupling of soft and stiff coordinates makes old factors contract slowly, at steps that
     // Newton's method itself takes easily: factorizations are what limits a step.
@@ -203,23 +203,24 @@ class Tracer {
   }
 
   // The last point is at the goal itself.
-  bool arrive(const CurveState& next, const CurvePoint& behind) {
-    const auto beyond = [&](const CurveState& state) { return goal_.beyond(bare_point(state)); };
-    const Result<CurveState> last =
-        find_zero(equations_, state_, ds_, beyond(state_), goal_.beyond(behind), beyond);
+  bool arrive(const CurvePoint& behind) {
+    const auto beyond = [&](const Eigen::VectorXd& y) { return goal_.beyond(bare_point(y)); };
+    const Result<Eigen::VectorXd> last =
+        find_zero(equations_, state_, ds_, beyond(state_.y), goal_.beyond(behind), beyond);
     if (!last) return false;
-    CurvePoint point = point_of(*last);
-    find_events(*last, point);
+    const Result<CurveState> end = curve_state(equations_, *last, onwards());
+    if (!end) return false;
+    CurvePoint point = point_of(end->y);
+    find_events(*end, point);
     add_point(std::move(point));
-    (void)next;
     return finished_ = true;
   }
-  CurvePoint bare_point(const CurveState& state) const {
+  CurvePoint bare_point(const Eigen::VectorXd& y) const {
     CurvePoint point;
-    point.omega = equations_.omega(state.y);
-    point.motion = equations_.motion(state.y);
+    point.omega = equations_.omega(y);
+    point.motion = equations_.motion(y);
     point.amplitude = options_.amplitude(point.motion);
-    point.load = equations_.load_factor(state.y);
+    point.load = equations_.load_factor(y);
     return point;
   }
 
@@ -230,8 +231,11 @@ class Tracer {
     const bool turned = (next.omega_slope() > 0.0) != (state_.omega_slope() > 0.0);
     const std::size_t known = curve_.bifurcations.size();
     if (turned) {
-      const auto slope = [](const CurveState& state) { return state.omega_slope(); };
-      const Result<CurveState> fold =
+      const auto slope = [&](const Eigen::VectorXd& y) {
+        const Result<CurveState> at = curve_state(equations_, y, onwards());
+        return at ? at->omega_slope() : NAN;
+      };
+      const Result<Eigen::VectorXd> fold =
           find_zero(equations_, state_, span, state_.omega_slope(), next.omega_slope(), slope);
       if (fold) curve_.bifurcations.push_back({BifurcationKind::kFold, point_of(*fold), 1.0});
     }
@@ -257,8 +261,8 @@ class Tracer {
     const auto outside = [&](const CurvePoint& at) {
       return std::abs(deciding(at.multipliers)[index]) - circle();
     };
-    const auto measure = [&](const CurveState& state) { return outside(point_of(state)); };
-    const Result<CurveState> found =
+    const auto measure = [&](const Eigen::VectorXd& y) { return outside(point_of(y)); };
+    const Result<Eigen::VectorXd> found =
         find_zero(equations_, state_, span, outside(before), outside(point), measure);
     if (!found) return;
     CurvePoint at = point_of(*found);
