@@ -146,6 +146,23 @@ TEST_F(MixedProgram, ABlockSticksBelowTheAngleOfFrictionAndSlidesAboveIt) {
     EXPECT_NEAR((late[kind] - early[kind]) / 0.2, slide, 5e-3 * slide) << kind;
 }
 
+// A scene of tetrahedra alone is a world too, if a collider moves.
+TEST_F(MixedProgram, ABlockAloneIsDraggedByAFloorThatBeginsToGlide) {
+  const ProgramResult result = run(
+      "step = 0.002\nduration = 0.4\ngravity = [0, 0, -9.81]\n" +
+      tets("block",
+           "position = [0, 0, 0.0502]\nrestitution = 0\nfriction = 0.3\n"
+           "degree = \"linear\"\nintegrator = \"implicit-euler\"\nbeta = 0.005\n") +
+      "[[colliders]]\nname = \"floor\"\nshape = \"plane\"\nfriction = 0.3\nrestitution = 0\n"
+      "[[colliders.motion]]\nkind = \"glide\"\nvelocity = [1, 0, 0]\nstart = 0.2\nramp = 0.02\n");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json block = json::parse(result.out)["bodies"][0];
+  // For the last 0.2 s, less 2 ms until the block's bottom and friction have bent.
+  const double momentum = block["linear_momentum_final"][0].get<double>();
+  EXPECT_NEAR(momentum, 0.3 * kWeight * 0.2, 0.3 * kWeight * 0.004);
+  EXPECT_NEAR(block["contact_force_final"][0].get<double>(), 0.3 * kWeight, 0.02 * kWeight);
+}
+
 TEST_F(MixedProgram, WritesTablesAndSurfacesOfEachBody) {
   const ProgramResult result =
       run("step = 0.002\nduration = 0.02\ngravity = [0, 0, -9.81]\n" + rigid("lower", "") +

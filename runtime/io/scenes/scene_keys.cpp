@@ -103,6 +103,20 @@ bool is_of_kind(const toml::node& body, std::string_view kind) {
 
 }  // namespace
 
+namespace {
+
+// True if a collider moves or is that of a file: only worlds have these.
+bool has_worlds_colliders(const toml::table& scene) {
+  const toml::array* colliders = scene["colliders"].as_array();
+  if (colliders == nullptr) return false;
+  return std::any_of(colliders->begin(), colliders->end(), [](const toml::node& one) {
+    const toml::table* table = one.as_table();
+    return table != nullptr && (table->contains("motion") || table->contains("file"));
+  });
+}
+
+}  // namespace
+
 bool is_of_tets(const toml::node& body) {
   return is_of_kind(body, "tets");
 }
@@ -122,9 +136,8 @@ Result<SceneKind> scene_kind(std::string_view text, const std::string& path) {
   }
   const toml::array* bodies = (*table)["bodies"].as_array();
   if (bodies == nullptr) return SceneKind::kBodies;
-  const std::ptrdiff_t tets = std::count_if(bodies->begin(), bodies->end(), is_of_tets);
-  if (tets == 0) return SceneKind::kWorld;
-  return static_cast<std::size_t>(tets) == bodies->size() ? SceneKind::kTets : SceneKind::kWorld;
+  const bool tets = !bodies->empty() && std::all_of(bodies->begin(), bodies->end(), is_of_tets);
+  return tets && !has_worlds_colliders(*table) ? SceneKind::kTets : SceneKind::kWorld;
 }
 
 }  // namespace tremolo
