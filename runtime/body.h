@@ -315,6 +315,7 @@ class Body {
   void age_applied_forces();
   double kick() const;
   double total_energy() const;
+  const Evaluation& at_state() const;
   double harmonic_energy() const;
   bool look();
   void put_back();
@@ -340,7 +341,8 @@ class Body {
   State sound_;  // at the last valid check
   BodySums sound_sums_;
   mutable PotentialWorkspace workspace_;
-  mutable Evaluation evaluation_;
+  mutable Evaluation evaluation_;        // of at_state()
+  mutable Eigen::VectorXd evaluated_q_;  // where, r; NaN before the first
   mutable Eigen::VectorXd momentum_;
   mutable SurfaceWorkspace surface_;
   mutable Eigen::VectorXd shown_;  // r + 3p, or none

@@ -128,6 +128,7 @@ Body::Body(Model::Pointer model, std::unique_ptr<Integrator> integrator,
       sound_(state_),
       workspace_(model_->potential().make_workspace(kUsePoint)),
       evaluation_(model_->potential().make_evaluation()),
+      evaluated_q_(state_.q.array() + std::numeric_limits<double>::quiet_NaN()),
       momentum_(state_.p) {}
 
 Status Body::set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& p) {
@@ -235,9 +236,9 @@ bool Body::load_to_come() const {
 
 Energy Body::energy(std::optional<Eigen::Index> low) const {
   integrator_->synchronized_momentum(state_, momentum_);
-  model_->potential().evaluate(state_.q, kWantEnergy | kWantForce, workspace_, evaluation_);
-  return {frame_kinetic(momentum_), evaluation_.energy,
-          band_energy(model_->lambda(), evaluation_.force, momentum_, low.value_or(low_))};
+  const Evaluation& here = at_state();
+  return {frame_kinetic(momentum_), here.energy,
+          band_energy(model_->lambda(), here.force, momentum_, low.value_or(low_))};
 }
 
 Result<Eigen::Vector3d> Body::displacement(VertexId vertex) const {

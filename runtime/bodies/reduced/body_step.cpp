@@ -107,8 +107,15 @@ double Body::total_energy() const {
   const double kinetic = frame_kinetic(momentum_);
   if (const std::optional<double> known = integrator_->known_potential(state_.q))
     return kinetic + *known;
-  model_->potential().evaluate(state_.q, kWantEnergy, workspace_, evaluation_);
-  return kinetic + evaluation_.energy;
+  return kinetic + at_state().energy;
+}
+
+// The potential and its force at q.
+const Evaluation& Body::at_state() const {
+  if (state_.q.size() > 0 && evaluated_q_ == state_.q) return evaluation_;
+  model_->potential().evaluate(state_.q, kWantEnergy | kWantForce, workspace_, evaluation_);
+  evaluated_q_ = state_.q;
+  return evaluation_;
 }
 
 // The harmonic energy of kEnergyRounding, with the momentum that total_energy() left.
