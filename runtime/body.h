@@ -255,7 +255,6 @@ class Body {
   // Pose of the frame at the end of a step that succeeded.
   Pose step_end() const { return free_ ? free_->pose() : step_poses().end; }
   // True unless a frame that follows given poses moves in the step.
-  bool can_be_cut() const;
   // Removes the motion; returns the energy that this takes, J, which is added to the work.
   double stop_motion();
   // Keeps the present state as that of the last valid check.

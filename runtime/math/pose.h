@@ -52,6 +52,12 @@ inline Eigen::Vector3d turn_of(const Eigen::Quaterniond& turn) {
   return (sign * 2.0 * std::atan2(sine, sign * turn.w()) / sine) * turn.vec();
 }
 
+// The pose at a fraction of the way between two: a straight line, and a rotation about one axis.
+inline Pose pose_between(const Pose& start, const Pose& end, double fraction) {
+  return {start.position + fraction * (end.position - start.position),
+          start.rotation.slerp(fraction, end.rotation)};
+}
+
 // Poses of the body's mesh frame in the step. For a free body `end` is a prediction.
 struct StepPoses {
   Pose start, end;

@@ -152,5 +152,43 @@ TEST(RigidOnSoft, KeepsBothMomentaOfABlow) {
     }
 }
 
+// A blow beside a shaken beam divides the step of the beam too: between two parts its frame is on
+// its way, and the forces of its motion are those of the whole step.
+TEST(RigidOnSoft, AShakenBeamTakesTheStepInParts) {
+  constexpr double kE = 0.5, kV = 2.0;
+  const auto run = [&](double step, bool balls, const auto& look) {
+    Scene scene;
+    scene.step = step;
+    SceneBody shaken = beam_body(false);
+    shaken.kind = FrameKind::kDriven;
+    shaken.motion.parts = {
+        ShakeMotion{{0.0, 0.0, 0.002}, 8.0, {.start = 0.0, .end = 10.0, .ramp = 0.05}},
+        SwingMotion{{0.0, 0.0, 1.0}, {}, 0.2, 4.0, 0.0, {.start = 0.0, .end = 10.0, .ramp = 0.05}}};
+    scene.bodies = {shaken};
+    for (int k = 0; balls && k < 2; ++k) {
+      scene.bodies.push_back(rigid_body("ball-" + std::to_string(k), SphereShape{0.03},
+                                        {0.05 + 0.16 * k, 0.0, 0.068}));
+      scene.bodies.back().contact.restitution = kE;
+    }
+    if (balls) scene.bodies[1].velocity.x() = kV;
+    SceneWorld world = testing::make_world(scene, beam_of);
+    testing::run_until(world, 0.12, [&] { look(world); });
+    return world;
+  };
+  const auto none = [](const SceneWorld&) {};
+  testing::Growth growth;
+  const SceneWorld parts = run(3e-3, true, [&](SceneWorld& world) { growth.look(world); });
+  EXPECT_EQ(parts.contacts(0), 0);
+  EXPECT_NEAR(parts.body(2).rigid_state().velocity.x() - parts.body(1).rigid_state().velocity.x(),
+              kE * kV, 0.01 * kV);
+  EXPECT_LT(growth.worst, 1e-9 * growth.most);
+  const Eigen::VectorXd exact = run(3e-3 / 16, false, none).body(0).state().q;
+  const Eigen::VectorXd whole = run(3e-3, false, none).body(0).state().q;
+  RecordProperty("whole", ::testing::PrintToString((whole - exact).norm() / exact.norm()));
+  RecordProperty("parts",
+                 ::testing::PrintToString((parts.body(0).state().q - exact).norm() / exact.norm()));
+  EXPECT_LT((parts.body(0).state().q - exact).norm(), 0.03 * exact.norm());
+}
+
 }  // namespace
 }  // namespace tremolo

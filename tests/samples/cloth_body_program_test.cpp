@@ -165,5 +165,20 @@ TEST_F(ClothBodyProgram, AHorseWearsABlanketAtRestAndWhenItRocks) {
   EXPECT_NEAR(blanket["contact_force_final"][2].get<double>(), weight, 0.2 * weight);
 }
 
+// Steps that are not solved are subdivided while the horse is driven.
+TEST_F(ClothBodyProgram, TheBlanketIsSolvedByTheEnergyMethodWhileTheHorseRocks) {
+  std::string scene = testing::shipped_scene("blanket");
+  const std::string kind = "kind = \"cloth\"\n";
+  const std::size_t at = scene.find(kind);
+  ASSERT_NE(at, std::string::npos);
+  scene.insert(at + kind.size(), "integrator = \"energy\"\n");
+  const ProgramResult result = run(scene, "--json --duration 0.36");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_LE(report["momentum_error"].get<double>(), 1e-10);
+  EXPECT_LE(report["energy_balance_error"].get<double>(), 1e-8);
+  EXPECT_GT(report["bodies"][0]["halved_steps"].get<int>(), 0);
+}
+
 }  // namespace
 }  // namespace tremolo

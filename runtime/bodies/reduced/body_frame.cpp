@@ -147,16 +147,6 @@ StepPoses Body::step_poses() const {
   return {free_->pose(), end};
 }
 
-bool Body::can_be_cut() const {
-  if (!driven_) return true;
-  for (std::size_t b = 0; b < driven_->bones(); ++b) {
-    const Pose &now = driven_->pose(b), &next = driven_->next_pose(b);
-    if (now.position != next.position || now.rotation.coeffs() != next.rotation.coeffs())
-      return false;
-  }
-  return !driven_->turning();
-}
-
 // Adds rotations, pushes and forces of the frame in the next step to the step's load or, for a free
 // body, to its frame.
 void Body::gather_frame() {

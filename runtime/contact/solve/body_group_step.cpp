@@ -116,9 +116,7 @@ void BodyGroup::step_island(const Island& island, Worker& worker) {
   gather_joints(parent_[who[0]], worker.joints);
   std::vector<StepReport>& reports = worker.reports;
   reports.resize(island.count);
-  const bool cuts = std::all_of(who.begin(), who.end(),
-                                [this](std::size_t i) { return bodies_[i]->can_be_cut(); });
-  const bool parts = cuts && !hosting && step_impact(island, used, worker);
+  const bool parts = !hosting && step_impact(island, used, worker);
   if (parts)
     note_touches(worker.parts.points(), who, worker.touches);
   else if (hosting)
@@ -126,7 +124,7 @@ void BodyGroup::step_island(const Island& island, Worker& worker) {
                          {worker.members, worker.points, used, worker.joints, reports});
   else
     worker.island.step(worker.members, worker.points, used, worker.joints,
-                       bodies_[who[0]]->options_.step, !cuts, reports);
+                       bodies_[who[0]]->options_.step, false, reports);
   const bool whole = !parts && reports[0].converged;
   if (whole)
     note_touches(std::span(worker.points).first(used), who, worker.touches);

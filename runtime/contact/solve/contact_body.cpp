@@ -135,7 +135,7 @@ StepReport ContactBody::advance_near(bool near) {
     if (booked_) return report;
     (void)near_something(colliders);
   }
-  const StepReport report = contact_->step(state_, step_load_, free_.get(), !can_be_cut());
+  const StepReport report = contact_->step(state_, step_load_, free_.get(), false);
   if (!report.converged) return advance_in_parts(report, PartReason::kFailure);
   end_contact();
   return report;

@@ -17,11 +17,6 @@ constexpr int kMostCuts = 5;
 constexpr int kMostForImpact = 10;
 constexpr int kMostParts = 200;
 
-Pose pose_at(const Pose& start, const Pose& end, double fraction) {
-  return {start.position + fraction * (end.position - start.position),
-          start.rotation.slerp(fraction, end.rotation)};
-}
-
 }  // namespace
 
 bool ImpactSearch::divides(std::span<const IslandMember> members, std::span<const PairPoint> points,
@@ -46,8 +41,6 @@ bool StepParts::step(const PartIsland& island, double h, std::span<StepReport> r
                      PartReason reason) {
   reason_ = reason;
   made_ = 0;
-  for (const PartBody& one : island.bodies)
-    if (!one.body->can_be_cut()) return false;
   of_ = island;
   step_ = h;
   reports_ = reports;
@@ -67,7 +60,7 @@ bool StepParts::step(const PartIsland& island, double h, std::span<StepReport> r
 
 // Stores a body before the first part.
 void StepParts::keep(std::size_t i) {
-  const ContactBody& body = *of_.bodies[i].body;
+  ContactBody& body = *of_.bodies[i].body;
   Whole& whole = wholes_[i];
   whole.bytes = state_bytes(body);
   whole.load = body.step_load_;
@@ -80,6 +73,7 @@ void StepParts::keep(std::size_t i) {
     whole.to.push_back(grip.end);
   }
   whole.record = {};
+  if (body.driven_) body.driven_->start_parts();
   reports_[i].parts = 0;
   reports_[i].dissipated = 0.0;
 }
@@ -92,6 +86,7 @@ void StepParts::finish(std::size_t i, bool made) {
   body.contact_->set_options(body.options_);
   body.step_load_ = whole.load;
   body.q_before_ = whole.q_before;
+  if (body.driven_) body.driven_->end_parts();
   reports_[i].converged = made;
   if (!made) return;
   body.contact_->record() = whole.record;
@@ -138,8 +133,8 @@ void StepParts::begin_part(double from, double to) {
   colliders_.assign(of_.colliders.begin(), of_.colliders.end());
   for (PlacedCollider& collider : colliders_) {
     const Pose start = collider.start, end = collider.end;
-    collider.start = pose_at(start, end, from);
-    collider.end = pose_at(start, end, to);
+    collider.start = pose_between(start, end, from);
+    collider.end = pose_between(start, end, to);
   }
   members_.clear();
   for (std::size_t i = 0; i < of_.bodies.size(); ++i) {
@@ -184,6 +179,7 @@ void StepParts::begin(std::size_t i, double from, double to) {
   body.contact_->set_options(body.options_);
   restrict_load(whole.load, from, to, body.step_load_);
   if (body.free_) body.free_->prepare_again();
+  if (body.driven_) body.driven_->take_part(from, to);
   body.q_before_ = body.state_.q;
   for (std::size_t k = 0; k < body.grips_.size(); ++k)
     body.grips_[k].end = whole.from[k] + to * (whole.to[k] - whole.from[k]);

@@ -58,10 +58,9 @@ struct PartIsland {
 class StepParts {
  public:
   // Takes the step of h, s, of all bodies and guests in parts. reports: one for each body, of the
-  // whole step. False, with everything unchanged: one of the bodies has a prescribed frame, or a
-  // part failed as well. Otherwise the energy of all parts has been added to the bodies, and only
-  // end_step() is left; nothing is left for guests. After an impact that could not be resolved the
-  // bodies must gather again.
+  // whole step. False, with everything unchanged: a part failed as well. Otherwise the energy of
+  // all parts has been added to the bodies, and only end_step() is left; nothing is left for
+  // guests. After an impact that could not be resolved the bodies must gather again.
   bool step(const PartIsland& island, double h, std::span<StepReport> reports, PartReason reason);
   // The points of pairs in all parts; each force is multiplied by the part's fraction of the step.
   const std::vector<PairPoint>& points() const { return touched_; }

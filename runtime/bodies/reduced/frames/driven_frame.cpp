@@ -173,16 +173,39 @@ void DrivenFrame::end_step(const VectorXd& q0, const VectorXd& q1) {
   const double gravity = gravity_push_.dot(x_);
   gravity_work_ += gravity;
   support_work_ += push_.dot(x_) - gravity + turned_work_;
-  for (Bone& bone : bones_) {
-    const Vector3d velocity = (bone.next.position - bone.pose.position) / step_;
-    const Vector3d spin = spin_between(bone.pose, bone.next, step_);
-    bone.acceleration = (velocity - bone.velocity) / step_;
-    bone.spin_rate = (spin - bone.spin) / step_;
-    bone.velocity = velocity;
-    bone.spin = spin;
-    bone.pose = bone.next;
-    bone.known = false;
+  for (Bone& bone : bones_) take_next(bone);
+}
+
+void DrivenFrame::take_next(Bone& bone) const {
+  const Vector3d velocity = (bone.next.position - bone.pose.position) / step_;
+  const Vector3d spin = spin_between(bone.pose, bone.next, step_);
+  bone.acceleration = (velocity - bone.velocity) / step_;
+  bone.spin_rate = (spin - bone.spin) / step_;
+  bone.velocity = velocity;
+  bone.spin = spin;
+  bone.pose = bone.next;
+  bone.known = false;
+}
+
+void DrivenFrame::start_parts() {
+  whole_ = bones_;
+}
+
+void DrivenFrame::take_part(double from, double to) {
+  turned_work_ = 0.0;
+  for (std::size_t b = 0; b < bones_.size(); ++b) {
+    const Pose &start = whole_[b].pose, &end = whole_[b].next;
+    if (start.position == end.position && start.rotation.coeffs() == end.rotation.coeffs())
+      continue;
+    bones_[b].pose = pose_between(start, end, from);
+    bones_[b].next = pose_between(start, end, to);
   }
+}
+
+void DrivenFrame::end_parts() {
+  bones_ = whole_;
+  turned_work_ = 0.0;
+  for (Bone& bone : bones_) take_next(bone);
 }
 
 void DrivenFrame::cancel_step() {

@@ -82,6 +82,12 @@ class DrivenFrame final : public StepCoupling {
 
   // Ends the step from q0 to q1: the frame reaches its next pose. Adds to the work.
   void end_step(const Eigen::VectorXd& q0, const Eigen::VectorXd& q1);
+  // For a prepared step that is taken in parts, each ended by end_step(): take_part() sets the
+  // poses of the part [from, to], fractions of the step; forces are those of the whole step's
+  // middle. end_parts() sets the history of the whole step, after the last part or a failure.
+  void start_parts();
+  void take_part(double from, double to);
+  void end_parts();
   // Cancels a failed step and the work that was added for it.
   void cancel_step();
 
@@ -121,9 +127,10 @@ class DrivenFrame final : public StepCoupling {
   };
 
   void find_motion(Bone& bone) const;
+  void take_next(Bone& bone) const;
   void add_turn(const Bone& bone);
 
-  std::vector<Bone> bones_;
+  std::vector<Bone> bones_, whole_;  // whole_: before the first part
   double step_;
   bool turning_ = false;
   Eigen::VectorXd push_, gravity_push_;
