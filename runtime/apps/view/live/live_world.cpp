@@ -135,9 +135,17 @@ Status LiveWorld::begin_again(ModelCache& models) {
 }
 
 Status LiveWorld::begin(ModelCache& models) {
-  Result<SceneWorld> world = SceneWorld::create(viewed_.scene, models.source());
+  Result<SceneWorld> world =
+      SceneWorld::create(viewed_.scene, models.source(), viewed_.has_guests());
   if (!world) return world.error();
+  WorldGuests guests;
+  if (viewed_.has_guests())
+    if (Status s =
+            tremolo::take(guests, add_guests(viewed_.tets, viewed_.cloths, viewed_.file, *world));
+        !s)
+      return s;
   world_ = std::make_unique<SceneWorld>(std::move(*world));
+  guests_ = LiveGuests(std::move(guests));
   hand_ = LiveHand();
   trouble_.clear();
   trouble_code_ = 0;
@@ -156,7 +164,7 @@ Status LiveWorld::begin(ModelCache& models) {
 }
 
 Status LiveWorld::look(WorldMoment& moment) const {
-  if (Status s = look_at_world(*world_, moment); !s) return s;
+  if (Status s = look_at_world(*world_, guests_, moment); !s) return s;
   moment.hands.resize(held_.size() + 1);
   for (std::size_t i = 0; i < held_.size(); ++i) {
     const ContactBody& body = world_->body(*world_->find(viewed_.scene.hands[i].body));
@@ -179,14 +187,40 @@ Status LiveWorld::refresh() {
   return Success{};
 }
 
-Status LiveWorld::step() {
-  hand_.before_step(*world_);
-  for (const auto& [body, report] : world_->step()) {
-    if (!trouble_.empty()) continue;
+Result<std::optional<Eigen::Vector3d>> LiveWorld::take(const CameraRay& ray, double firmness) {
+  const Result<std::optional<SceneWorld::Hit>> hit = world_->pick(ray.origin, ray.direction);
+  if (!hit) return hit.error();
+  const std::optional<LiveGuests::Hit> guest = guests_.pick(ray);
+  if (guest && (!*hit || guest->distance < (*hit)->hit.distance))
+    return usage_error(guests_.name(guest->guest) + ": no hand holds it: " +
+                       (guests_.is_cloth(guest->guest) ? "a cloth" : "a body of tetrahedra") +
+                       " among other bodies cannot be grabbed");
+  if (!*hit) return std::optional<Eigen::Vector3d>();
+  if (Status s = hand_.take(*world_, **hit, firmness); !s) return s.error();
+  return std::optional<Eigen::Vector3d>((*hit)->hit.point);
+}
+
+// from: time at which the step began, s.
+void LiveWorld::note_trouble(std::span<const SceneWorld::Failure> failures, double from) {
+  if (!trouble_.empty()) return;
+  if (!failures.empty()) {
+    const auto& [body, report] = failures.front();
     trouble_ =
         "body '" + world_->name(body) + "': " + failure_message(report, world_->body(body).time());
     trouble_code_ = exit_code(error_kind(report.failure));
   }
+  for (std::size_t i = 0; i < guests_.size() && trouble_.empty(); ++i) {
+    if (!guests_.failed(i)) continue;
+    trouble_ = "body '" + guests_.name(i) + "': the step from t = " + number_text(from) +
+               " s could not be solved: take a shorter step";
+    trouble_code_ = exit_code(ErrorKind::kSolver);
+  }
+}
+
+Status LiveWorld::step() {
+  const double from = world_->time();
+  hand_.before_step(*world_);
+  note_trouble(world_->step(), from);
   newest_ = 1 - newest_;
   return look(moments_[newest_]);
 }

@@ -11,6 +11,8 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
+#include "runtime/apps/view/camera/camera.h"
+#include "runtime/apps/view/live/live_guests.h"
 #include "runtime/apps/view/live/viewed_scene.h"
 #include "runtime/apps/view/live/world_moment.h"
 #include "runtime/world/scene_world.h"
@@ -60,7 +62,7 @@ class LiveHand {
 
 class LiveWorld {
  public:
-  // Errors of SceneWorld::create, and of the bodies' starts.
+  // Errors of SceneWorld::create, of add_guests, and of the bodies' starts.
   static Result<LiveWorld> create(const ViewedScene& viewed, ModelCache& models);
 
   // Restarts with the present methods and step.
@@ -68,9 +70,15 @@ class LiveWorld {
 
   SceneWorld& world() { return *world_; }
   const SceneWorld& world() const { return *world_; }
+  const LiveGuests& guests() const { return guests_; }
   const ViewedScene& viewed() const { return viewed_; }
   LiveHand& hand() { return hand_; }
   const LiveHand& hand() const { return hand_; }
+
+  // The hand takes the first body that the ray meets, with springs `firmness` times the suitable
+  // ones. Returns the point at which the ray meets it, m; nothing: it meets none. Errors of
+  // LiveHand::take; kUsage for a guest.
+  Result<std::optional<Eigen::Vector3d>> take(const CameraRay& ray, double firmness);
 
   // Steps the world. A body whose step fails stays at rest from then on, and trouble() gives the
   // reason. Errors of look_at_world.
@@ -91,9 +99,11 @@ class LiveWorld {
   LiveWorld() = default;
   Status begin(ModelCache& models);
   Status look(WorldMoment& moment) const;
+  void note_trouble(std::span<const SceneWorld::Failure> failures, double from);
 
   ViewedScene viewed_;
   std::unique_ptr<SceneWorld> world_;
+  LiveGuests guests_;
   LiveHand hand_;
   std::vector<VertexRows> held_;  // by the scene's hands
   WorldMoment moments_[2];
