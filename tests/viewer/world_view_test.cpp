@@ -204,6 +204,127 @@ TEST(WorldView, WhatNoBodyHasIsRefused) {
   expect_refused("plain.toml --colour degree --offscreen --out a", 2, "tets");
 }
 
+CameraRay down_at(double x, double y) {
+  return {Vector3d(x, y, 2.0), -Vector3d::UnitZ()};
+}
+
+TEST(WorldView, AHandPullsAGuestAndGivesItsWork) {
+  ModelCache models;
+  Result<LiveWorld> live = live_of(write_mixed(fresh_folder()), models);
+  ASSERT_TRUE(live) << live.error().message;
+  const auto nothing = live->take(down_at(3.0, 3.0), 1.0);
+  ASSERT_TRUE(nothing);
+  EXPECT_FALSE(nothing->has_value());
+  const auto wall = live->take(down_at(0.301, 0.05), 1.0);
+  ASSERT_FALSE(wall) << "the bar is fixed there";
+  EXPECT_NE(wall.error().message.find("bar: "), std::string::npos) << wall.error().message;
+  // The ball hides the middle of the sheet.
+  ASSERT_TRUE(live->take(down_at(0.0, 0.0), 1.0));
+  EXPECT_EQ(live->world().name(live->hand().body()), "ball");
+  EXPECT_NEAR(live->hand().begun().z(), 0.25, 0.01);
+  // The free end of the bar, once it hangs at rest, follows the hand by four fifths of its way.
+  live->hand().let_go(live->world());
+  for (int k = 0; k < 300; ++k) ASSERT_TRUE(live->step());
+  const auto taken = live->take(down_at(0.499, 0.05), 1.0);
+  ASSERT_TRUE(taken && *taken) << taken.error().message;
+  EXPECT_LE((live->hand().begun() - **taken).norm(), 0.06) << "a vertex of the triangle";
+  const Vector3d begun = live->hand().begun(), way(0.0, 0.0, 0.01);
+  for (int k = 1; k <= 200; ++k) {
+    live->hand().move(std::min(1.0, 0.01 * k) * way);
+    ASSERT_TRUE(live->step());
+  }
+  EXPECT_EQ(live->trouble(), "");
+  const double followed = (live->hand().held(live->world()) - begun).z();
+  EXPECT_NEAR(followed, 0.8 * way.z(), 0.1 * way.z());
+  EXPECT_NEAR(live->now().hands.back().held.z(), begun.z() + followed, 1e-12);
+  EXPECT_GT(live->guests().hand_work(), 0.0);
+  live->hand().let_go(live->world());
+  EXPECT_FALSE(live->hand().holds());
+}
+
+// A corner of the sheet is pulled up: its hand carries it to the side of the table.
+TEST(WorldView, AHandPullsASheet) {
+  ModelCache models;
+  Result<LiveWorld> live = live_of(write_mixed(fresh_folder()), models);
+  ASSERT_TRUE(live) << live.error().message;
+  for (int k = 0; k < 40; ++k) ASSERT_TRUE(live->step());
+  const auto taken = live->take(down_at(-0.15, 0.0), 1.0);
+  ASSERT_TRUE(taken && *taken) << (taken ? "nothing" : taken.error().message);
+  const Vector3d begun = live->hand().begun();
+  EXPECT_LE((begun - **taken).norm(), 0.04) << "a particle of the triangle";
+  for (int k = 1; k <= 80; ++k) {
+    live->hand().move(0.002 * k * Vector3d::UnitZ());
+    ASSERT_TRUE(live->step());
+  }
+  EXPECT_EQ(live->trouble(), "");
+  EXPECT_GT((live->hand().held(live->world()) - begun).z(), 0.04);
+  EXPECT_GT(live->guests().hand_work(), 0.0);
+  ASSERT_TRUE(live->begin_again(models));
+  EXPECT_FALSE(live->hand().holds());
+  EXPECT_EQ(live->guests().hand_work(), 0.0);
+}
+
+// A scene's hands hold no guests.
+TEST(WorldView, ARecordedHandTakesNoGuest) {
+  ModelCache models;
+  Result<LiveWorld> live = live_of(write_mixed(fresh_folder()), models);
+  ASSERT_TRUE(live) << live.error().message;
+  Runner runner(std::move(*live), 1.0, true, true);
+  runner.press(down_at(-0.25, 0.2), 1.0);
+  runner.settle();
+  EXPECT_EQ(runner.pressed(), false);
+  EXPECT_NE(runner.report().trouble.find("sheet"), std::string::npos) << runner.report().trouble;
+  runner.press(down_at(0.0, 0.0), 1.0);
+  runner.settle();
+  EXPECT_EQ(runner.pressed(), true) << "the ball";
+}
+
+// The guests are before the ball in the scene, and keep their methods.
+TEST(WorldView, ARecordOfABodyAmongGuestsRepeatsTheMotion) {
+  const std::string folder = fresh_folder(), scene = write_mixed(folder);
+  ModelCache models;
+  Result<LiveWorld> live = live_of(scene, models);
+  ASSERT_TRUE(live) << live.error().message;
+  HandRecord record;
+  ASSERT_TRUE(live->take(down_at(0.0, 0.0), 1.0, true));
+  for (int k = 1; k <= 40; ++k) {
+    live->hand().move(Vector3d(0.001 * k, 0.0, -0.002 * k));
+    record.before_step(*live);
+    ASSERT_TRUE(live->step());
+  }
+  record.end(live->world().time());
+  fs::create_directory(folder + "/deep");
+  const std::string path = folder + "/deep/hand.toml";
+  const Status written = write_recorded_scene(path, *live, record.hands());
+  ASSERT_TRUE(written) << written.error().message;
+  Result<LiveWorld> again = live_of(path, models);
+  ASSERT_TRUE(again) << again.error().message;
+  ASSERT_EQ(again->viewed().scene.hands.size(), 1U);
+  while (again->now().time < live->now().time) ASSERT_TRUE(again->step());
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(again->now().bodies[i].positions, live->now().bodies[i].positions) << i;
+    EXPECT_EQ(again->now().bodies[i].pose.position, live->now().bodies[i].pose.position) << i;
+  }
+  EXPECT_GT(std::abs(again->world().body(0).contact_sums().hand), 1e-6);
+}
+
+TEST(WorldView, ADragInTheWindowPullsASheet) {
+  const std::string folder = fresh_folder();
+  std::ofstream(folder + "/sheet.toml")
+      << "step = 0.01\n[[bodies]]\nname = \"sheet\"\nkind = \"cloth\"\ncolumns = 9\nrows = 9\n"
+         "corner = [-0.5, -0.5, 0]\n";
+  const auto [shots, no_window] =
+      testing::drag_in_window(folder, "560 290", "sheet.toml --camera 0,60");
+  if (!no_window.empty()) GTEST_SKIP() << no_window;
+  const auto& [result, json] = shots;
+  ASSERT_EQ(result.code, 0) << result.err;
+  ASSERT_FALSE(json.is_discarded()) << result.out << result.err;
+  EXPECT_GT(json["hand_work"].get<double>(), 0.0) << result.out;
+  EXPECT_GT(json["mouse_moves"].get<int>(), 0) << result.out;
+  EXPECT_GT(json["steps"].get<int>(), 50) << result.out;
+  EXPECT_EQ(json["trouble"], "") << result.out;
+}
+
 // The window's thread: paused, single steps, from the start again.
 TEST(WorldView, TheRunnerStepsGuestsAndBeginsAgain) {
   const std::string scene = write_mixed(fresh_folder());

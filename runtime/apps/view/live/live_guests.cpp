@@ -80,6 +80,26 @@ std::optional<LiveGuests::Hit> LiveGuests::pick(const CameraRay& ray) const {
   return found;
 }
 
+Result<HandSpring> LiveGuests::suitable_springs(const Hit& hit) const {
+  if (is_cloth(hit.guest)) return swinging_spring(cloth(hit.guest).mass());
+  TetBody& body = tets(hit.guest);
+  TetHand hand = hand_at(body.model(), guests_.kind(hit.guest).surface->rest(), hit.vertex);
+  if (Status s = suit_springs(body, hand); !s) return s.error();
+  return HandSpring{hand.stiffness, hand.damping};
+}
+
+Vector3d LiveGuests::vertex_at(std::size_t i, std::size_t vertex) const {
+  BodyMoment moment;
+  look(i, moment);
+  return Eigen::Map<const Eigen::Vector3f>(moment.positions.data() + 3 * vertex).cast<double>();
+}
+
+double LiveGuests::hand_work() const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < size(); ++i) sum += guests_.guests->sums(i).hand;
+  return sum;
+}
+
 double LiveGuests::kinetic_energy() const {
   double sum = 0.0;
   for (std::size_t i = 0; i < size(); ++i)

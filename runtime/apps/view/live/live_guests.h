@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "common/mesh/tet_mesh.h"
+#include "common/result.h"
 #include "runtime/apps/view/camera/camera.h"
 #include "runtime/apps/view/live/world_moment.h"
 #include "runtime/world/world_guests.h"
@@ -50,10 +51,19 @@ class LiveGuests {
     double distance = 0.0;
   };
   std::optional<Hit> pick(const CameraRay& ray) const;
+  // A stiffness and damping that suit a hand there. A cloth swings about the hand with 2 Hz, as a
+  // free body of tetrahedra does; a body of tetrahedra with fixed vertices follows four fifths of
+  // the hand's displacement. Error kUsage: the point is fixed.
+  Result<HandSpring> suitable_springs(const Hit& hit) const;
+  // The place of a vertex of a guest's surface, m.
+  Eigen::Vector3d vertex_at(std::size_t i, std::size_t vertex) const;
+  MixedGuests& all() const { return *guests_.guests; }
 
-  // Sums over all guests: kinetic and elastic energy, J; contacts that began; points in contact.
+  // Sums over all guests: kinetic and elastic energy, work of hands, J; contacts that began; points
+  // in contact.
   double kinetic_energy() const;
   double elastic_energy() const;
+  double hand_work() const;
   std::int64_t contacts() const;
   int active_contacts() const;
 

@@ -70,7 +70,24 @@ Status LiveHand::take(SceneWorld& world, const SceneWorld::Hit& hit, double firm
   return Success{};
 }
 
+Status LiveHand::take(SceneWorld& world, const LiveGuests& guests, const LiveGuests::Hit& hit,
+                      double firmness) {
+  let_go(world);
+  const Result<HandSpring> springs = guests.suitable_springs(hit);
+  if (!springs) return usage_error(guests.name(hit.guest) + ": " + springs.error().message);
+  springs_ = {springs->stiffness * firmness, springs->damping * firmness};
+  MixedGuests& all = guests.all();
+  const GuestHold taken{&all, hit.guest,
+                        all.point_near(hit.guest, guests.vertex_at(hit.guest, hit.vertex))};
+  if (Status s = all.hold(taken.guest, taken.point, springs_); !s) return s;
+  guest_ = taken;
+  begun_ = held(world);
+  way_.setZero();
+  return Success{};
+}
+
 Eigen::Vector3d LiveHand::held(const SceneWorld& world) const {
+  if (guest_) return guest_->guests->point_at(guest_->guest, guest_->point);
   const ContactBody& body = world.body(body_);
   return body.pose() * Eigen::Vector3d(place_.rest + place_.rows * body.state().q);
 }
@@ -78,11 +95,14 @@ Eigen::Vector3d LiveHand::held(const SceneWorld& world) const {
 void LiveHand::before_step(SceneWorld& world) {
   // The number is valid, since the body returned it, and the point is finite.
   if (number_) (void)world.body(body_).move_hand(*number_, point());
+  if (guest_) (void)guest_->guests->move_hand(guest_->guest, point());
 }
 
 void LiveHand::let_go(SceneWorld& world) {
   if (number_) (void)world.body(body_).release(*number_);
   number_.reset();
+  if (guest_) guest_->guests->let_go(guest_->guest);
+  guest_.reset();
 }
 
 namespace {
@@ -187,14 +207,19 @@ Status LiveWorld::refresh() {
   return Success{};
 }
 
-Result<std::optional<Eigen::Vector3d>> LiveWorld::take(const CameraRay& ray, double firmness) {
+Result<std::optional<Eigen::Vector3d>> LiveWorld::take(const CameraRay& ray, double firmness,
+                                                       bool recorded) {
   const Result<std::optional<SceneWorld::Hit>> hit = world_->pick(ray.origin, ray.direction);
   if (!hit) return hit.error();
   const std::optional<LiveGuests::Hit> guest = guests_.pick(ray);
-  if (guest && (!*hit || guest->distance < (*hit)->hit.distance))
-    return usage_error(guests_.name(guest->guest) + ": no hand holds it: " +
-                       (guests_.is_cloth(guest->guest) ? "a cloth" : "a body of tetrahedra") +
-                       " among other bodies cannot be grabbed");
+  if (guest && (!*hit || guest->distance < (*hit)->hit.distance)) {
+    if (recorded)
+      return usage_error(guests_.name(guest->guest) +
+                         ": no hand of a scene holds it: while a hand is recorded, cloths and "
+                         "bodies of tetrahedra among others cannot be grabbed");
+    if (Status s = hand_.take(*world_, guests_, *guest, firmness); !s) return s.error();
+    return std::optional<Eigen::Vector3d>(ray.origin + guest->distance * ray.direction);
+  }
   if (!*hit) return std::optional<Eigen::Vector3d>();
   if (Status s = hand_.take(*world_, **hit, firmness); !s) return s.error();
   return std::optional<Eigen::Vector3d>((*hit)->hit.point);

@@ -344,7 +344,7 @@ class Viewer {
     json["time"] = live.world().time();
     json["steps"] = live.world().steps();
     json["largest_displacement"] = most_moved_;
-    double hand = 0.0;
+    double hand = live.guests().hand_work();
     for (std::size_t i = 0; i < live.world().size(); ++i)
       hand += live.world().body(i).contact_sums().hand;
     json["hand_work"] = hand;
