@@ -119,6 +119,20 @@ TEST(WorldView, ThePictureShowsTheSurfacesOfTheRun) {
   }
 }
 
+// The scenes of the repository, as they are, where their models are.
+TEST(WorldView, TheSampleScenesAreDrawn) {
+  if (const std::string why = testing::no_pictures(); !why.empty()) GTEST_SKIP() << why;
+  for (const std::string name :
+       {"trampoline-ducks", "tablecloth", "blanket", "mixed-stack", "gripper", "dominoes"}) {
+    const Shots shots = shoot(fresh_folder(), TREMOLO_SOURCE_DIR "/assets/scenes/" + name + ".toml",
+                              "--size 160x120 --frames 2 --rate 50 --lights 2");
+    if (shots.result.code == 1 && shots.result.err.find("there is no such") != std::string::npos)
+      GTEST_SKIP() << shots.result.err;
+    ASSERT_EQ(shots.result.code, 0) << name << shots.result.err;
+    EXPECT_NE(picture_of(shots, 0).pixels, picture_of(shots, 1).pixels) << name;
+  }
+}
+
 // Mean of the pixels that are not white, 0 to 255.
 double mean_light(const Picture& picture) {
   double sum = 0.0;
