@@ -9,7 +9,6 @@
 
 #include <Eigen/Geometry>
 
-#include "runtime/apps/tremolo/export/nodal_tracks.h"
 #include "runtime/apps/view/shape/collider_shape.h"
 #include "runtime/apps/view/shape/sheet_geometry.h"
 
@@ -183,29 +182,6 @@ void Stage::add_body(const Body& body, const Vector3f& colour,
   bodies_.push_back(std::move(staged));
 }
 
-Status Stage::add_guests(const LiveGuests& guests, const std::vector<Vector3f>& paints) {
-  for (std::size_t i = 0; i < guests.size(); ++i) {
-    const std::span<const Triangle> all = guests.triangles(i);
-    if (all.empty())
-      return content_error("body '" + guests.name(i) +
-                           "': its model has no surface, there is nothing to show");
-    StagedBody staged;
-    staged.colour = paints[bodies_.size()];
-    staged.own_frame = false;
-    staged.is_cloth = guests.is_cloth(i);
-    staged.rest = guests.rest(i);
-    staged.triangles.assign(all.begin(), all.end());
-    std::vector<std::uint32_t> triangles;
-    for (const Triangle& triangle : all)
-      for (const VertexId v : triangle) triangles.push_back(static_cast<std::uint32_t>(v));
-    staged.mesh = GpuMesh(triangles, std::vector<float>(3 * staged.rest.size()));
-    staged.ranges = {{0, all.size(), 0}};
-    staged.images.resize(1);
-    bodies_.push_back(std::move(staged));
-  }
-  return Success{};
-}
-
 Status Stage::add_images(const std::vector<StageImage>& images) {
   for (const StageImage& image : images) {
     images_.push_back(upload_image(image.picture));
@@ -293,19 +269,6 @@ void Stage::pose_bodies(const WorldMoment& moment) {
   }
 }
 
-// The distances of a guest's vertices from where they would be without deformation.
-void Stage::measure_guest(StagedBody& body) {
-  places_.resize(body.rest.size());
-  for (std::size_t v = 0; v < places_.size(); ++v)
-    places_[v] = Eigen::Map<const Vector3f>(body.positions.data() + 3 * v).cast<double>();
-  const Pose frame = nearest_pose(body.rest, places_);
-  body.distances.resize(places_.size());
-  for (std::size_t v = 0; v < places_.size(); ++v) {
-    body.distances[v] = static_cast<float>((places_[v] - frame * body.rest[v]).norm());
-    most_moved_ = std::max(most_moved_, body.distances[v]);
-  }
-}
-
 void Stage::pose(const WorldMoment& moment) {
   pose_bodies(moment);
   for (std::size_t i = 0; i < colliders_.size(); ++i) {
@@ -345,11 +308,6 @@ bool Stage::knows_stress() const {
                      [](const StagedBody& body) { return body.stress.has_value(); });
 }
 
-bool Stage::knows_degrees() const {
-  return std::any_of(bodies_.begin(), bodies_.end(),
-                     [](const StagedBody& body) { return !body.degrees.empty(); });
-}
-
 void Stage::upload_numbers(StagedBody& body, const std::vector<float>& numbers) {
   body.number_paint.assign(4 * numbers.size(), 0.0f);
   for (std::size_t v = 0; v < numbers.size(); ++v) body.number_paint[4 * v] = numbers[v];
@@ -359,13 +317,6 @@ void Stage::upload_numbers(StagedBody& body, const std::vector<float>& numbers) 
 void Stage::upload_stress(StagedBody& body) {
   most_stressed_ = std::max(most_stressed_, body.stress->look(body.positions, body.stresses));
   upload_numbers(body, body.stresses);
-}
-
-// The numbers of a guest that are its colours; null: it keeps its own colour.
-const std::vector<float>* Stage::numbers_of(const StagedBody& body, ColourBy colour) {
-  if (colour == ColourBy::kMoved && !body.distances.empty()) return &body.distances;
-  if (colour == ColourBy::kDegree && !body.degrees.empty()) return &body.degrees;
-  return nullptr;
 }
 
 void Stage::upload(const StageLook& look) {
