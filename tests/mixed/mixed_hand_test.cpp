@@ -200,7 +200,33 @@ TEST(GuestHand, CountsItsWorkInPartsOfAStep) {
   EXPECT_GT(guests.sums(0).hand, 0.1);
 }
 
-// A hand that goes back to where it was leaves the bits of a guest without one.
+// The hand moves on straight from the start of a part to its end, in the time of the part.
+TEST(GuestHand, MovesOnThroughThePartsOfAStep) {
+  const MixedKind kind = hanging_kind();
+  ClothBody body = testing::sheet_body({.velocity = {0.2, 0.0, 0.1}}, kind);
+  ClothStep step(body, {});
+  step.start();
+  const Vector3d p0(0.1, 0.2, 0.3), way(0.04, -0.02, 0.01);
+  const GuestHand hand{4, 30.0, 2.0, p0, p0 + way};
+  step.start_parts();
+  for (const double from : {0.0, 0.25, 0.5, 0.75}) {
+    const double to = from + 0.25, h = 0.25 * kind.step;
+    step.start_part(from, to);
+    step.begin();
+    step.evaluate({});
+    HandPull pull;
+    pull.set(step, hand, from, to, kind.step);
+    pull.press({});
+    const SiteMotion at = step.motion(hand.point);
+    ASSERT_GT((at.end - at.start).norm(), 0.1 * h);
+    const Vector3d expected =
+        expected_pull(hand, at.start, at.end, p0 + from * way, p0 + to * way, h);
+    EXPECT_LT((pull.force() - expected).norm(), 1e-12 * expected.norm()) << from;
+  }
+  step.end_parts(false);
+}
+
+// A hand that has let go leaves the bits of a guest without one.
 TEST(GuestHand, LeavesNoTraceOnceItHasLetGo) {
   const MixedKind kind = hanging_kind();
   MixedWorld held(kind.step), free(kind.step);
