@@ -66,7 +66,7 @@ ClothStep::ClothStep(ClothBody& body, const ContactOptions& options)
   for (VectorXd* v : {&way_, &known_way_, &kept_, &x1_, &v1_, &middle_, &speed_, &force_, &inertia_,
                       &pushed_, &residual_, &in_, &out_, &missing_})
     v->setZero(n);
-  slopes_.reserve(points());
+  slopes_.reserve(points() + 1);  // a hand may hold a particle in contact
   if (!factor_) inverse_.resize(points());
   middle_ = x1_ = body.state().x;
   assemble(false, false);

@@ -36,6 +36,7 @@ class ClothStep final : public GuestStep {
   // Same as the step of a ClothWorld without obstacles.
   bool step_alone() override;
   ClothBody& body() const { return *body_; }
+  bool is_fixed(std::size_t point) const override { return is_held(point); }
 
   std::size_t points() const override { return areas_.areas.size(); }
   bool feels(std::size_t point) const override { return point < points(); }

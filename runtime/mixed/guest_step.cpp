@@ -28,6 +28,7 @@ void GuestStep::start() {
   part_ = {};
   prepare();
   ball_ = find_ball();
+  ball_.travel += pull_;
 }
 
 void GuestStep::start_parts() {
@@ -41,6 +42,7 @@ void GuestStep::start_part(double from, double to) {
   part_ = {from, to, false};
   begin_part();
   ball_ = find_ball();
+  ball_.travel += pull_;
 }
 
 void GuestStep::end_part() {

@@ -40,6 +40,11 @@ class GuestStep : public StepBody {
   void end_part();
   void end_parts(bool made);
 
+  // True if the point does not move, or moves as its pin does, whatever force acts on it.
+  virtual bool is_fixed(std::size_t point) const = 0;
+  // A hand may move a point by this much more in the next step, m.
+  void set_pull(double way) { pull_ = way; }
+
   // Of contact in the last step.
   const ContactAccount& account() const { return account_; }
   std::span<const ContactedPoint> contacted() const { return contacted_; }
@@ -80,6 +85,7 @@ class GuestStep : public StepBody {
   };
 
   StepBall ball_;
+  double pull_ = 0.0;  // m
   Part part_;
   Before before_;
   ContactRecord sum_;  // of the parts

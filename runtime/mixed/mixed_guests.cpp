@@ -75,6 +75,39 @@ Result<std::size_t> MixedGuests::add(ClothBody body, const ContactOptions& conta
   return guests_.size() - 1;
 }
 
+Status MixedGuests::hold(std::size_t i, std::size_t point, const HandSpring& spring) {
+  const GuestStep& step = *guests_[i]->step;
+  const std::string& of = guests_[i]->name;
+  if (point >= step.points()) return named(of, "there is no point " + std::to_string(point));
+  if (step.is_fixed(point)) return named(of, "point " + std::to_string(point) + " is fixed");
+  for (const double value : {spring.stiffness, spring.damping})
+    if (!(value >= 0.0) || !std::isfinite(value))
+      return named(of, "the stiffness and the damping of a hand must be finite and not negative");
+  const Eigen::Vector3d place = step.start_of(point);
+  guests_[i]->hand = GuestHand{point, spring.stiffness, spring.damping, place, place};
+  return Success{};
+}
+
+Status MixedGuests::move_hand(std::size_t i, const Eigen::Vector3d& place) {
+  if (!guests_[i]->hand) return named(guests_[i]->name, "no hand holds it");
+  if (!place.allFinite()) return named(guests_[i]->name, "the hand's place is not finite");
+  guests_[i]->hand->end = place;
+  return Success{};
+}
+
+const GuestHand* MixedGuests::hand(std::size_t i) const {
+  return guests_[i]->hand ? &*guests_[i]->hand : nullptr;
+}
+
+std::size_t MixedGuests::point_near(std::size_t i, const Eigen::Vector3d& place) const {
+  const GuestStep& step = *guests_[i]->step;
+  std::size_t nearest = 0;
+  for (std::size_t k = 1; k < step.points(); ++k)
+    if ((step.start_of(k) - place).squaredNorm() < (step.start_of(nearest) - place).squaredNorm())
+      nearest = k;
+  return nearest;
+}
+
 double MixedGuests::deepest_in(std::size_t i, std::span<const PlacedCollider> colliders) const {
   double deepest = 0.0;
   const GuestStep& step = *guests_[i]->step;
@@ -90,10 +123,27 @@ double MixedGuests::deepest_in(std::size_t i, std::span<const PlacedCollider> co
 void MixedGuests::start(std::span<const PlacedCollider> colliders) {
   colliders_ = colliders;
   length_ = step_;
+  from_ = 0.0;
+  to_ = 1.0;
   report_ = {};
   in_islands_ = 0;
-  for (const auto& guest : guests_)
-    if (!guest->failed) guest->step->start();
+  for (const auto& guest : guests_) {
+    if (guest->failed) continue;
+    GuestStep& step = *guest->step;
+    // Other forces hold the point, so that its hand moves it by little more than the margin.
+    step.set_pull(guest->hand
+                      ? std::min(step.area_law().margin,
+                                 (guest->hand->end - step.start_of(guest->hand->point)).norm())
+                      : 0.0);
+    step.start();
+  }
+}
+
+void MixedGuests::meet_hand(std::size_t guest) {
+  Guest& of = *guests_[guest];
+  if (!of.hand) return;
+  of.pull.set(*of.step, *of.hand, from_, to_, step_);
+  met_.push_back({bodies_ + guest, PairForces::kNobody, &of.pull});
 }
 
 SharedRate* MixedGuests::next_rate() {
@@ -155,10 +205,12 @@ void MixedGuests::meet_guests(std::size_t guest, std::span<const std::size_t> ot
   }
 }
 
-// Finds the contacts of these guests with each other, with bodies and with colliders.
+// Finds the contacts of these guests with each other, with bodies and with colliders, and their
+// hands.
 void MixedGuests::meet(std::span<const std::size_t> guests,
                        std::span<ContactStep* const> contacts) {
   for (std::size_t k = 0; k < guests.size(); ++k) {
+    meet_hand(guests[k]);
     meet_colliders(guests[k]);
     meet_bodies(guests[k], contacts);
     meet_guests(guests[k], guests.subspan(k + 1));
@@ -315,6 +367,8 @@ void MixedGuests::start_parts() {
 bool MixedGuests::step_part(const GuestPart& part, const HostIsland& island) {
   forget_contacts(whole_counts_);
   colliders_ = part.colliders;
+  from_ = part.from;
+  to_ = part.to;
   length_ = step_ * (part.to - part.from);
   for (const std::size_t guest : who_) guests_[guest]->step->start_part(part.from, part.to);
   part_contacts_.assign(bodies_, nullptr);
@@ -334,6 +388,8 @@ void MixedGuests::end_parts(bool made) {
   forget_contacts(whole_counts_);
   colliders_ = whole_colliders_;
   length_ = step_;
+  from_ = 0.0;
+  to_ = 1.0;
   part_report_.converged = made;
   report_ = other_report_;
   add_report(part_report_);
@@ -371,11 +427,15 @@ void MixedGuests::book(std::size_t guest) {
   of.sums.friction_loss += account.friction_loss;
   of.sums.given += account.given;
   of.sums.error += account.surplus;
+  of.sums.hand += account.hand_work;
   of.deepest = std::max(of.deepest, account.penetration);
   of.slip = std::max(of.slip, account.slip);
   const bool touches = account.active > 0;
   if (touches && !of.touched) ++of.contacts;
   of.touched = touches;
+  if (!of.hand) return;
+  of.hand->force = of.pull.force();
+  of.hand->start = of.hand->end;
 }
 
 }  // namespace tremolo

@@ -19,11 +19,13 @@
 #include "common/result.h"
 #include "runtime/contact/solve/island_guests.h"
 #include "runtime/contact/solve/step_parts.h"
+#include "runtime/contact/springs.h"
 #include "runtime/contact_body.h"
 #include "runtime/mixed/bent_contact.h"
 #include "runtime/mixed/cloth_step.h"
 #include "runtime/mixed/collider_contact.h"
 #include "runtime/mixed/guest_step.h"
+#include "runtime/mixed/hand_pull.h"
 #include "runtime/mixed/hull_contact.h"
 #include "runtime/mixed/mixed_island.h"
 #include "runtime/mixed/reduced_pair.h"
@@ -63,6 +65,22 @@ class MixedGuests final : public IslandGuests {
   std::int64_t contacts(std::size_t i) const { return guests_[i]->contacts; }  // that began
   double penetration_max(std::size_t i) const { return guests_[i]->deepest; }  // m
   double slip_max(std::size_t i) const { return guests_[i]->slip; }  // ContactAccount::slip, m
+  // Holds a contact point of a guest, in place of an earlier hold, with a hand that is at the
+  // point. Until it is moved it stays there; let_go() releases the point. Errors (kUsage): a point
+  // that does not exist or is fixed; a stiffness or damping that is negative or not finite.
+  Status hold(std::size_t i, std::size_t point, const HandSpring& spring);
+  // place: of the hand at the end of the next step, m; it gets there at constant velocity. Errors
+  // (kUsage): the guest is not held; a place that is not finite.
+  Status move_hand(std::size_t i, const Eigen::Vector3d& place);
+  void let_go(std::size_t i) { guests_[i]->hand.reset(); }
+  // Null: no hand holds it. Its work is part of sums(): ContactSums::hand.
+  const GuestHand* hand(std::size_t i) const;
+  // Contact points: the one nearest to a place, and the place of one, m.
+  std::size_t point_near(std::size_t i, const Eigen::Vector3d& place) const;
+  Eigen::Vector3d point_at(std::size_t i, std::size_t point) const {
+    return guests_[i]->step->start_of(point);
+  }
+
   // A body whose step failed is as before it and is not stepped again.
   bool failed(std::size_t i) const { return guests_[i]->failed; }
   // The deepest contact point inside one of the colliders now, and the margin, m.
@@ -91,6 +109,8 @@ class MixedGuests final : public IslandGuests {
     std::unique_ptr<GuestStep> step = {};
     TetStep* tets = nullptr;     // the step of tetrahedra, or null
     ClothStep* cloth = nullptr;  // that of a cloth, or null
+    std::optional<GuestHand> hand = {};
+    HandPull pull = {};
     ContactSums sums = {};
     std::int64_t contacts = 0;
     double deepest = 0.0, slip = 0.0;
@@ -108,6 +128,7 @@ class MixedGuests final : public IslandGuests {
   };
 
   void meet(std::span<const std::size_t> guests, std::span<ContactStep* const> contacts);
+  void meet_hand(std::size_t guest);
   void meet_colliders(std::size_t guest);
   void meet_bodies(std::size_t guest, std::span<ContactStep* const> contacts);
   void meet_guests(std::size_t guest, std::span<const std::size_t> others);
@@ -125,7 +146,8 @@ class MixedGuests final : public IslandGuests {
   void book(std::size_t guest);
 
   double step_;
-  double length_ = 0.0;  // of the present part of the step, s
+  double length_ = 0.0;           // of the present part of the step, s
+  double from_ = 0.0, to_ = 1.0;  // its ends, fractions of the step
   std::vector<std::unique_ptr<Guest>> guests_;
   std::vector<std::pair<const TetModel*, std::shared_ptr<const TetPoints>>> points_;
   std::span<const PlacedCollider> colliders_;

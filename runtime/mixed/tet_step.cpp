@@ -39,7 +39,7 @@ TetStep::TetStep(TetBody& body, std::shared_ptr<const TetPoints> points,
   for (VectorXd* v : {&known_way_, &own_, &pushed_, &kept_, &in_, &out_, &end_, &middle_})
     v->setZero(n);
   still_.resize(body.model().nodes());
-  slopes_.reserve(points_->points.size());
+  slopes_.reserve(points_->points.size() + 1);  // a hand may hold a point in contact
   shares_.resize(points_->points.size());
   if (has_hull())
     for (std::vector<TetTree::Box>* boxes : {&boxes_at_start_, &boxes_at_end_})
@@ -71,6 +71,13 @@ bool TetStep::step_alone() {
   report_ = body_->step();
   forget_contact();
   return report_.converged;
+}
+
+bool TetStep::is_fixed(std::size_t point) const {
+  const std::span<const std::uint8_t> held = body_->model().held();
+  const std::span<const std::uint32_t> nodes = nodes_of(point);
+  return std::all_of(nodes.begin(), nodes.end(),
+                     [held](std::uint32_t node) { return held[node] != 0; });
 }
 
 // A point between vertices has the first of them.

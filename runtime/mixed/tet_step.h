@@ -47,6 +47,7 @@ class TetStep final : public GuestStep {
   bool step_alone() override;
   const TetStepReport& report() const { return report_; }
   TetBody& body() const { return *body_; }
+  bool is_fixed(std::size_t point) const override;
 
   // The body as an obstacle (hull_contact.h). follow_hull(): positions are needed in this step.
   bool has_hull() const { return hull_ && hull_->grid; }

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <fstream>
 
-#include "common/mesh/surface_mesh.h"
 #include "formats/tets/tets_file.h"
 #include "runtime/apps/view/tets/tets_scenes.h"
 #include "tests/support/meshes/small_tets.h"
@@ -13,23 +12,6 @@ namespace {
 
 using Eigen::Vector3d;
 using testing::fresh_folder;
-
-// All of the mesh's boundary is drawn, with its own vertices.
-TetsSurface drawn_boundary(const TetMesh& mesh) {
-  const BoundarySurface boundary = boundary_surface(mesh);
-  TetsSurface drawn;
-  drawn.triangles = boundary.triangles;
-  for (const VertexId v : boundary.vertex_ids) {
-    drawn.vertices.push_back(mesh.vertices[v]);
-    for (std::uint32_t tet = 0; drawn.tetrahedra.size() < drawn.vertices.size(); ++tet)
-      for (int c = 0; c < 4; ++c)
-        if (mesh.tetrahedra[tet][c] == v && drawn.tetrahedra.size() < drawn.vertices.size()) {
-          drawn.tetrahedra.push_back(tet);
-          drawn.weights.push_back(Eigen::Vector4d::Unit(c));
-        }
-  }
-  return drawn;
-}
 
 // Writes a scene of a bar whose end is fixed and of a free one half a metre above it; returns its
 // name. world: its first lines; held, free: further lines of the two.
@@ -49,7 +31,7 @@ std::string write_bars(const std::string& folder, TetsData data, const std::stri
 // Without weight, with surfaces that are drawn.
 std::string two_whole_bars(const std::string& folder) {
   TetsData data = testing::small_tets();
-  data.surface = drawn_boundary(data.mesh);
+  data.surface = testing::drawn_boundary(data.mesh);
   return write_bars(folder, data, "step = 0.01\nduration = 60\ngravity = [0, 0, 0]\n",
                     "beta = 0.02\n", "");
 }

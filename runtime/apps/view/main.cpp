@@ -113,10 +113,11 @@ int view(int count, char** words) {
   if (!options.beside.empty())
     return report_error(usage_error("--beside applies only to scenes of cloth"));
   if (is_scene_of(SceneKind::kTets, options.file)) return view_tets_command(options, flags);
-  if (options.colour == "degree")
-    return report_error(usage_error("--colour degree applies only to bodies of kind \"tets\""));
   const Result<ViewedScene> viewed = read_viewed_scene(options.file, flags);
   if (!viewed) return report_error(viewed.error());
+  if (options.colour == "degree" && viewed->tets.empty())
+    return report_error(
+        usage_error("--colour degree applies only to bodies of kind \"tets\": there are none"));
   const std::vector<NamedFile> inputs = inputs_of_view(options, viewed->inputs);
   if (Status s = check_view_outputs(options, inputs); !s) return report_error(s.error());
   const GuardedInputs guard(inputs);

@@ -20,8 +20,8 @@ inline constexpr const char* kClothCommands =
 
 // Commands that accept a scene with bodies of kind "tets" or "cloth" next to others, for errors.
 inline constexpr const char* kMixedCommands =
-    "`tremolo run` runs such a scene and writes its surfaces, `tremolo inspect` shows where its "
-    "bodies are";
+    "`tremolo run` runs such a scene and writes its surfaces, `tremolo view` shows it, `tremolo "
+    "inspect` prints where its bodies are";
 
 // files: CSV files that the scene names, which were read besides `path`.
 struct SceneFile {

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "common/mesh/surface_mesh.h"
 #include "formats/tets/tets_file.h"
 #include "tests/support/distance_fields.h"
 #include "tests/support/meshes/box_mesh.h"
@@ -38,6 +39,23 @@ inline TetsData small_tets() {
   data.distances = values_at_nodes(data.nodes, sphere_formula(1.0));
   data.provenance = "{\"generator\": \"a test\"}";
   return data;
+}
+
+// All of the mesh's boundary is drawn, with its own vertices.
+inline TetsSurface drawn_boundary(const TetMesh& mesh) {
+  const BoundarySurface boundary = boundary_surface(mesh);
+  TetsSurface drawn;
+  drawn.triangles = boundary.triangles;
+  for (const VertexId v : boundary.vertex_ids) {
+    drawn.vertices.push_back(mesh.vertices[v]);
+    for (std::uint32_t tet = 0; drawn.tetrahedra.size() < drawn.vertices.size(); ++tet)
+      for (int c = 0; c < 4; ++c)
+        if (mesh.tetrahedra[tet][c] == v && drawn.tetrahedra.size() < drawn.vertices.size()) {
+          drawn.tetrahedra.push_back(tet);
+          drawn.weights.push_back(Eigen::Vector4d::Unit(c));
+        }
+  }
+  return drawn;
 }
 
 }  // namespace tremolo::testing

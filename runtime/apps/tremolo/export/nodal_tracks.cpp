@@ -52,7 +52,8 @@ Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3d>& places) {
   return sum / static_cast<double>(places.size());
 }
 
-// The pose for which the sum of |x - pose X|^2 is least.
+}  // namespace
+
 Pose nearest_pose(const std::vector<Eigen::Vector3d>& rest,
                   const std::vector<Eigen::Vector3d>& places) {
   const Eigen::Vector3d rest_mean = mean_of(rest), mean = mean_of(places);
@@ -62,8 +63,6 @@ Pose nearest_pose(const std::vector<Eigen::Vector3d>& rest,
   const Eigen::Matrix3d turn = nearest_rotation(products);
   return {mean - turn * rest_mean, Eigen::Quaterniond(turn).normalized()};
 }
-
-}  // namespace
 
 void record_tets(const TetsKind& kind, const Eigen::VectorXd& positions, const AnimatedShape& shape,
                  AnimatedBody& body) {

@@ -10,9 +10,15 @@
 #include "runtime/bodies/cloth/cloth_parts.h"
 #include "runtime/bodies/tets/scene/tet_scene.h"
 #include "runtime/io/exchange/animation.h"
+#include "runtime/math/pose.h"
 #include "runtime/world/world_guests.h"
 
 namespace tremolo {
+
+// The pose for which the sum of |place - pose rest|^2 is least. At least one vertex, as many of
+// both.
+Pose nearest_pose(const std::vector<Eigen::Vector3d>& rest,
+                  const std::vector<Eigen::Vector3d>& places);
 
 AnimatedShape tets_shape(const TetsKind& kind);
 // The cloth as it is cut, flat, which its vertices are displaced from. Errors: those of

@@ -13,6 +13,7 @@
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/view/live/hand_record.h"
+#include "runtime/apps/view/shape/sheet_geometry.h"
 #include "runtime/apps/view/surfaces/moving_surfaces.h"
 #include "runtime/apps/view/surfaces/surface_window.h"
 #include "runtime/bodies/cloth/cloth_model.h"

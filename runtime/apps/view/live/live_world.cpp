@@ -70,7 +70,24 @@ Status LiveHand::take(SceneWorld& world, const SceneWorld::Hit& hit, double firm
   return Success{};
 }
 
+Status LiveHand::take(SceneWorld& world, const LiveGuests& guests, const LiveGuests::Hit& hit,
+                      double firmness) {
+  let_go(world);
+  const Result<HandSpring> springs = guests.suitable_springs(hit);
+  if (!springs) return usage_error(guests.name(hit.guest) + ": " + springs.error().message);
+  springs_ = {springs->stiffness * firmness, springs->damping * firmness};
+  MixedGuests& all = guests.all();
+  const GuestHold taken{&all, hit.guest,
+                        all.point_near(hit.guest, guests.vertex_at(hit.guest, hit.vertex))};
+  if (Status s = all.hold(taken.guest, taken.point, springs_); !s) return s;
+  guest_ = taken;
+  begun_ = held(world);
+  way_.setZero();
+  return Success{};
+}
+
 Eigen::Vector3d LiveHand::held(const SceneWorld& world) const {
+  if (guest_) return guest_->guests->point_at(guest_->guest, guest_->point);
   const ContactBody& body = world.body(body_);
   return body.pose() * Eigen::Vector3d(place_.rest + place_.rows * body.state().q);
 }
@@ -78,11 +95,14 @@ Eigen::Vector3d LiveHand::held(const SceneWorld& world) const {
 void LiveHand::before_step(SceneWorld& world) {
   // The number is valid, since the body returned it, and the point is finite.
   if (number_) (void)world.body(body_).move_hand(*number_, point());
+  if (guest_) (void)guest_->guests->move_hand(guest_->guest, point());
 }
 
 void LiveHand::let_go(SceneWorld& world) {
   if (number_) (void)world.body(body_).release(*number_);
   number_.reset();
+  if (guest_) guest_->guests->let_go(guest_->guest);
+  guest_.reset();
 }
 
 namespace {
@@ -135,9 +155,17 @@ Status LiveWorld::begin_again(ModelCache& models) {
 }
 
 Status LiveWorld::begin(ModelCache& models) {
-  Result<SceneWorld> world = SceneWorld::create(viewed_.scene, models.source());
+  Result<SceneWorld> world =
+      SceneWorld::create(viewed_.scene, models.source(), viewed_.has_guests());
   if (!world) return world.error();
+  WorldGuests guests;
+  if (viewed_.has_guests())
+    if (Status s =
+            tremolo::take(guests, add_guests(viewed_.tets, viewed_.cloths, viewed_.file, *world));
+        !s)
+      return s;
   world_ = std::make_unique<SceneWorld>(std::move(*world));
+  guests_ = LiveGuests(std::move(guests));
   hand_ = LiveHand();
   trouble_.clear();
   trouble_code_ = 0;
@@ -156,7 +184,7 @@ Status LiveWorld::begin(ModelCache& models) {
 }
 
 Status LiveWorld::look(WorldMoment& moment) const {
-  if (Status s = look_at_world(*world_, moment); !s) return s;
+  if (Status s = look_at_world(*world_, guests_, moment); !s) return s;
   moment.hands.resize(held_.size() + 1);
   for (std::size_t i = 0; i < held_.size(); ++i) {
     const ContactBody& body = world_->body(*world_->find(viewed_.scene.hands[i].body));
@@ -179,14 +207,45 @@ Status LiveWorld::refresh() {
   return Success{};
 }
 
-Status LiveWorld::step() {
-  hand_.before_step(*world_);
-  for (const auto& [body, report] : world_->step()) {
-    if (!trouble_.empty()) continue;
+Result<std::optional<Eigen::Vector3d>> LiveWorld::take(const CameraRay& ray, double firmness,
+                                                       bool recorded) {
+  const Result<std::optional<SceneWorld::Hit>> hit = world_->pick(ray.origin, ray.direction);
+  if (!hit) return hit.error();
+  const std::optional<LiveGuests::Hit> guest = guests_.pick(ray);
+  if (guest && (!*hit || guest->distance < (*hit)->hit.distance)) {
+    if (recorded)
+      return usage_error(guests_.name(guest->guest) +
+                         ": no hand of a scene holds it: while a hand is recorded, cloths and "
+                         "bodies of tetrahedra among others cannot be grabbed");
+    if (Status s = hand_.take(*world_, guests_, *guest, firmness); !s) return s.error();
+    return std::optional<Eigen::Vector3d>(ray.origin + guest->distance * ray.direction);
+  }
+  if (!*hit) return std::optional<Eigen::Vector3d>();
+  if (Status s = hand_.take(*world_, **hit, firmness); !s) return s.error();
+  return std::optional<Eigen::Vector3d>((*hit)->hit.point);
+}
+
+// from: time at which the step began, s.
+void LiveWorld::note_trouble(std::span<const SceneWorld::Failure> failures, double from) {
+  if (!trouble_.empty()) return;
+  if (!failures.empty()) {
+    const auto& [body, report] = failures.front();
     trouble_ =
         "body '" + world_->name(body) + "': " + failure_message(report, world_->body(body).time());
     trouble_code_ = exit_code(error_kind(report.failure));
   }
+  for (std::size_t i = 0; i < guests_.size() && trouble_.empty(); ++i) {
+    if (!guests_.failed(i)) continue;
+    trouble_ = "body '" + guests_.name(i) + "': the step from t = " + number_text(from) +
+               " s could not be solved: take a shorter step";
+    trouble_code_ = exit_code(ErrorKind::kSolver);
+  }
+}
+
+Status LiveWorld::step() {
+  const double from = world_->time();
+  hand_.before_step(*world_);
+  note_trouble(world_->step(), from);
   newest_ = 1 - newest_;
   return look(moments_[newest_]);
 }

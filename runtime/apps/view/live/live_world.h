@@ -11,6 +11,8 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
+#include "runtime/apps/view/camera/camera.h"
+#include "runtime/apps/view/live/live_guests.h"
 #include "runtime/apps/view/live/viewed_scene.h"
 #include "runtime/apps/view/live/world_moment.h"
 #include "runtime/world/scene_world.h"
@@ -22,6 +24,7 @@ namespace tremolo {
 // the hand. The damping is half critical.
 HandSpring suitable_springs(const ContactBody& body, const VertexRows& place);
 
+// A hand on a vertex of a body, or on a contact point of a guest.
 class LiveHand {
  public:
   // Enables every body of the world to be grabbed, where possible; `world` must be before its first
@@ -31,6 +34,10 @@ class LiveHand {
   // Grabs the vertex with the largest weight at the hit point, with springs `firmness` times the
   // suitable ones. Errors: kUsage if the body cannot be grabbed or the vertex does not move.
   Status take(SceneWorld& world, const SceneWorld::Hit& hit, double firmness);
+  // The same of the guest's contact point that is nearest to the vertex hit. Errors: kUsage if it
+  // is fixed.
+  Status take(SceneWorld& world, const LiveGuests& guests, const LiveGuests::Hit& hit,
+              double firmness);
   // way: displacement of the hand, from the vertex's position when it was grabbed to the end of the
   // next step, m, world.
   void move(const Eigen::Vector3d& way) { way_ = way; }
@@ -38,7 +45,8 @@ class LiveHand {
   void before_step(SceneWorld& world);
   void let_go(SceneWorld& world);
 
-  bool holds() const { return number_.has_value(); }
+  bool holds() const { return number_.has_value() || guest_.has_value(); }
+  // Of a body that is not a guest.
   std::size_t body() const { return body_; }
   VertexId vertex() const { return vertex_; }
   HandSpring springs() const { return springs_; }
@@ -56,11 +64,17 @@ class LiveHand {
   HandSpring springs_;
   Eigen::Vector3d begun_ = Eigen::Vector3d::Zero(), way_ = Eigen::Vector3d::Zero();
   std::optional<std::size_t> number_;
+  // Instead of body_ to number_, where a guest is held.
+  struct GuestHold {
+    MixedGuests* guests = nullptr;
+    std::size_t guest = 0, point = 0;
+  };
+  std::optional<GuestHold> guest_;
 };
 
 class LiveWorld {
  public:
-  // Errors of SceneWorld::create, and of the bodies' starts.
+  // Errors of SceneWorld::create, of add_guests, and of the bodies' starts.
   static Result<LiveWorld> create(const ViewedScene& viewed, ModelCache& models);
 
   // Restarts with the present methods and step.
@@ -68,9 +82,17 @@ class LiveWorld {
 
   SceneWorld& world() { return *world_; }
   const SceneWorld& world() const { return *world_; }
+  const LiveGuests& guests() const { return guests_; }
   const ViewedScene& viewed() const { return viewed_; }
   LiveHand& hand() { return hand_; }
   const LiveHand& hand() const { return hand_; }
+
+  // The hand takes the first body that the ray meets, with springs `firmness` times the suitable
+  // ones. recorded: the hand is recorded as one of a scene, which cannot hold a guest. Returns the
+  // point at which the ray meets it, m; nothing: it meets none. Errors of LiveHand::take; kUsage
+  // for a guest if the hand is recorded.
+  Result<std::optional<Eigen::Vector3d>> take(const CameraRay& ray, double firmness,
+                                              bool recorded = false);
 
   // Steps the world. A body whose step fails stays at rest from then on, and trouble() gives the
   // reason. Errors of look_at_world.
@@ -91,9 +113,11 @@ class LiveWorld {
   LiveWorld() = default;
   Status begin(ModelCache& models);
   Status look(WorldMoment& moment) const;
+  void note_trouble(std::span<const SceneWorld::Failure> failures, double from);
 
   ViewedScene viewed_;
   std::unique_ptr<SceneWorld> world_;
+  LiveGuests guests_;
   LiveHand hand_;
   std::vector<VertexRows> held_;  // by the scene's hands
   WorldMoment moments_[2];

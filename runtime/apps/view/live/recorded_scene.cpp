@@ -4,6 +4,7 @@
 #include <toml++/toml.h>
 
 #include "runtime/apps/view/live/hand_record.h"
+#include "runtime/io/scenes/scene_keys.h"
 
 namespace tremolo {
 namespace {
@@ -122,6 +123,7 @@ Status write_recorded_scene(const std::string& path, const LiveWorld& live,
   std::size_t at = 0;
   for (toml::node& node : *table["bodies"].as_array()) {
     toml::table& body = *node.as_table();
+    if (is_of_tets(body) || is_of_cloth(body)) continue;  // these keep their methods
     const std::string name = body["name"].value_or<std::string>("");
     while (at < live.world().size() && live.world().name(at) != name &&
            !live.world().name(at).starts_with(name + "-"))

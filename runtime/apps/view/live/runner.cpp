@@ -95,20 +95,11 @@ void Runner::press(const CameraRay& ray, double firmness) {
     pull_.reset();
   }
   post([this, ray, firmness](LiveWorld& live) {
-    bool holds = false;
-    std::string trouble;
-    const auto hit = live.world().pick(ray.origin, ray.direction);
-    if (!hit)
-      trouble = hit.error().message;
-    else if (*hit) {
-      const Status taken = live.hand().take(live.world(), **hit, firmness);
-      holds = bool(taken);
-      if (!taken) trouble = taken.error().message;
-    }
+    const auto taken = live.take(ray, firmness, records_);
     const std::lock_guard lock(mutex_);
-    pressed_ = holds;
-    if (holds) grabbed_at_ = (*hit)->hit.point;
-    if (!trouble.empty()) report_.trouble = trouble;
+    pressed_ = taken && taken->has_value();
+    if (*pressed_) grabbed_at_ = **taken;
+    if (!taken) report_.trouble = taken.error().message;
   });
 }
 
@@ -241,8 +232,8 @@ void Runner::publish(bool stepped) {
   report_.steps = world.steps();
   report_.holds = world_.hand().holds();
   if (!stepped) tell_methods();
-  report_.contacts = 0;
-  report_.active_contacts = 0;
+  report_.contacts = world_.guests().contacts();
+  report_.active_contacts = world_.guests().active_contacts();
   for (std::size_t i = 0; i < world.size(); ++i) {
     report_.contacts += world.contacts(i);
     report_.active_contacts += world.body(i).contact_account().active;
@@ -268,6 +259,8 @@ void Runner::tell_methods() {
 
 void Runner::take_sample() {
   EnergySample sample{world_.world().time()};
+  sample.kinetic = world_.guests().kinetic_energy();
+  sample.potential = world_.guests().elastic_energy();
   for (std::size_t i = 0; i < world_.world().size(); ++i) {
     const Energy energy = world_.world().body(i).energy();
     sample.kinetic += energy.kinetic;

@@ -8,6 +8,7 @@
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/run/run_files.h"
 #include "runtime/apps/tremolo/world/world_commands.h"
+#include "runtime/io/scenes/nodal_readers.h"
 #include "runtime/io/scenes/scene_reader.h"
 
 namespace tremolo {
@@ -88,11 +89,24 @@ Result<ViewedScene> read_viewed_scene(const std::string& file, const GivenFlags&
   const Result<bool> world = is_world(*text, file);
   if (!world) return world.error();
   if (!*world) return single_bodies(*text, file, flags);
-  Result<SceneFile> read = parse_world(*text, file);
+  Result<MixedFile> read = parse_mixed(*text, file);
   if (!read) return read.error();
   if (Status s = apply_flags(flags, *read); !s) return s.error();
-  return ViewedScene{file, std::move(*text), read->scene,
-                     std::vector<std::string>(read->scene.bodies.size()), inputs_of(*read)};
+  const Scene& scene = read->file.scene;
+  return ViewedScene{file,
+                     std::move(*text),
+                     scene,
+                     std::vector<std::string>(scene.bodies.size()),
+                     inputs_of(*read),
+                     std::move(read->tets),
+                     std::move(read->cloths)};
+}
+
+Scene shown_scene(const ViewedScene& viewed) {
+  Scene shown = viewed.scene;
+  for (const TetSceneBody& body : viewed.tets) shown.bodies.emplace_back().name = body.name;
+  for (const ClothSceneBody& body : viewed.cloths) shown.bodies.emplace_back().name = body.name();
+  return shown;
 }
 
 ModelSource ModelCache::source() {

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "runtime/apps/view/live/live_guests.h"
+
 namespace tremolo {
 namespace {
 
@@ -18,9 +20,10 @@ Pose mixed_pose(const Pose& a, const Pose& b, double share) {
 
 }  // namespace
 
-Status look_at_world(const SceneWorld& world, WorldMoment& moment) {
+Status look_at_world(const SceneWorld& world, const LiveGuests& guests, WorldMoment& moment) {
   moment.time = world.time();
-  moment.bodies.resize(world.size());
+  moment.bodies.resize(world.size() + guests.size());
+  for (std::size_t i = 0; i < guests.size(); ++i) guests.look(i, moment.bodies[world.size() + i]);
   for (std::size_t i = 0; i < world.size(); ++i) {
     const ContactBody& body = world.body(i);
     BodyMoment& seen = moment.bodies[i];
@@ -49,6 +52,7 @@ void between(const WorldMoment& a, const WorldMoment& b, double share, WorldMome
     out.bodies[i].pose = mixed_pose(early.pose, late.pose, share);
     mix_numbers(early.positions, late.positions, share, out.bodies[i].positions);
     mix_numbers(early.normals, late.normals, share, out.bodies[i].normals);
+    mix_numbers(early.degrees, late.degrees, share, out.bodies[i].degrees);
   }
   out.colliders.resize(b.colliders.size());
   for (std::size_t i = 0; i < b.colliders.size(); ++i)

@@ -44,12 +44,12 @@ struct Studio {
   std::optional<PictureTarget> target;
 };
 
-Result<Studio> open_studio(const ViewSetup& setup, const SceneWorld& world) {
+Result<Studio> open_studio(const ViewSetup& setup, const LiveWorld& live) {
   Studio studio;
   if (Status s = take(studio.context, EglContext::create()); !s) return s.error();
   if (Status s = take(studio.renderer, Renderer::create()); !s) return s.error();
   if (Status s = take(studio.stage,
-                      Stage::create(world, setup.up, setup.paints, setup.images, setup.solids));
+                      Stage::create(live, setup.up, setup.paints, setup.images, setup.solids));
       !s)
     return s.error();
   Result<PictureTarget> target = PictureTarget::create(setup.size);
@@ -116,6 +116,7 @@ class Photographer {
 
   // The value shown in red: the requested one, or the largest so far.
   float full_colour(const Stage& stage, ShotList& shots) {
+    if (stage_look_.colour == ColourBy::kDegree) return 1.0f;
     moved_ = std::max(moved_, stage.most_moved());
     const bool stress = stage_look_.colour == ColourBy::kStress;
     shots.most_stressed = std::max(shots.most_stressed, stage.most_stressed());
@@ -213,12 +214,12 @@ Result<CurvePoint> orbit_of(const ViewerOptions& options, const SceneWorld& worl
 Result<int> photograph(const ViewerOptions& options, const ViewedScene& viewed) {
   if (options.out.empty() && options.video.empty())
     return usage_error("--offscreen needs --out DIR, --video FILE.mp4|.webm, or both");
-  const Result<ViewSetup> setup = make_setup(options, viewed.scene);
+  const Result<ViewSetup> setup = make_setup(options, shown_scene(viewed));
   if (!setup) return setup.error();
   ModelCache models;
   Result<LiveWorld> live = LiveWorld::create(viewed, models);
   if (!live) return live.error();
-  Result<Studio> studio = open_studio(*setup, live->world());
+  Result<Studio> studio = open_studio(*setup, *live);
   if (!studio) return studio.error();
   Result<PictureSeries> series = PictureSeries::create(options.out, options.video, options.rate,
                                                        setup->size.width, setup->size.height);

@@ -99,7 +99,7 @@ Result<std::vector<std::optional<Material>>> solids_of(const Scene& scene, bool 
   if (needed && !known)
     return content_error(
         "--colour stress: no body's material is known: its model's file must name one isotropic "
-        "material, and it must not be on bones");
+        "material, and it must not be on bones; bodies of kind \"tets\" and \"cloth\" have none");
   return solids;
 }
 
@@ -155,6 +155,7 @@ Result<ViewSetup> make_setup(const ViewerOptions& options, const Scene& scene) {
 ColourBy colour_by(const std::string& name) {
   return name == "moved"    ? ColourBy::kMoved
          : name == "stress" ? ColourBy::kStress
+         : name == "degree" ? ColourBy::kDegree
                             : ColourBy::kBody;
 }
 

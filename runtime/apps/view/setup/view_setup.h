@@ -20,13 +20,14 @@ struct ViewSetup {
   UpAxis up = UpAxis::kZ;
   CameraWish camera;
   std::optional<Eigen::Vector3f> background;  // none: the studio
-  std::vector<Eigen::Vector3f> paints;        // of each body of the scene, linear light
+  std::vector<Eigen::Vector3f> paints;        // of each body and guest, linear light
   std::vector<StageImage> images;
   std::vector<std::optional<Material>>
       solids;  // of each body; empty if its model's file does not name it
 };
 
-// scene: its gravity gives the up axis unless the options do. Errors: kUsage, kContent, also for
+// scene: as of shown_scene(): its gravity gives the up axis unless the options do. Errors: kUsage,
+// kContent, also for
 // --colour stress if no model names its material; kSystem for an image that cannot be read.
 Result<ViewSetup> make_setup(const ViewerOptions& options, const Scene& scene);
 
@@ -42,7 +43,7 @@ PictureLook look_of(const ViewerOptions& options, const ViewSetup& setup, const 
   return look_of(options, setup, stage.ground(), stage.has_ground(), lights);
 }
 
-// The colour that an option names: body, moved or stress.
+// The colour that an option names: body, moved, stress or degree.
 ColourBy colour_by(const std::string& name);
 
 // --lights N: a quarter of them in the lamp. At most kMostLights.

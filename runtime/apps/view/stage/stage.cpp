@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "runtime/apps/view/shape/collider_shape.h"
+#include "runtime/apps/view/shape/sheet_geometry.h"
 
 namespace tremolo {
 namespace {
@@ -21,10 +22,11 @@ using Eigen::Vector3f;
 constexpr std::uint32_t kColliderColour = 0x9aa4b0, kHandColour = 0xe8c020;
 constexpr std::array<float, 4> kMaterialShades = {1.0f, 0.55f, 1.35f, 0.3f};
 constexpr float kGlass = 0.22f;          // how much of it is seen
-constexpr std::size_t kMostHidden = 64;  // bodies that are looked for
-constexpr double kHandRadius = 0.012;    // of the world's size
-constexpr double kPlaneReach = 3.0;      // of the world's size, for a plane that is not the ground
-constexpr double kLevel = 0.9998;        // cosine of how far a ground may be out of level
+constexpr std::size_t kMostHidden = 64;  // bodies, or vertices of a cloth, that are looked for
+constexpr float kGuestGloss = 0.15f;
+constexpr double kHandRadius = 0.012;  // of the world's size
+constexpr double kPlaneReach = 3.0;    // of the world's size, for a plane that is not the ground
+constexpr double kLevel = 0.9998;      // cosine of how far a ground may be out of level
 
 float linear_share(std::uint32_t value) {
   const double x = value / 255.0;
@@ -100,10 +102,17 @@ Vector3f linear_colour(std::uint32_t rgb) {
   return {linear_share(rgb >> 16 & 255U), linear_share(rgb >> 8 & 255U), linear_share(rgb & 255U)};
 }
 
-Result<std::unique_ptr<Stage>> Stage::create(const SceneWorld& world, UpAxis up,
+float most_yield(const Collider& solid) {
+  if (std::holds_alternative<PlaneShape>(solid)) return 0.0f;
+  const BoundingBox box = bounds(solid);
+  return static_cast<float>(0.5 * (box.high - box.low).minCoeff());
+}
+
+Result<std::unique_ptr<Stage>> Stage::create(const LiveWorld& live, UpAxis up,
                                              const std::vector<Eigen::Vector3f>& paints,
                                              const std::vector<StageImage>& images,
                                              const std::vector<std::optional<Material>>& solids) {
+  const SceneWorld& world = live.world();
   std::unique_ptr<Stage> stage(new Stage());
   stage->up_ = up;
   for (std::size_t i = 0; i < world.size(); ++i) {
@@ -112,17 +121,20 @@ Result<std::unique_ptr<Stage>> Stage::create(const SceneWorld& world, UpAxis up,
                            "': its model has no surface, there is nothing to show");
     stage->add_body(world.body(i), paints[i], solids[i]);
   }
+  if (Status s = stage->add_guests(live.guests(), paints); !s) return s.error();
   if (Status s = stage->add_images(images); !s) return s.error();
-  WorldMoment start;
-  if (Status s = look_at_world(world, start); !s) return s.error();
+  const WorldMoment& start = live.now();
   stage->pose_bodies(start);
+  for (const StagedBody& body : stage->bodies_)
+    if (!body.rest.empty())
+      stage->edge_ = std::max(stage->edge_, mean_edge(body.triangles, body.positions));
   GrownBox box;
   for (const StagedBody& body : stage->bodies_) add_vertices(body.positions, body.pose, box);
   if (!box.empty()) stage->size_ = std::max((box.high - box.low).norm(), 1e-9);
   stage->add_colliders(world);
   stage->hand_mesh_ = GpuMesh(ball_shape(kHandRadius * stage->size_));
   stage->pose(start);
-  stage->find_ground(world);
+  stage->find_ground(live);
   return stage;
 }
 
@@ -175,7 +187,7 @@ Status Stage::add_images(const std::vector<StageImage>& images) {
     images_.push_back(upload_image(image.picture));
     bool used = false;
     for (StagedBody& body : bodies_) {
-      const RenderBlock* render = body.model->render();
+      const RenderBlock* render = body.model ? body.model->render() : nullptr;
       if (render == nullptr || render->surface.uvs.empty()) continue;
       for (std::size_t k = 0; k < body.ranges.size(); ++k) {
         const std::string& name = render->surface.materials[body.ranges[k].material];
@@ -201,13 +213,14 @@ void Stage::add_colliders(const SceneWorld& world) {
     staged.solid = collider.shape;
     staged.is_plane = std::holds_alternative<PlaneShape>(collider.shape);
     staged.is_ground = is_level_plane(collider.shape, collider.end, up_);
+    staged.yields = std::min(static_cast<float>(edge_), most_yield(collider.shape));
     staged.shape = collider_shape(collider.shape, kPlaneReach * size_);
     staged.mesh = GpuMesh(staged.shape);
     colliders_.push_back(std::move(staged));
   }
 }
 
-void Stage::find_ground(const SceneWorld& world) {
+void Stage::find_ground(const LiveWorld& live) {
   const Vector3d up = up_direction(up_);
   double lowest = std::numeric_limits<double>::infinity();
   for (const StagedBody& body : bodies_)
@@ -222,8 +235,9 @@ void Stage::find_ground(const SceneWorld& world) {
     for (const Vector3f& x : collider.shape.positions)
       lowest = std::min(lowest, up.dot(collider.pose * x.cast<double>()));
   }
-  for (std::size_t i = 0; i < world.size(); ++i)
-    flies = flies || world.body(i).frame() == FrameKind::kFree;
+  for (std::size_t i = 0; i < live.world().size(); ++i)
+    flies = flies || live.world().body(i).frame() == FrameKind::kFree;
+  for (std::size_t i = 0; i < live.guests().size(); ++i) flies = flies || !live.guests().is_held(i);
   ground_ = std::isfinite(lowest) ? lowest : 0.0;
   has_ground_ = catches || !flies;
   for (const StagedCollider& collider : colliders_)
@@ -239,6 +253,8 @@ void Stage::pose_bodies(const WorldMoment& moment) {
     if (!body.own_frame) {
       body.positions = seen.positions;
       body.normals = seen.normals;
+      body.degrees = seen.degrees;
+      if (!body.rest.empty()) measure_guest(body);
       continue;
     }
     surface_with_normals(body.model->surface_basis(), body.model->drawn().triangles, seen.q,
@@ -292,12 +308,15 @@ bool Stage::knows_stress() const {
                      [](const StagedBody& body) { return body.stress.has_value(); });
 }
 
+void Stage::upload_numbers(StagedBody& body, const std::vector<float>& numbers) {
+  body.number_paint.assign(4 * numbers.size(), 0.0f);
+  for (std::size_t v = 0; v < numbers.size(); ++v) body.number_paint[4 * v] = numbers[v];
+  body.mesh.paint(body.number_paint);
+}
+
 void Stage::upload_stress(StagedBody& body) {
   most_stressed_ = std::max(most_stressed_, body.stress->look(body.positions, body.stresses));
-  body.stress_paint.assign(4 * body.stresses.size(), 0.0f);
-  for (std::size_t v = 0; v < body.stresses.size(); ++v)
-    body.stress_paint[4 * v] = body.stresses[v];
-  body.mesh.paint(body.stress_paint);
+  upload_numbers(body, body.stresses);
 }
 
 void Stage::upload(const StageLook& look) {
@@ -306,6 +325,8 @@ void Stage::upload(const StageLook& look) {
     body.mesh.move(body.positions, body.normals);
     if (look.colour == ColourBy::kStress && body.stress)
       upload_stress(body);
+    else if (const std::vector<float>* numbers = numbers_of(body, look.colour))
+      upload_numbers(body, *numbers);
     else if (!body.stresses.empty() && !body.own_paint.empty())
       body.mesh.paint(body.own_paint);
   }
@@ -327,39 +348,58 @@ void Stage::add_hands(std::vector<DrawnThing>& things) const {
   }
 }
 
+// The middle of a cloth may be inside what it hangs over, which hides half of it: the collider
+// hides a cloth if it hides nine tenths of its vertices.
+template <class Hides>
+bool Stage::hides_most(const StagedBody& cloth, const Hides& hides) {
+  const std::size_t vertices = cloth.positions.size() / 3;
+  const std::size_t stride = std::max<std::size_t>(1, vertices / kMostHidden);
+  std::size_t hidden = 0, all = 0;
+  for (std::size_t v = 0; v < vertices; v += stride, ++all)
+    if (hides(Eigen::Map<const Vector3f>(cloth.positions.data() + 3 * v).cast<double>())) ++hidden;
+  return 10 * hidden >= 9 * all;
+}
+
 bool Stage::hides_a_body(const StagedCollider& collider, const Vector3d& eye) const {
   const auto into = [&collider](const Vector3d& x) {
     return Vector3d(collider.pose.rotation.conjugate() * (x - collider.pose.position));
   };
+  const auto hides = [&](const Vector3d& x) {
+    return first_hit(collider.solid, into(eye), into(x)).has_value();
+  };
   const std::size_t looks = std::min(bodies_.size(), kMostHidden);
   for (std::size_t i = 0; i < looks; ++i)
-    if (first_hit(collider.solid, into(eye), into(bodies_[i].middle))) return true;
+    if (bodies_[i].is_cloth ? hides_most(bodies_[i], hides) : hides(bodies_[i].middle)) return true;
   return false;
+}
+
+void Stage::add_body_things(const StagedBody& body, const StageLook& look) {
+  for (std::size_t k = 0; k < body.ranges.size(); ++k) {
+    const MaterialRange& range = body.ranges[k];
+    DrawnThing thing;
+    thing.mesh = &body.mesh;
+    thing.pose = matrix_of(body.pose);
+    thing.first = range.first;
+    thing.count = range.count;
+    thing.colour = body.colour;
+    // Materials without an image or colours of their own differ by brightness.
+    if (body.ranges.size() > 1)
+      thing.colour *= kMaterialShades[range.material % kMaterialShades.size()];
+    thing.paint = body.paint;
+    thing.image = body.images[k];
+    if (thing.image != 0) thing.paint = Paint::kImage;
+    if (look.colour == ColourBy::kMoved && body.own_frame) thing.paint = Paint::kMoved;
+    if (look.colour == ColourBy::kStress && body.stress) thing.paint = Paint::kNumber;
+    if (!body.rest.empty()) thing.gloss = kGuestGloss;
+    if (numbers_of(body, look.colour) != nullptr) thing.paint = Paint::kNumber;
+    if (body.is_cloth && !colliders_.empty()) thing.lifted = static_cast<float>(0.5 * edge_);
+    things_.push_back(thing);
+  }
 }
 
 const std::vector<DrawnThing>& Stage::things(const StageLook& look, const Vector3d& eye) {
   things_.clear();
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    const StagedBody& body = bodies_[i];
-    for (std::size_t k = 0; k < body.ranges.size(); ++k) {
-      const MaterialRange& range = body.ranges[k];
-      DrawnThing thing;
-      thing.mesh = &body.mesh;
-      thing.pose = matrix_of(body.pose);
-      thing.first = range.first;
-      thing.count = range.count;
-      thing.colour = body.colour;
-      // Materials without an image or colours of their own differ by brightness.
-      if (body.ranges.size() > 1)
-        thing.colour *= kMaterialShades[range.material % kMaterialShades.size()];
-      thing.paint = body.paint;
-      thing.image = body.images[k];
-      if (thing.image != 0) thing.paint = Paint::kImage;
-      if (look.colour == ColourBy::kMoved && body.own_frame) thing.paint = Paint::kMoved;
-      if (look.colour == ColourBy::kStress && body.stress) thing.paint = Paint::kNumber;
-      things_.push_back(thing);
-    }
-  }
+  for (const StagedBody& body : bodies_) add_body_things(body, look);
   for (const StagedCollider& collider : colliders_) {
     if (!look.colliders || collider.is_ground) continue;
     DrawnThing thing;
@@ -370,6 +410,7 @@ const std::vector<DrawnThing>& Stage::things(const StageLook& look, const Vector
     thing.shadow = !collider.is_plane;
     thing.wire = !collider.is_plane;
     thing.gloss = 0.3f;
+    thing.yields = collider.yields;
     if (hides_a_body(collider, eye)) {
       thing.glass = kGlass;
       thing.shadow = false;

@@ -10,7 +10,7 @@
 #include "common/result.h"
 #include "runtime/apps/view/camera/camera.h"
 #include "runtime/apps/view/draw/renderer.h"
-#include "runtime/apps/view/live/world_moment.h"
+#include "runtime/apps/view/live/live_world.h"
 #include "runtime/apps/view/picture/png_file.h"
 #include "runtime/apps/view/shape/surface_stress.h"
 #include "runtime/bodies/reduced/surface/surface.h"
@@ -26,9 +26,11 @@ struct StageImage {
 };
 
 // The colours of bodies: their own, the distance of each vertex from its rest position in the
-// body's frame, or von Mises' stress (runtime/apps/view/shape/surface_stress.h). Bodies on bones
-// keep their own colours, as do those of unknown material with kStress.
-enum class ColourBy { kBody, kMoved, kStress };
+// body's frame, von Mises' stress (runtime/apps/view/shape/surface_stress.h), or the fraction of
+// quadratic edges of tetrahedra. The frame of a guest is the pose nearest to all of its vertices.
+// Bodies on bones keep their own colours, as do those without a known material with kStress, and
+// all but bodies of tetrahedra with kDegree.
+enum class ColourBy { kBody, kMoved, kStress, kDegree };
 
 struct StageLook {
   ColourBy colour = ColourBy::kBody;
@@ -37,11 +39,11 @@ struct StageLook {
 
 class Stage {
  public:
-  // A context must be current, as long as the stage lives. world: before its first step; its models
-  // must outlive the stage. paints: a colour per body, linear light. solids: a material per body,
-  // if it is known. Errors: kContent for an image whose material no body has, or for images if no
-  // body has texture coordinates.
-  static Result<std::unique_ptr<Stage>> create(const SceneWorld& world, UpAxis up,
+  // A context must be current, as long as the stage lives. live: before its first step; its models
+  // must outlive the stage. paints: a colour per body and then per guest, linear light. solids: a
+  // material for each, if it is known. Errors: kContent for an image whose material no body has, or
+  // for images if no body has texture coordinates; for a body without a surface.
+  static Result<std::unique_ptr<Stage>> create(const LiveWorld& live, UpAxis up,
                                                const std::vector<Eigen::Vector3f>& paints,
                                                const std::vector<StageImage>& images,
                                                const std::vector<std::optional<Material>>& solids);
@@ -68,13 +70,15 @@ class Stage {
   float most_moved() const { return most_moved_; }
   // The largest stress of a vertex, Pa, in the last upload() that computed it.
   float most_stressed() const { return most_stressed_; }
-  // True if the stress of at least one body can be computed.
+  // True if the stress of at least one body can be computed; if there are bodies of tetrahedra.
   bool knows_stress() const;
+  bool knows_degrees() const;
 
  private:
   struct MaterialRange {
     std::size_t first, count, material;
   };
+  // A body of the world, or a guest, which has no model.
   struct StagedBody {
     Model::Pointer model;
     GpuMesh mesh;
@@ -87,7 +91,12 @@ class Stage {
     std::vector<GLuint> images;                        // one a range; 0: none
     bool own_frame = true;
     std::optional<SurfaceStress> stress;
-    std::vector<float> stresses, stress_paint, own_paint;  // of vertices; the paints r g b a
+    std::vector<float> stresses, number_paint, own_paint;  // of vertices; the paints r g b a
+    // Of a guest: at rest, m; distances from there in its frame, m; degrees of tetrahedra.
+    std::vector<Eigen::Vector3d> rest;
+    std::vector<Triangle> triangles;
+    std::vector<float> distances, degrees;
+    bool is_cloth = false;
   };
   struct StagedCollider {
     GpuMesh mesh;
@@ -95,19 +104,27 @@ class Stage {
     Collider solid;
     Pose pose;
     bool is_ground = false, is_plane = false;
+    float yields = 0.0f;  // m, as DrawnThing has it
   };
 
   Stage() = default;
   void add_body(const Body& body, const Eigen::Vector3f& colour,
                 const std::optional<Material>& solid);
+  Status add_guests(const LiveGuests& guests, const std::vector<Eigen::Vector3f>& paints);
   void upload_stress(StagedBody& body);
+  static void upload_numbers(StagedBody& body, const std::vector<float>& numbers);
+  static const std::vector<float>* numbers_of(const StagedBody& body, ColourBy colour);
+  void measure_guest(StagedBody& body);
   Status add_images(const std::vector<StageImage>& images);
   void add_colliders(const SceneWorld& world);
-  void find_ground(const SceneWorld& world);
+  void find_ground(const LiveWorld& live);
   void pose_bodies(const WorldMoment& moment);
   void enclose();
   void add_hands(std::vector<DrawnThing>& things) const;
   bool hides_a_body(const StagedCollider& collider, const Eigen::Vector3d& eye) const;
+  template <class Hides>
+  static bool hides_most(const StagedBody& cloth, const Hides& hides);
+  void add_body_things(const StagedBody& body, const StageLook& look);
 
   UpAxis up_ = UpAxis::kZ;
   std::vector<StagedBody> bodies_;
@@ -116,13 +133,20 @@ class Stage {
   std::vector<GlHandle> images_;
   GpuMesh hand_mesh_;
   SurfaceWorkspace workspace_;
+  std::vector<Eigen::Vector3d> places_;  // of a guest that is measured, m
   std::vector<DrawnThing> things_;
   ShownBall ball_;
   bool posed_ = false;
   double ground_ = 0.0, size_ = 1.0;
   bool has_ground_ = true;
   float most_moved_ = 0.0f, most_stressed_ = 0.0f;
+  double edge_ = 0.0;  // m, at first, of the guests' triangles: the mean of the coarsest guest
 };
+
+// Solids yield to what rests on them by its vertices (DrawnThing::yields): by an edge of its
+// triangles, of which half is cut off at a right angle, but by no more than this, m: half of the
+// solid's least extent, since behind it things are hidden. A plane does not yield.
+float most_yield(const Collider& solid);
 
 // "#rrggbb" as linear light, 0 to 1 each.
 Eigen::Vector3f linear_colour(std::uint32_t rgb);

@@ -2,9 +2,7 @@
 // Positions in m, as shown.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,7 +10,6 @@
 #include <vector>
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 
 #include "common/mesh/tet_mesh.h"
 #include "common/result.h"
@@ -102,47 +99,6 @@ inline Status MovingSurfaces::record_hand() {
 }
 inline Status MovingSurfaces::write_hand(const std::string&) {
   return record_hand();
-}
-
-// Intersection of a ray with a triangle. Distance along the ray's direction to the triangle, by
-// Möller and Trumbore (1997); nothing if it misses. A ray along a common edge meets both triangles,
-// whatever is rounded.
-inline std::optional<double> meets(const CameraRay& ray, const Eigen::Vector3d& a,
-                                   const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
-  using Eigen::Vector3d;
-  const Vector3d ab = b - a, ac = c - a, normal = ray.direction.cross(ac);
-  const double size = ab.dot(normal);
-  if (size == 0.0) return std::nullopt;
-  const Vector3d from = ray.origin - a, turned = from.cross(ab);
-  const double u = from.dot(normal) / size, v = ray.direction.dot(turned) / size;
-  const double far = ac.dot(turned) / size;
-  constexpr double kEdge = 1e-9;  // of the triangle
-  if (!(u >= -kEdge && v >= -kEdge && u + v <= 1.0 + kEdge && far > 0.0)) return std::nullopt;
-  return far;
-}
-
-// The nearest point at which a ray meets a surface.
-struct RayHit {
-  double distance = std::numeric_limits<double>::infinity();
-  std::size_t corner = 0;  // the vertex of the triangle that is nearest to the point
-};
-
-// Replaces `hit` by that of a nearer triangle; false if there is none. place(v): position of vertex
-// v, m.
-template <class Place>
-bool find_nearer(const CameraRay& ray, std::span<const Triangle> triangles, const Place& place,
-                 RayHit& hit) {
-  const double before = hit.distance;
-  for (const Triangle& t : triangles) {
-    const auto far = meets(ray, place(t[0]), place(t[1]), place(t[2]));
-    if (!far || *far >= hit.distance) continue;
-    hit.distance = *far;
-    const Eigen::Vector3d point = ray.origin + *far * ray.direction;
-    const auto off = [&](VertexId v) { return (place(v) - point).squaredNorm(); };
-    hit.corner = static_cast<std::size_t>(*std::min_element(
-        t.begin(), t.end(), [&off](VertexId a, VertexId b) { return off(a) < off(b); }));
-  }
-  return hit.distance < before;
 }
 
 }  // namespace tremolo

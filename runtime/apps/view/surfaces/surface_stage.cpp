@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "runtime/apps/view/shape/collider_shape.h"
+#include "runtime/apps/view/shape/sheet_geometry.h"
 #include "runtime/apps/view/stage/stage.h"
 
 namespace tremolo {
@@ -24,10 +25,6 @@ constexpr float kGlassOfWalls = 0.22F;
 // Balls are drawn smaller, so that they do not cross triangles between particles in contact with
 // them.
 constexpr double kUnder = 0.985;
-// Other solids yield to what lies on them (DrawnThing::yields): by an edge of the sheets'
-// triangles, of which half is cut off at a right angle, but by no more than this part of the
-// solid's least extent, since behind it things are hidden.
-constexpr double kMostYield = 0.5;
 
 Eigen::Matrix4f shown_at(const Pose& pose) {
   Eigen::Matrix4f matrix = Eigen::Matrix4f::Identity();
@@ -62,7 +59,7 @@ SurfaceStage::SurfaceStage(const MovingSurfaces& scenes, const std::vector<Vecto
     add_solid(solids[i], i, scenes.pose(i), colliders, paints, next);
   hand_mesh_ = GpuMesh(ball_shape(kTakenRadius));
   pose(scenes);
-  edge_ = mean_edge();
+  edge_ = coarsest_edge();
   if (has_ground_) return;
   ground_ = std::numeric_limits<double>::infinity();
   for (std::size_t i = 2; i < points_.size(); i += 3) ground_ = std::min(ground_, points_[i]);
@@ -86,47 +83,19 @@ void SurfaceStage::add_solid(const ShownSolid& shown, std::size_t number, const 
     // A file holds distances; the world has them, the scene's values do not.
     if (!colliders || !shown.collider->file.empty()) return;
     solid.is_plane = std::holds_alternative<PlaneShape>(shown.collider->shape);
-    if (!solid.is_plane) {
-      const BoundingBox box = bounds(shown.collider->shape);
-      solid.least_extent = (box.high - box.low).minCoeff();
-      yielding_ = true;
-    }
+    solid.most_yield = most_yield(shown.collider->shape);
+    yielding_ = yielding_ || !solid.is_plane;
     solid.colour = linear_colour(kScenery);
     solid.mesh = GpuMesh(collider_shape(shown.collider->shape, kPlane));
   }
   solids_.push_back(std::move(solid));
 }
 
-double SurfaceStage::mean_edge() const {
+double SurfaceStage::coarsest_edge() const {
   double coarsest = 0.0;
-  for (const Sheet& sheet : sheets_) {
-    const auto at = [&sheet](VertexId v) {
-      return Eigen::Map<const Vector3f>(sheet.positions.data() + 3 * static_cast<std::size_t>(v));
-    };
-    double sum = 0.0;
-    for (const Triangle& t : sheet.triangles)
-      for (std::size_t k = 0; k < 3; ++k)
-        sum += static_cast<double>((at(t[(k + 1) % 3]) - at(t[k])).norm());
-    if (!sheet.triangles.empty())
-      coarsest = std::max(coarsest, sum / (3.0 * static_cast<double>(sheet.triangles.size())));
-  }
+  for (const Sheet& sheet : sheets_)
+    coarsest = std::max(coarsest, mean_edge(sheet.triangles, sheet.positions));
   return coarsest;
-}
-
-// The mean of the triangles' normals, by their areas.
-void SurfaceStage::take_normals(Sheet& sheet) {
-  sheet.normals.assign(sheet.positions.size(), 0.0F);
-  const auto at = [](std::vector<float>& list, VertexId v) {
-    return Eigen::Map<Vector3f>(list.data() + 3 * static_cast<std::size_t>(v));
-  };
-  for (const Triangle& t : sheet.triangles) {
-    const Vector3f a = at(sheet.positions, t[0]), b = at(sheet.positions, t[1]),
-                   c = at(sheet.positions, t[2]);
-    const Vector3f normal = (b - a).cross(c - a);
-    for (const VertexId v : t) at(sheet.normals, v) += normal;
-  }
-  for (std::size_t k = 0; k < sheet.normals.size(); k += 3)
-    Eigen::Map<Vector3f>(sheet.normals.data() + k).normalize();
 }
 
 void SurfaceStage::pose_sheet(const MovingSurfaces& scenes, std::size_t number) {
@@ -135,7 +104,7 @@ void SurfaceStage::pose_sheet(const MovingSurfaces& scenes, std::size_t number) 
   sheet.positions.assign(sheet.now.positions.begin(), sheet.now.positions.end());
   points_.insert(points_.end(), sheet.now.positions.begin(), sheet.now.positions.end());
   if (sheet.now.normals.empty())
-    take_normals(sheet);
+    mean_normals(sheet.triangles, sheet.positions, sheet.normals);
   else
     sheet.normals = sheet.now.normals;
   sheet.colours.assign(4 * sheet.now.numbers.size(), 1.0F);
@@ -204,7 +173,7 @@ const std::vector<DrawnThing>& SurfaceStage::things() {
       thing.glass = kGlassOfWalls;
       thing.shadow = thing.wire = false;
     }
-    thing.yields = static_cast<float>(std::min(edge_, kMostYield * solid.least_extent));
+    thing.yields = std::min(static_cast<float>(edge_), solid.most_yield);
     things_.push_back(thing);
   }
   // Glass shows only things drawn before it.

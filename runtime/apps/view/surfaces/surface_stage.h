@@ -42,18 +42,17 @@ class SurfaceStage {
     std::size_t number = 0;  // of the scenes' solids
     double radius = 0.0;     // m, of a ball; 0: a collider
     bool is_plane = false;
-    double least_extent = 0.0;  // m, of a collider that is no plane
+    float most_yield = 0.0F;  // m
     Eigen::Matrix4f pose = Eigen::Matrix4f::Identity();
     Eigen::Vector3f colour;
   };
 
   void add_solid(const ShownSolid& shown, std::size_t number, const Pose& pose, bool colliders,
                  const std::vector<Eigen::Vector3f>& paints, std::size_t& next);
-  void take_normals(Sheet& sheet);
   void pose_sheet(const MovingSurfaces& scenes, std::size_t number);
   void pose_solid(const MovingSurfaces& scenes, Solid& solid);
   void enclose();
-  double mean_edge() const;
+  double coarsest_edge() const;
 
   std::vector<Sheet> sheets_;
   std::vector<Solid> solids_;

@@ -10,25 +10,15 @@
 #include "formats/file/input_file.h"
 #include "runtime/apps/tremolo/output/tell.h"
 #include "runtime/apps/tremolo/tets/tets_commands.h"
+#include "runtime/apps/view/live/live_guests.h"
+#include "runtime/apps/view/shape/sheet_geometry.h"
 #include "runtime/apps/view/surfaces/moving_surfaces.h"
 #include "runtime/apps/view/surfaces/surface_window.h"
 #include "runtime/io/scenes/scene_keys.h"
 
 namespace tremolo {
-namespace {
 
 using Eigen::Vector3d;
-
-// The fraction of the element's six edges that are quadratic.
-float quadratic_share(const TetModel& model, const TetModelElement& element,
-                      std::span<const std::uint8_t> degrees) {
-  int quadratic = 0;
-  for (std::size_t k = 4; k < kMostNodes; ++k)
-    if (degrees[element.nodes[k] - model.vertices()] == 2) ++quadratic;
-  return static_cast<float>(quadratic) / 6.0F;
-}
-
-}  // namespace
 
 Result<TetsScenes> TetsScenes::create(TetScene scene, bool by_degree) {
   TetsScenes scenes;

@@ -73,8 +73,20 @@ void build_damping(PanelState& state, Runner& runner) {
   }
 }
 
+void build_step(PanelState& state, Runner& runner) {
+  if (!ImGui::InputFloat("step, ms", &state.step_ms, 0.5f, 2.0f, "%.2f",
+                         ImGuiInputTextFlags_EnterReturnsTrue))
+    return;
+  state.step_ms = std::clamp(state.step_ms, 0.01f, 100.0f);
+  const double step = 1e-3 * static_cast<double>(state.step_ms);
+  runner.post(
+      [&runner, step](LiveWorld& live) { tell_if_refused(runner, live.world().set_step(step)); });
+}
+
 void build_method(PanelState& state, Runner& runner, const std::vector<ModeFacts>& modes) {
   if (!ImGui::CollapsingHeader("Method", ImGuiTreeNodeFlags_DefaultOpen)) return;
+  for (const std::string& guest : state.guests) ImGui::TextWrapped("%s", guest.c_str());
+  if (modes.empty()) return;
   if (state.records_hand) {
     ImGui::TextWrapped("cannot be changed while a hand is recorded");
     return;
@@ -93,13 +105,7 @@ void build_method(PanelState& state, Runner& runner, const std::vector<ModeFacts
         });
     ImGui::EndCombo();
   }
-  if (ImGui::InputFloat("step, ms", &state.step_ms, 0.5f, 2.0f, "%.2f",
-                        ImGuiInputTextFlags_EnterReturnsTrue)) {
-    state.step_ms = std::clamp(state.step_ms, 0.01f, 100.0f);
-    const double step = 1e-3 * static_cast<double>(state.step_ms);
-    runner.post(
-        [&runner, step](LiveWorld& live) { tell_if_refused(runner, live.world().set_step(step)); });
-  }
+  if (state.guests.empty()) build_step(state, runner);
   if (state.damping_is_ours) build_damping(state, runner);
   if (!state.gravity_is_ours) return;
   if (ImGui::SliderFloat3("gravity, m/s2", state.gravity.data(), -20.0f, 20.0f, "%.2f")) {
@@ -119,6 +125,7 @@ void build_colour(PanelState& state, const PictureCosts& costs) {
   choice("own colours", ColourBy::kBody);
   choice("displacement", ColourBy::kMoved);
   if (state.knows_stress) choice("stress", ColourBy::kStress);
+  if (state.knows_degrees) choice("degree", ColourBy::kDegree);
   ImGui::NewLine();
   const auto full = static_cast<double>(costs.full);
   if (state.colour == ColourBy::kMoved) ImGui::Text("red: %.4g m from rest", full);
@@ -181,7 +188,7 @@ void build_swing(PanelState& state, Runner& runner, std::size_t k) {
 
 void build_modes(PanelState& state, Runner& runner, const std::vector<ModeFacts>& modes,
                  const WorldMoment& moment) {
-  if (!ImGui::CollapsingHeader("Modes")) return;
+  if (modes.empty() || !ImGui::CollapsingHeader("Modes")) return;
   const std::size_t body = state.body;
   const ModeFacts& facts = modes[body];
   for (std::size_t k = 0; k < facts.full.size(); ++k) {
@@ -239,7 +246,7 @@ void build_orbits(PanelState& state, Runner& runner, OrbitFinder& finder,
                   const std::vector<ModeFacts>& modes) {
   OrbitShow& orbit = state.orbit;
   if (orbit.opens) ImGui::SetNextItemOpen(true, ImGuiCond_Once);
-  if (!ImGui::CollapsingHeader("Orbits of a mode")) return;
+  if (modes.empty() || !ImGui::CollapsingHeader("Orbits of a mode")) return;
   const int count = static_cast<int>(modes[state.body].hz.size());
   if (ImGui::InputInt("of mode", &orbit.mode)) orbit.mode = std::clamp(orbit.mode, 1, count);
   if (finder.searches()) {
@@ -294,13 +301,17 @@ PanelState first_panel(const LiveWorld& live, double rate) {
   PanelState state;
   state.rate = static_cast<float>(rate);
   state.step_ms = static_cast<float>(1e3 * live.world().step_size());
-  const Body& body = live.world().body(0);
-  state.alpha = static_cast<float>(body.options().alpha);
-  state.log_beta = body.options().beta > 0.0
-                       ? static_cast<float>(std::max(-7.0, std::log10(body.options().beta)))
-                       : -7.0f;
+  if (live.world().size() > 0) {
+    const Body& body = live.world().body(0);
+    state.alpha = static_cast<float>(body.options().alpha);
+    state.log_beta = body.options().beta > 0.0
+                         ? static_cast<float>(std::max(-7.0, std::log10(body.options().beta)))
+                         : -7.0f;
+  }
+  for (std::size_t i = 0; i < live.guests().size(); ++i)
+    state.guests.push_back(live.guests().name(i) + ": " + live.guests().method(i));
   const SceneGravity& gravity = live.viewed().scene.gravity;
-  state.gravity_is_ours = gravity.values.size() < 2;
+  state.gravity_is_ours = gravity.values.size() < 2 && state.guests.empty();
   for (const SceneBody& wanted : live.viewed().scene.bodies)
     state.damping_is_ours = state.damping_is_ours && wanted.alphas.empty() && wanted.betas.empty();
   const Eigen::Vector3d g = gravity.at(0.0);

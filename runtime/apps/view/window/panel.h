@@ -50,12 +50,13 @@ struct PanelState {
   float rate = 1.0f;
   float alpha = 0.0f, log_beta = -7.0f;
   std::array<float, 3> gravity{};
-  // False: the scene changes the value with time.
+  // False: the scene changes the value with time, or guests of the world have it, too.
   bool gravity_is_ours = true, damping_is_ours = true;
   float step_ms = 3.0f;
   float firmness = 1.0f;
   ColourBy colour = ColourBy::kBody;
-  bool knows_stress = false;  // of some body
+  bool knows_stress = false, knows_degrees = false;  // of some body
+  std::vector<std::string> guests;  // "NAME: METHOD" of each; with some the step is fixed
   bool wire = false, colliders = true, panel = true;
   int lights = 8, coarser = 1;
   std::string shown_by;  // the card

@@ -87,8 +87,8 @@ class Viewer {
     if (Status s = take(window_, GlfwWindow::create("tremolo view: " + name, setup_.size)); !s)
       return s;
     if (Status s = take(renderer_, Renderer::create()); !s) return s;
-    if (Status s = take(stage_, Stage::create(live.world(), setup_.up, setup_.paints, setup_.images,
-                                              setup_.solids));
+    if (Status s = take(
+            stage_, Stage::create(live, setup_.up, setup_.paints, setup_.images, setup_.solids));
         !s)
       return s;
     camera_ = first_camera(setup_, *stage_);
@@ -100,6 +100,7 @@ class Viewer {
     panel_.wire = options_.wire;
     panel_.colour = colour_by(options_.colour);
     panel_.knows_stress = stage_->knows_stress();
+    panel_.knows_degrees = stage_->knows_degrees();
     panel_.colliders = !options_.no_colliders;
     panel_.records_hand = !options_.record_hand.empty();
     const LightCounts usual = renderer_->is_software() ? kSoftwareLights : kCardLights;
@@ -263,6 +264,7 @@ class Viewer {
     const bool stress = panel_.colour == ColourBy::kStress;
     const double asked = stress ? options_.stress_full : options_.moved_full;
     look.full = asked > 0.0 ? static_cast<float>(asked) : stress ? most_stressed_ : most_moved_;
+    if (panel_.colour == ColourBy::kDegree) look.full = 1.0f;
     costs_.full = look.full;
     return look;
   }
@@ -342,7 +344,7 @@ class Viewer {
     json["time"] = live.world().time();
     json["steps"] = live.world().steps();
     json["largest_displacement"] = most_moved_;
-    double hand = 0.0;
+    double hand = live.guests().hand_work();
     for (std::size_t i = 0; i < live.world().size(); ++i)
       hand += live.world().body(i).contact_sums().hand;
     json["hand_work"] = hand;
@@ -377,7 +379,7 @@ class Viewer {
 };
 
 Result<int> show(const ViewerOptions& options, const ViewedScene& viewed) {
-  const Result<ViewSetup> setup = make_setup(options, viewed.scene);
+  const Result<ViewSetup> setup = make_setup(options, shown_scene(viewed));
   if (!setup) return setup.error();
   ModelCache models;
   Result<LiveWorld> live = LiveWorld::create(viewed, models);
