@@ -53,6 +53,16 @@ Error of_scene(Error error) {
 
 }  // namespace
 
+GuestEnergy energy_of(const MixedGuests& guests, std::size_t guest) {
+  if (const TetStep* tets = guests.tets(guest)) {
+    TetBody& body = tets->body();
+    return {body.kinetic_energy(), body.elastic_energy(), body.gravity_energy()};
+  }
+  const ClothBody& cloth = guests.cloth(guest)->body();
+  const double elastic = cloth.elastic_energy();
+  return {cloth.kinetic_energy(), elastic, cloth.model().potential(cloth.state().x) - elastic};
+}
+
 Result<WorldGuests> add_guests(std::span<const TetSceneBody> tets,
                                std::span<const ClothSceneBody> cloths, const std::string& path,
                                SceneWorld& world) {
@@ -76,8 +86,10 @@ Result<WorldGuests> add_guests(std::span<const TetSceneBody> tets,
     if (Status s = check_apart(*guests, *added, solids, "thickness"); !s)
       return error_of_file(path, s.error());
   }
-  WorldGuests made{std::move(placed->kinds), std::move(placed->kind_of), guests.get()};
-  world.set_guests(std::move(guests));
+  std::vector<SavedPart> identity = guest_parts(tets, *placed, cloths, *guests);
+  WorldGuests made{std::move(placed->kinds), std::move(placed->kind_of), guests.get(), {}};
+  for (std::size_t i = 0; i < guests->size(); ++i) made.at_start.push_back(energy_of(*guests, i));
+  world.set_guests(std::move(guests), std::move(identity));
   return made;
 }
 
