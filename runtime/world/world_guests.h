@@ -40,9 +40,9 @@ std::vector<SavedPart> guest_parts(std::span<const TetSceneBody> tets, const Pla
                                    const MixedGuests& guests);
 
 // Reads the files, moves the bodies to their positions and adds them to a world that was created
-// for guests. path: of the scene, for errors. Errors: those of make_tets_bodies(),
-// ClothBody::create() and MixedGuests::add(); kContent for a body that begins inside a collider or
-// another body by more than its margin.
+// for guests. path: of the scene, for errors; empty: it has none. Errors: those of
+// make_tets_bodies(), ClothBody::create() and MixedGuests::add(); kContent for a body that begins
+// inside a collider or another body by more than its margin.
 Result<WorldGuests> add_guests(std::span<const TetSceneBody> tets,
                                std::span<const ClothSceneBody> cloths, const std::string& path,
                                SceneWorld& world);

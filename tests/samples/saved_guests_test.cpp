@@ -167,6 +167,17 @@ TEST_F(SavedGuests, OfTetrahedraByEachMethodAndDegreeGoOnWithTheSameBytes) {
     divide(below + body("cube", "tets", keys) + kFloor, cut());
 }
 
+// While its edges change their degree, each not before it has had one for some steps.
+TEST_F(SavedGuests, OfTetrahedraWhoseEdgesChangeGoOnWithTheSameBytes) {
+  for (const int after : {42, 61, 65})
+    divide(body("box", "rigid", "position = [3, 0, 0.0503]\n") +
+               body("cube", "tets",
+                    "position = [1, 0.005, 0.07]\nspin = [1, 2, 0.5]\ndegree = \"adaptive\"\n"
+                    "integrator = \"bdf2\"\nleast-steps = 25\nlook-every = 1\nerror = 0.4\n") +
+               kFloor,
+           after);
+}
+
 // In the air, where newmark has an acceleration, and the energy of both methods is guarded.
 TEST_F(SavedGuests, OfTetrahedraInTheAirGoOnWithTheSameBytes) {
   for (const std::string method : {"newmark", "midpoint"})

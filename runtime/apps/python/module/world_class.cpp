@@ -498,11 +498,10 @@ void add_queries(WorldClass& c) {
 }  // namespace
 
 void add_world(py::module_& module) {
-  WorldClass c(
-      module, "World",
-      "The bodies of a scene, stepped together: contact with colliders and with each "
-      "other, hands, joints, gravity, sleep. tremolo.world() makes it of a dict or a "
-      "file. copy.copy and pickle keep the whole state.");
+  WorldClass c(module, "World",
+               "The bodies of a scene, stepped together: contact with colliders and with each "
+               "other, hands, joints, gravity, sleep. tremolo.world() makes it of a dict or a "
+               "file. copy.copy and pickle keep the whole state.");
   module.def(
       "world_of_text",
       [](std::string text, py::handle path) {
