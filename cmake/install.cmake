@@ -3,7 +3,8 @@
 # and the programs. All of it may be moved afterwards. Components of `cmake --install --component`:
 # development, shared, programs.
 set(tremolo_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/tremolo)
-set(tremolo_rooms tremolo_common tremolo_formats tremolo_runtime tremolo_c tremolo_nodal tremolo_cloth tremolo_tets)
+set(tremolo_rooms tremolo_common tremolo_formats tremolo_runtime tremolo_c tremolo_nodal tremolo_cloth tremolo_tets
+    tremolo_mixed)
 # A library that is missing would be CMake's error, without a word of what to do.
 set(tremolo_room_files)
 foreach(room ${tremolo_rooms})
@@ -25,7 +26,7 @@ foreach(room common formats runtime)
           FILES_MATCHING PATTERN "*.h" PATTERN "apps" EXCLUDE PATTERN "io/scenes" EXCLUDE)
 endforeach()
 install(FILES ${PROJECT_SOURCE_DIR}/runtime/tremolo.h ${PROJECT_SOURCE_DIR}/runtime/tremolo_cloth.h
-              ${PROJECT_SOURCE_DIR}/runtime/tremolo_tets.h
+              ${PROJECT_SOURCE_DIR}/runtime/tremolo_tets.h ${PROJECT_SOURCE_DIR}/runtime/tremolo_scene.h
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tremolo COMPONENT development)
 
 # What this build tree can make, but was not asked to, is left out with a word.

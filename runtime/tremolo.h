@@ -26,7 +26,8 @@
  * error message belongs to the calling thread.
  *
  * Linking. `pkg-config --cflags --libs tremolo-c` is libtremolo.so, which exports the functions of
- * this header and nothing else; `pkg-config --cflags --libs --static tremolo` the static libraries.
+ * this header, tremolo_cloth.h, tremolo_tets.h and tremolo_scene.h, and nothing else; `pkg-config
+ * --cflags --libs --static tremolo` the static libraries.
  *
  * Units are SI. A vertex is identified by its index in the precomputed mesh. A null pointer instead
  * of a required object or buffer is TREMOLO_USAGE.

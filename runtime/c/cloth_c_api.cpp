@@ -1,9 +1,12 @@
 // runtime/tremolo_cloth.h: cloth from C.
 #include <limits>
 #include <span>
+#include <string>
+#include <utility>
 
 #include "runtime/bodies/cloth/cloth_world.h"
 #include "runtime/c/c_api.h"
+#include "runtime/c/nodal_c_api.h"
 #include "runtime/tremolo_cloth.h"
 
 // NOLINTBEGIN(readability-identifier-naming): the names of the C header
@@ -44,9 +47,12 @@ tremolo_status copy_vectors(const tremolo_cloth_world* world, size_t cloth, doub
   });
 }
 
-tremolo::SceneCloth to_cloth(const tremolo_cloth_options& options, size_t number) {
-  tremolo::SceneCloth cloth;
-  cloth.name = "cloth " + std::to_string(number);
+}  // namespace
+
+tremolo::SceneCloth tremolo::c_api::to_cloth(const tremolo_cloth_options& options,
+                                             std::string name) {
+  SceneCloth cloth;
+  cloth.name = std::move(name);
   if (options.file != nullptr) {
     cloth.file = options.file;
     cloth.position = Vector3d(options.corner);
@@ -69,8 +75,6 @@ tremolo::SceneCloth to_cloth(const tremolo_cloth_options& options, size_t number
   cloth.restitution = options.restitution;
   return cloth;
 }
-
-}  // namespace
 
 tremolo_status tremolo_cloth_scene_create(const char* method, double step,
                                           tremolo_cloth_scene** scene) {
@@ -134,7 +138,8 @@ tremolo_status tremolo_cloth_scene_add(tremolo_cloth_scene* scene,
         tremolo::c_api::complete(options, tremolo_cloth_options_init, "tremolo_cloth_options_init");
     if (!full) return full.error();
     const size_t number = scene->scene.cloths.size();
-    scene->scene.cloths.push_back(to_cloth(*full, number));
+    scene->scene.cloths.push_back(
+        tremolo::c_api::to_cloth(*full, "cloth " + std::to_string(number)));
     put(number, cloth);
     return Success{};
   });

@@ -8,6 +8,7 @@
 #include "common/text.h"
 #include "runtime/bodies/tets/scene/tet_scene.h"
 #include "runtime/c/c_api.h"
+#include "runtime/c/nodal_c_api.h"
 #include "runtime/tremolo_tets.h"
 
 // NOLINTBEGIN(readability-identifier-naming): the names of the C header
@@ -38,6 +39,7 @@ using tremolo::usage_error;
 using tremolo::c_api::fill_buffer;
 using tremolo::c_api::need_buffer;
 using tremolo::c_api::put;
+using tremolo::c_api::to_pose;
 using tremolo::c_api::with_all;
 
 constexpr double kTurnSlack = 1e-6;  // of a quaternion's length
@@ -70,7 +72,9 @@ Result<tremolo::DegreeKind> to_degree(int32_t degree) {
   }
 }
 
-Result<tremolo::TetBodyOptions> to_options(const tremolo_tets_options& given) {
+}  // namespace
+
+Result<tremolo::TetBodyOptions> tremolo::c_api::to_tets_options(const tremolo_tets_options& given) {
   tremolo::TetBodyOptions options;
   if (given.method != nullptr)
     if (Status s = take(options.method, tremolo::parse_tet_method(given.method)); !s)
@@ -91,15 +95,21 @@ Result<tremolo::TetBodyOptions> to_options(const tremolo_tets_options& given) {
   return options;
 }
 
+Result<tremolo::Pose> tremolo::c_api::to_pose(const double position[3],
+                                              const double quaternion[4]) {
+  const Eigen::Quaterniond turn(quaternion[0], quaternion[1], quaternion[2], quaternion[3]);
+  if (!(std::abs(turn.norm() - 1.0) <= kTurnSlack))
+    return usage_error("a body's quaternion has the length " + number_text(turn.norm()));
+  return Pose{Vector3d(position), turn.normalized()};
+}
+
+namespace {
+
 Result<tremolo::TetSceneBody> to_body(const tremolo_tets_options& given, size_t number) {
   tremolo::TetSceneBody body;
   body.name = std::to_string(number);
   body.model = given.file;
-  const double* q = given.quaternion;
-  const Eigen::Quaterniond turn(q[0], q[1], q[2], q[3]);
-  if (!(std::abs(turn.norm() - 1.0) <= kTurnSlack))
-    return usage_error("a body's quaternion has the length " + tremolo::number_text(turn.norm()));
-  body.pose = {Vector3d(given.position), turn.normalized()};
+  if (Status s = take(body.pose, to_pose(given.position, given.quaternion)); !s) return s.error();
   body.velocity = Vector3d(given.velocity);
   body.spin = Vector3d(given.spin);
   if (!body.pose.position.allFinite() || !body.velocity.allFinite() || !body.spin.allFinite())
@@ -108,7 +118,7 @@ Result<tremolo::TetSceneBody> to_body(const tremolo_tets_options& given, size_t 
     return usage_error("a body's friction is " + tremolo::number_text(given.friction) +
                        ", must be finite and not negative");
   body.friction = given.friction;
-  if (Status s = take(body.options, to_options(given)); !s) return s.error();
+  if (Status s = take(body.options, tremolo::c_api::to_tets_options(given)); !s) return s.error();
   return body;
 }
 

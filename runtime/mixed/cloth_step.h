@@ -80,6 +80,7 @@ class ClothStep final : public GuestStep {
   StepBall find_ball() override;
   void keep_whole() override { whole_ = body_->moment(); }
   void begin_part() override {}
+  void carry_body(StateStream& stream) override { body_->carry(stream); }
   void end_whole(int parts) override;
 
  private:

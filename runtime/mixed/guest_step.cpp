@@ -1,8 +1,13 @@
 #include "runtime/mixed/guest_step.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tremolo {
+
+static void carry(StateStream& stream, ContactedPoint& point) {
+  stream(point.vertex, point.on_body, point.obstacle, point.position, point.normal, point.impulse);
+}
 
 std::optional<BlockCholesky> make_guest_factor(const BlockPatternPointer& pattern) {
   constexpr std::size_t kMostBytes = std::size_t{1} << 30;
@@ -29,6 +34,21 @@ void GuestStep::start() {
   prepare();
   ball_ = find_ball();
   ball_.travel += pull_;
+}
+
+void GuestStep::carry(StateStream& stream) {
+  carry_body(stream);
+  tremolo::carry(stream, account_);
+  stream(account_.slip);
+  stream.sized(memories_);
+  stream.sized(contacted_);
+  if (!stream.reads()) return;
+  stream.require(std::isfinite(account_.energy) && account_.impulse_vector.allFinite());
+  for (const ContactMemory& memory : memories_)
+    stream.require(memory.point < points() && std::isfinite(memory.begins) &&
+                   std::isfinite(memory.limit) && memory.slip.allFinite() &&
+                   memory.normal.allFinite());
+  stream.require(std::is_sorted(memories_.begin(), memories_.end(), is_before));
 }
 
 void GuestStep::start_parts() {

@@ -40,6 +40,9 @@ class GuestStep : public StepBody {
   void end_part();
   void end_parts(bool made);
 
+  // Saves or restores the state between steps, to the bit: the body and its memories of contact.
+  void carry(StateStream& stream);
+
   // True if the point does not move, or moves as its pin does, whatever force acts on it.
   virtual bool is_fixed(std::size_t point) const = 0;
   // A hand may move a point by this much more in the next step, m.
@@ -61,10 +64,11 @@ class GuestStep : public StepBody {
     bool whole = true;
   };
 
-  virtual void prepare() = 0;             // the body itself, for its next step
-  virtual StepBall find_ball() = 0;       // at the start of the present part
-  virtual void keep_whole() = 0;          // stores the body
-  virtual void begin_part() = 0;          // after part() has changed
+  virtual void prepare() = 0;        // the body itself, for its next step
+  virtual StepBall find_ball() = 0;  // at the start of the present part
+  virtual void keep_whole() = 0;     // stores the body
+  virtual void begin_part() = 0;     // after part() has changed
+  virtual void carry_body(StateStream& stream) = 0;
   virtual void end_whole(int parts) = 0;  // counts the step; 0: it failed, and the body is put back
 
   const Part& part() const { return part_; }

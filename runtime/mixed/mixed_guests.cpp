@@ -433,9 +433,23 @@ void MixedGuests::book(std::size_t guest) {
   const bool touches = account.active > 0;
   if (touches && !of.touched) ++of.contacts;
   of.touched = touches;
+  if (of.tets != nullptr) of.tets->add_sums();
   if (!of.hand) return;
   of.hand->force = of.pull.force();
   of.hand->start = of.hand->end;
+}
+
+// Everything else is of one step.
+void MixedGuests::carry(StateStream& stream, std::size_t bodies) {
+  for (const auto& guest : guests_) carry_guest(stream, bodies, *guest);
+}
+
+void MixedGuests::carry_guest(StateStream& stream, std::size_t bodies, Guest& guest) {
+  stream(guest.sums, guest.contacts, guest.deepest, guest.slip, guest.failed, guest.touched);
+  guest.step->carry(stream);
+  for (const ContactedPoint& point : guest.step->contacted())
+    stream.require(point.on_body ? point.obstacle < bodies + size()
+                                 : point.obstacle >= kFirstCollider);
 }
 
 }  // namespace tremolo

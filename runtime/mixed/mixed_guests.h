@@ -99,6 +99,7 @@ class MixedGuests final : public IslandGuests {
   void start_parts() override;
   bool step_part(const GuestPart& part, const HostIsland& island) override;
   void end_parts(bool made) override;
+  void carry(StateStream& stream, std::size_t bodies) override;
 
  private:
   struct Guest {
@@ -144,6 +145,7 @@ class MixedGuests final : public IslandGuests {
   bool solve_island(const HostIsland& island);
   void add_report(const MixedReport& report);
   void book(std::size_t guest);
+  void carry_guest(StateStream& stream, std::size_t bodies, Guest& guest);
 
   double step_;
   double length_ = 0.0;           // of the present part of the step, s

@@ -33,6 +33,7 @@ TetStep::TetStep(TetBody& body, std::shared_ptr<const TetPoints> points,
     : body_(&body),
       points_(std::move(points)),
       law_(tremolo::area_law(*points_, body.model().mass(), options)),
+      sums_(body),
       hull_(std::move(hull)),
       factor_(make_guest_factor(body.model().pattern())) {
   const Index n = body.model().rest().size();
@@ -355,6 +356,11 @@ void TetStep::end_whole(int parts) {
   body.now_ = whole_.now;
   body.before_ = whole_.before;
   body.has_before_ = whole_.has_before;
+}
+
+void TetStep::carry_body(StateStream& stream) {
+  body_->carry(stream);
+  stream(report_, sums_);
 }
 
 void TetStep::give_up() {

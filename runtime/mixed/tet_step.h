@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "runtime/bodies/tets/motion/tet_body.h"
+#include "runtime/bodies/tets/motion/tet_sums.h"
 #include "runtime/math/sparse/block_cholesky.h"
 #include "runtime/mixed/guest_step.h"
 #include "runtime/mixed/tet_points.h"
@@ -46,6 +47,9 @@ class TetStep final : public GuestStep {
   // Same as TetBody::step(), with the same bits.
   bool step_alone() override;
   const TetStepReport& report() const { return report_; }
+  // Sums since the start. Call add_sums() after each step that succeeded.
+  const TetSums& sums() const { return sums_; }
+  void add_sums() { sums_.add(*body_, report_); }
   TetBody& body() const { return *body_; }
   bool is_fixed(std::size_t point) const override;
 
@@ -109,6 +113,7 @@ class TetStep final : public GuestStep {
   StepBall find_ball() override;
   void keep_whole() override;
   void begin_part() override;
+  void carry_body(StateStream& stream) override;
   void end_whole(int parts) override;
 
  private:
@@ -143,6 +148,7 @@ class TetStep final : public GuestStep {
   std::shared_ptr<const TetPoints> points_;
   ContactLaw law_;
   TetStepReport report_;
+  TetSums sums_;
   double ends_ = 1.0;  // dx_1/dd
   bool known_ = false;
   double heavier_ = 0.0;

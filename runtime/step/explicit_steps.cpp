@@ -21,6 +21,9 @@ class ExplicitStep : public HalvedIntegrator {
     reset();
   }
   std::string_view name() const override { return name_; }
+  void carry(StateStream& stream) override {
+    if (stream.reads()) reset();
+  }
   // Nodes may have been fixed or released.
   void reset() final {
     for (Eigen::Index i = 0; i < system().mass().size(); ++i) {

@@ -84,6 +84,9 @@ class ImplicitSolve {
   // Work of step_force() there.
   const StepWork& work() const { return work_; }
 
+  // Saves or restores what the next solve depends on.
+  void carry(StateStream& stream) { stream(factored_); }
+
  private:
   static constexpr int kMostCgIterations = 5000;
 

@@ -8,6 +8,7 @@
 //   bdf2             9/4 M (x1 - X - 2/3 h V)/h^2 = f(x1, v1),           v1 = 3/(2h) (x1 - X)
 //                    X = (4 x0 - x-1)/3, V = (4 v0 - v-1)/3
 #include <algorithm>
+#include <cmath>
 
 #include "runtime/step/halved_step.h"
 #include "runtime/step/implicit_solve.h"
@@ -22,8 +23,19 @@ class ImplicitMethod : public HalvedIntegrator {
       : HalvedIntegrator(system, options), solve_(std::move(solve)) {
     x1_ = v1_ = x_hat_ = v_hat_ = Eigen::VectorXd::Zero(3 * system.mass().size());
   }
+  void carry(StateStream& stream) override {
+    stream(gained_, largest_);
+    if (stream.reads()) stream.require(std::isfinite(gained_) && std::isfinite(largest_));
+    solve_->carry(stream);
+  }
 
  protected:
+  // A vector of the step before, which has no size before the first step.
+  void carry_vector(StateStream& stream, Eigen::VectorXd& vector) {
+    stream.sized(vector);
+    stream.require(vector.size() == 0 || vector.size() == x1_.size());
+    if (stream.reads()) stream.require(vector.allFinite());
+  }
   // The first guess, motion by inertia, with fixed nodes at their ends.
   void guess(const NodalState& state, double h) {
     x1_ = state.x + h * state.v;
@@ -186,6 +198,12 @@ class Newmark : public ImplicitMethod {
   using ImplicitMethod::ImplicitMethod;
   std::string_view name() const override { return "newmark"; }
   void reset() override { known_ = false; }
+  void carry(StateStream& stream) override {
+    ImplicitMethod::carry(stream);
+    stream(known_);
+    carry_vector(stream, a_);
+    stream.require(!known_ || a_.size() != 0);
+  }
 
  protected:
   bool advance(NodalState& state, double h, NodalReport& report) override {
@@ -227,6 +245,13 @@ class Bdf2 : public ImplicitMethod {
   using ImplicitMethod::ImplicitMethod;
   std::string_view name() const override { return "bdf2"; }
   void reset() override { last_step_ = 0.0; }
+  void carry(StateStream& stream) override {
+    ImplicitMethod::carry(stream);
+    stream(last_step_);
+    carry_vector(stream, x_last_);
+    carry_vector(stream, v_last_);
+    stream.require(last_step_ == 0.0 || (x_last_.size() != 0 && v_last_.size() != 0));
+  }
 
  protected:
   bool advance(NodalState& state, double h, NodalReport& report) override {

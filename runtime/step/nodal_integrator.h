@@ -22,6 +22,7 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
+#include "common/state_stream.h"
 #include "runtime/step/nodal_system.h"
 
 namespace tremolo {
@@ -75,6 +76,9 @@ class NodalIntegrator {
   virtual NodalReport step(NodalState& state) = 0;
   // The state was changed from outside (contact, a user): the method's own state is discarded.
   virtual void reset() = 0;
+  // Saves or restores what the method keeps between steps, all that the next step depends on beside
+  // the state.
+  virtual void carry(StateStream& stream) { (void)stream; }
 };
 
 // The twelve names above.

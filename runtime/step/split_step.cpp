@@ -20,6 +20,7 @@ class SplitStep : public HalvedIntegrator {
     x1_ = v_ = v1_ = x_hat_ = v_hat_ = f_ = Eigen::VectorXd::Zero(3 * system.mass().size());
   }
   std::string_view name() const override { return "imex"; }
+  void carry(StateStream& stream) override { solve_->carry(stream); }
 
  protected:
   bool advance(NodalState& state, double h, NodalReport& report) override {

@@ -2,40 +2,11 @@
 #include <string>
 #include <utility>
 
-#include "common/hash.h"
-#include "common/state_stream.h"
+#include "runtime/world/identity.h"
 #include "runtime/world/scene_world.h"
 
 namespace tremolo {
 namespace {
-
-// A sequence of values, and the hash of all.
-class Identity {
- public:
-  template <class... Values>
-  Identity& add(Values... values) {
-    (put(values), ...);
-    return *this;
-  }
-  std::uint64_t hash() const { return hash_bytes(std::as_bytes(std::span(bytes_))); }
-
- private:
-  template <class Value>
-  void put(Value& value) {
-    StateStream stream = StateStream::writing(bytes_);
-    stream(value);
-  }
-  void put(std::string& text) { put_sized(text); }
-  void put(std::vector<double>& values) { put_sized(values); }
-  void put(std::vector<Eigen::Vector3d>& values) { put_sized(values); }
-  template <class Value>
-  void put_sized(Value& value) {
-    StateStream stream = StateStream::writing(bytes_);
-    stream.sized(value);
-  }
-
-  std::string bytes_;
-};
 
 void add(Identity& identity, const Course& course) {
   identity.add(course.start, course.end, course.ramp);
@@ -71,14 +42,6 @@ struct PartAdder {
   }
   void operator()(const RecordMotion& part) const { identity.add(part.times, part.accelerations); }
 };
-
-void add(Identity& identity, const Motion& motion) {
-  identity.add(motion.parts.size());
-  for (const MotionPart& part : motion.parts) {
-    identity.add(part.index());
-    std::visit(PartAdder{identity}, part);
-  }
-}
 
 struct ShapeAdder {
   Identity& identity;
@@ -164,6 +127,14 @@ std::uint64_t hash_of(const SceneJoint& joint) {
 }
 
 }  // namespace
+
+void add(Identity& identity, const Motion& motion) {
+  identity.add(motion.parts.size());
+  for (const MotionPart& part : motion.parts) {
+    identity.add(part.index());
+    std::visit(PartAdder{identity}, part);
+  }
+}
 
 std::vector<SavedPart> scene_parts(const Scene& scene, const std::vector<const Model*>& models,
                                    const std::vector<const Collider*>& shapes,

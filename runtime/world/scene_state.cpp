@@ -21,7 +21,9 @@ SavedState SceneWorld::saved_parts() const {
                          ? nullptr
                          : actor.body.contact()->surface().shape_or_null());
   }
-  return {"a world", TREMOLO_VERSION, scene_parts(scene_, models, shapes, colliders_.placed()), {}};
+  std::vector<SavedPart> parts = scene_parts(scene_, models, shapes, colliders_.placed());
+  parts.insert(parts.end(), guest_identity_.begin(), guest_identity_.end());
+  return {"a world", TREMOLO_VERSION, std::move(parts), {}};
 }
 
 SavedState SceneWorld::saved_state() const {
@@ -35,12 +37,10 @@ std::vector<std::byte> SceneWorld::save() const {
 }
 
 Status SceneWorld::save(const std::string& path) const {
-  if (guests_) return usage_error("a world with bodies of other kinds cannot be saved");
   return write_saved(path, saved_state());
 }
 
 Status SceneWorld::restore_from(const Result<SavedState>& saved, const std::string& name) {
-  if (guests_) return usage_error("a world with bodies of other kinds cannot be restored");
   if (!saved) return saved.error();
   if (Status s = check_belongs(*saved, saved_parts()); !s) return error_of_file(name, s.error());
   if (!restore_state(*this, saved->state))
@@ -103,6 +103,7 @@ void SceneWorld::carry(StateStream& stream) {
     for (JointOf& joint : joints_) joint.joint.let_go(*group_);
   for (JointOf& joint : joints_) joint.joint.carry(stream, *group_, joint.a, joint.b);
   group_->carry(stream, size());
+  if (guests_) guests_->carry(stream, size());
   if (!stream.reads()) return;
   failures_.clear();
   colliders_.move(std::max<std::int64_t>(steps_ - 1, 0), scene_.step);

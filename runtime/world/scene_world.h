@@ -128,9 +128,11 @@ class SceneWorld {
                                    bool guests = false);
 
   // Adds bodies of other kinds to the world, which steps them with its bodies
-  // (runtime/world/world_guests.h). Call it before the first step.
-  void set_guests(std::unique_ptr<IslandGuests> guests) {
+  // (runtime/world/world_guests.h). Call it before the first step. identity: of the guests, for
+  // saved states.
+  void set_guests(std::unique_ptr<IslandGuests> guests, std::vector<SavedPart> identity) {
     guests_ = std::move(guests);
+    guest_identity_ = std::move(identity);
     group_->set_guests(guests_.get());
   }
 
@@ -214,8 +216,7 @@ class SceneWorld {
   // Saves the state between steps, as the bytes of a file (formats/saved/saved_file.h) or as a
   // file, which is written whole or not at all (kSystem). A world of the same scene that is
   // restored from it continues with the same bits as the saved one. Changes outside the scene are
-  // not saved, except forces of Body::apply_force() and loads added to a body. Worlds with guests
-  // are neither saved to files nor restored: error kUsage.
+  // not saved, except forces of Body::apply_force() and loads added to a body.
   std::vector<std::byte> save() const;
   Status save(const std::string& path) const;
   // Errors, which leave the world unchanged: kContent with the reason for data that are damaged,
@@ -322,7 +323,8 @@ class SceneWorld {
   std::set<std::pair<std::size_t, std::size_t>> passing_;  // a < b: a joint lets them pass through
   bool gravity_changes_ = false;
   std::int64_t steps_ = 0;
-  std::unique_ptr<IslandGuests> guests_;  // null: none
+  std::unique_ptr<IslandGuests> guests_;   // null: none
+  std::vector<SavedPart> guest_identity_;  // of saved states
 };
 
 }  // namespace tremolo

@@ -45,6 +45,11 @@ Status check_apart(const MixedGuests& guests, std::size_t i, const Solids& solid
   return Success{};
 }
 
+// path: empty: the scene has no file.
+Error of_file(const std::string& path, const Error& error) {
+  return path.empty() ? error : error_of_file(path, error);
+}
+
 // A value out of range is an error of the scene, which has it.
 Error of_scene(Error error) {
   if (error.kind == ErrorKind::kUsage) error.kind = ErrorKind::kContent;
@@ -52,6 +57,16 @@ Error of_scene(Error error) {
 }
 
 }  // namespace
+
+GuestEnergy energy_of(const MixedGuests& guests, std::size_t guest) {
+  if (const TetStep* tets = guests.tets(guest)) {
+    TetBody& body = tets->body();
+    return {body.kinetic_energy(), body.elastic_energy(), body.gravity_energy()};
+  }
+  const ClothBody& cloth = guests.cloth(guest)->body();
+  const double elastic = cloth.elastic_energy();
+  return {cloth.kinetic_energy(), elastic, cloth.model().potential(cloth.state().x) - elastic};
+}
 
 Result<WorldGuests> add_guests(std::span<const TetSceneBody> tets,
                                std::span<const ClothSceneBody> cloths, const std::string& path,
@@ -64,20 +79,22 @@ Result<WorldGuests> add_guests(std::span<const TetSceneBody> tets,
     if (const auto added = guests->add(tets[i].name, std::move(placed->bodies[i]), tets[i].contact,
                                        placed->kinds[placed->kind_of[i]].hull);
         !added)
-      return error_of_file(path, added.error());
+      return of_file(path, added.error());
     if (Status s = check_apart(*guests, i, solids, "contact-margin"); !s)
-      return error_of_file(path, s.error());
+      return of_file(path, s.error());
   }
   for (const ClothSceneBody& cloth : cloths) {
     Result<ClothBody> body = ClothBody::create(cloth.scene, cloth.velocity);
-    if (!body) return error_of_file(path, of_scene(body.error()));
+    if (!body) return of_file(path, of_scene(body.error()));
     const Result<std::size_t> added = guests->add(std::move(*body), cloth.contact);
-    if (!added) return error_of_file(path, of_scene(added.error()));
+    if (!added) return of_file(path, of_scene(added.error()));
     if (Status s = check_apart(*guests, *added, solids, "thickness"); !s)
-      return error_of_file(path, s.error());
+      return of_file(path, s.error());
   }
-  WorldGuests made{std::move(placed->kinds), std::move(placed->kind_of), guests.get()};
-  world.set_guests(std::move(guests));
+  std::vector<SavedPart> identity = guest_parts(tets, *placed, cloths, *guests);
+  WorldGuests made{std::move(placed->kinds), std::move(placed->kind_of), guests.get(), {}};
+  for (std::size_t i = 0; i < guests->size(); ++i) made.at_start.push_back(energy_of(*guests, i));
+  world.set_guests(std::move(guests), std::move(identity));
   return made;
 }
 

@@ -13,11 +13,18 @@
 
 namespace tremolo {
 
+// Energies of a guest, J. gravity: 0 at the world's origin.
+struct GuestEnergy {
+  double kinetic = 0.0, elastic = 0.0, gravity = 0.0;
+};
+GuestEnergy energy_of(const MixedGuests& guests, std::size_t guest);
+
 // The guests of a world: bodies of tetrahedra, then cloths.
 struct WorldGuests {
   std::vector<TetsKind> kinds;
-  std::vector<std::size_t> kind_of;  // one per body of tetrahedra
-  MixedGuests* guests = nullptr;     // the world owns them
+  std::vector<std::size_t> kind_of;   // one per body of tetrahedra
+  MixedGuests* guests = nullptr;      // the world owns them
+  std::vector<GuestEnergy> at_start;  // of each guest
 
   const TetsKind& kind(std::size_t body) const { return kinds[kind_of[body]]; }
   std::size_t tets() const { return kind_of.size(); }
@@ -26,10 +33,16 @@ struct WorldGuests {
   std::size_t of_cloth(std::size_t cloth) const { return tets() + cloth; }
 };
 
+// The identity of each guest in a saved world, as scene_parts(). placed, guests: of the same
+// bodies, in their order.
+std::vector<SavedPart> guest_parts(std::span<const TetSceneBody> tets, const PlacedTets& placed,
+                                   std::span<const ClothSceneBody> cloths,
+                                   const MixedGuests& guests);
+
 // Reads the files, moves the bodies to their positions and adds them to a world that was created
-// for guests. path: of the scene, for errors. Errors: those of make_tets_bodies(),
-// ClothBody::create() and MixedGuests::add(); kContent for a body that begins inside a collider or
-// another body by more than its margin.
+// for guests. path: of the scene, for errors; empty: it has none. Errors: those of
+// make_tets_bodies(), ClothBody::create() and MixedGuests::add(); kContent for a body that begins
+// inside a collider or another body by more than its margin.
 Result<WorldGuests> add_guests(std::span<const TetSceneBody> tets,
                                std::span<const ClothSceneBody> cloths, const std::string& path,
                                SceneWorld& world);

@@ -49,7 +49,7 @@ by_pkg_config() {
   "$stage/readme/vibrate" "$model"
 }
 
-# It has a name with a version, exports what its three headers declare, and nothing else.
+# It has a name with a version, exports what its four headers declare, and nothing else.
 shared_library() {
   local library
   library=$(find "$moved" -name libtremolo.so)
@@ -58,7 +58,7 @@ shared_library() {
   nm -D --defined-only "$library" | sed -n 's/.* [A-Z] \([^@]*\)@.*/\1/p' | sort >"$stage/exported"
   nm -D --defined-only "$library" | grep -v ' T tremolo_' | grep -v ' A TREMOLO_[0-9.]*$' &&
     fail "libtremolo.so exports more than its interface"
-  cat "$moved"/include/tremolo/tremolo{,_cloth,_tets}.h |
+  cat "$moved"/include/tremolo/tremolo{,_cloth,_tets,_scene}.h |
     sed 's|/\*.*\*/||' | sed 's|^ \*.*||' | grep -o '\btremolo_[a-z_]*(' | tr -d '(' |
     sort -u >"$stage/declared"
   [ -s "$stage/declared" ] || fail "no function was found in tremolo.h"

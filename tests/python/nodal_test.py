@@ -121,13 +121,29 @@ class WorldsWithTetrahedra(unittest.TestCase):
             w.step(20)
         np.testing.assert_array_equal(one["block"].points, other["block"].points)
 
+    def test_of_a_copy_a_pickle_and_a_saved_state_go_on_with_the_same_bits(self):
+        scene = self.on_a_floor()
+        w = tremolo.world(scene)
+        w.step(20)
+        saved, copied, pickled = w.save(), copy.copy(w), pickle.loads(pickle.dumps(w))
+        restored = tremolo.world(scene)
+        restored.restore(saved)
+        for other in (copied, pickled, restored):
+            self.assertEqual(other.steps, 20)
+        w.step(30)
+        for other in (copied, pickled, restored):
+            other.step(30)
+            self.assertEqual(other.save(), w.save())
+            np.testing.assert_array_equal(other["block"].points, w["block"].points)
+            self.assertEqual(other.account("block"), w.account("block"))
+        with self.assertRaises(tremolo.ContentError):
+            w.restore(saved[:-1])
+
     def test_refuse_what_the_engine_does_not_have(self):
         scene = self.on_a_floor()
         w = tremolo.world(scene)
-        for call in (w.save, lambda: copy.copy(w), lambda: pickle.dumps(w), lambda: w.restore(b""),
-                     lambda: w.set_step(0.001)):
-            with self.assertRaisesRegex(tremolo.UsageError, "bodies of other kinds"):
-                call()
+        with self.assertRaisesRegex(tremolo.UsageError, "bodies of other kinds"):
+            w.set_step(0.001)
         for call in (lambda: w.set_method("block", "ep2"), lambda: w.contact_points("block", "floor"),
                      lambda: w.contact_points("marble", "block"), lambda: w["block"].grab(0)):
             with self.assertRaisesRegex(tremolo.UsageError, "block"):

@@ -129,7 +129,6 @@ TEST_F(ClothBodyProgram, RefusesByNameWhatAClothCannotDo) {
         {start + sheet("sheet", "corner = [-0.08, -0.08, 0.05]\n"), "", "inside body 'other'", 3},
         {start + sheet("sheet", "thickness = 0\n"), "", "thickness", 3},
         {start + sheet("sheet", "density = -1\n"), "", "density", 3},
-        {start + cloth, "--save end.state", "--save", 2},
         {start + cloth, "--integrator energy", "--integrator", 2}}) {
     const ProgramResult result = run(refusal.scene, refusal.flags);
     EXPECT_EQ(result.code, refusal.code) << refusal.words << result.err;

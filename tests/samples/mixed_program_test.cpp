@@ -239,7 +239,6 @@ TEST_F(MixedProgram, RefusesByNameWhatABodyOfTetrahedraCannotDo) {
          3},
         {start + block + block, "", "two bodies", 3},
         {start + tets("block", "position = [0, 0, 0.05]\n"), "", "inside body 'other'", 3},
-        {start + block, "--save end.state", "--save", 2},
         {start + block, "--integrator ep4", "--integrator", 2}}) {
     const ProgramResult result = run(refusal.scene, refusal.flags);
     EXPECT_EQ(result.code, refusal.code) << refusal.words << result.err;

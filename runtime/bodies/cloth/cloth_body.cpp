@@ -135,6 +135,15 @@ void ClothBody::end_parts(int parts) {
   integrator_->reset();
 }
 
+void ClothBody::carry(StateStream& stream) {
+  stream(state_.x, state_.v, state_.time, work_, steps_, iterations_, cut_steps_);
+  if (stream.reads())
+    stream.require(state_.x.allFinite() && state_.v.allFinite() && std::isfinite(state_.time) &&
+                   steps_ >= 0);
+  model_->carry(stream);
+  integrator_->carry(stream);
+}
+
 void ClothBody::put_back(const ClothMoment& moment) {
   state_ = moment.state;
   work_ = moment.work;

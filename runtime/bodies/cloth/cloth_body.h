@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
+#include "common/state_stream.h"
 #include "runtime/bodies/cloth/cloth_model.h"
 #include "runtime/bodies/cloth/cloth_scene.h"
 #include "runtime/math/state.h"
@@ -28,6 +29,8 @@ struct ClothWork {
   double pins = 0.0;       // by particles that are fixed or moved, and by their release
   double damped = 0.0;     // taken by dampers; not negative
   double numerical = 0.0;  // added by the method itself
+
+  void carry(StateStream& stream) { stream(gravity, wind, pins, damped, numerical); }
 };
 
 // A cloth's motion and its balance at a time.
@@ -79,6 +82,9 @@ class ClothBody {
   Momenta momenta() const;  // of all particles, about the origin
   std::int64_t iterations() const { return iterations_; }
   std::int64_t cut_steps() const { return cut_steps_; }  // steps that were taken in parts
+
+  // Saves or restores the state between steps, to the bit.
+  void carry(StateStream& stream);
 
  private:
   explicit ClothBody(const ClothScene& scene) : scene_(scene) {}

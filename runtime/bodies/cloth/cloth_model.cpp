@@ -103,6 +103,15 @@ bool ClothModel::release_pins(double time) {
   return any;
 }
 
+void ClothModel::carry(StateStream& stream) {
+  for (Pin& pin : pins_) stream(pin.active);
+  stream(gravity_, wind_);
+  if (!stream.reads()) return;
+  stream.require(gravity_.allFinite() && wind_.allFinite());
+  ++potential_version_;
+  count_holds();
+}
+
 void ClothModel::hold(std::size_t particle, const Vector3d& at) {
   const auto same = [particle](const Hand& hand) { return hand.particle == particle; };
   if (const auto known = std::find_if(hands_.begin(), hands_.end(), same); known != hands_.end())

@@ -91,6 +91,9 @@ class ClothModel : public NodalSystem {
                                 const Eigen::VectorXd& u, Eigen::VectorXd& y) const;
   NodalContact* contact() const override { return contact_; }
 
+  // Saves or restores which pins hold, gravity and wind, of a cloth without grabs.
+  void carry(StateStream& stream);
+
  private:
   struct Pin {
     std::vector<std::size_t> particles;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/state_stream.h"
 #include "runtime/contact/solve/contact_island.h"
 
 namespace tremolo {
@@ -54,6 +55,10 @@ class IslandGuests {
   virtual void start_parts() = 0;
   virtual bool step_part(const GuestPart& part, const HostIsland& island) = 0;
   virtual void end_parts(bool made) = 0;
+
+  // Saves or restores the guests' state between steps, to the bit. bodies: number of those of the
+  // group.
+  virtual void carry(StateStream& stream, std::size_t bodies) = 0;
 };
 
 }  // namespace tremolo

@@ -1,9 +1,11 @@
 // The class tremolo.Body.
+#include <span>
 #include <utility>
 
 #include "common/material.h"
 #include "runtime/apps/python/module/body_handle.h"
 #include "runtime/apps/python/module/surface_arrays.h"
+#include "runtime/bodies/reduced/surface_velocity.h"
 
 namespace tremolo::python {
 namespace {
@@ -173,27 +175,9 @@ py::tuple positions_and_normals(BodyHandle& self) {
 py::array_t<double> velocities(BodyHandle& self) {
   const BodyHandle::Call call(self);
   const ContactBody& body = self.body();
-  const DrawnSurface surface = body.model().drawn();
-  const auto s = static_cast<py::ssize_t>(surface.rest.size());
-  if (body.bones() > 0 || body.frame() == FrameKind::kDriven)
-    raise(
-        usage_error("velocities are those of a fixed or a free body: a driven frame has poses "
-                    "instead of a velocity"));
-  const State& state = body.state();
+  const auto s = static_cast<py::ssize_t>(body.model().drawn().rest.size());
   py::array_t<double> made(Shape{s, 3});
-  Eigen::Map<Eigen::VectorXd> out(made.mutable_data(), 3 * s);
-  out.noalias() = surface.rows * state.p;
-  if (body.frame() != FrameKind::kFree) return made;
-  const RigidState rigid = body.rigid_state();
-  const Pose pose = body.pose();
-  const Eigen::Vector3d spin = pose.rotation * rigid.spin;
-  for (py::ssize_t i = 0; i < s; ++i) {
-    const Eigen::Vector3d u = surface.rows.middleRows(3 * i, 3) * state.q;
-    const Eigen::Vector3d arm =
-        pose * (surface.rest[static_cast<std::size_t>(i)] + u) - rigid.centre - rigid.centre_rest;
-    const Eigen::Vector3d relative = pose.rotation * Eigen::Vector3d(out.segment<3>(3 * i));
-    out.segment<3>(3 * i) = rigid.velocity + spin.cross(arm) + relative;
-  }
+  check(surface_velocities(body, std::span(made.mutable_data(), 3 * static_cast<std::size_t>(s))));
   return made;
 }
 

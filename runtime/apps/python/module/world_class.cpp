@@ -30,6 +30,12 @@ struct Guest {
   bool over = false;  // it has failed, which was reported
 
   explicit Guest(NodalSource& source) : at_start(*source.account()) { (void)look(source); }
+  // The energy of another state is what was put in.
+  void look_again(NodalSource& source) {
+    bound = {};
+    over = source.failed();
+    (void)look(source);
+  }
   bool look(NodalSource& source) {
     const NodalAccount account = *source.account();
     return bound.look(account.now.kinetic + account.now.potential, account.now.gravity,
@@ -369,8 +375,6 @@ py::object pick(const PyWorld& self, py::handle origin, py::handle direction) {
 
 py::bytes save(const PyWorld& self) {
   const Call call(self);
-  if (self.parts->guests.size() > 0)
-    raise(usage_error("a world with bodies of other kinds cannot be saved, copied or pickled"));
   const std::vector<std::byte> bytes = self.parts->world.save();
   return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
@@ -379,6 +383,8 @@ void restore(const PyWorld& self, const std::string& bytes) {
   const Call call(self);
   check(self.parts->world.restore(std::as_bytes(std::span(bytes.data(), bytes.size()))));
   self.parts->events.clear();
+  for (std::size_t i = 0; i < self.parts->guests.size(); ++i)
+    self.parts->watched[i].look_again(self.parts->guests.source(i));
   self.parts->pull_states();
 }
 
@@ -492,11 +498,10 @@ void add_queries(WorldClass& c) {
 }  // namespace
 
 void add_world(py::module_& module) {
-  WorldClass c(
-      module, "World",
-      "The bodies of a scene, stepped together: contact with colliders and with each "
-      "other, hands, joints, gravity, sleep. tremolo.world() makes it of a dict or a "
-      "file. copy.copy and pickle keep the whole state of a world without tetrahedra or cloth.");
+  WorldClass c(module, "World",
+               "The bodies of a scene, stepped together: contact with colliders and with each "
+               "other, hands, joints, gravity, sleep. tremolo.world() makes it of a dict or a "
+               "file. copy.copy and pickle keep the whole state.");
   module.def(
       "world_of_text",
       [](std::string text, py::handle path) {

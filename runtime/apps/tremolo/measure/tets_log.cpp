@@ -67,18 +67,19 @@ void MomentumLoss::note(const TetBody& body, bool alone) {
   known_ = true;
 }
 
-TetsLog::TetsLog(const TetScene& scene, const TetsKind& kind, std::size_t body)
+TetsLog::TetsLog(const TetScene& scene, const TetsKind& kind, std::size_t body, std::int64_t first)
     : outputs_(outputs_of_body(scene.outputs, scene.bodies[body].name)),
       steps_(std::llround(scene.duration / scene.step)),
       surface_(kind.surface),
       held_(kind.held),
       forces_(kind.model, scene.bodies[body].options.law),
-      frames_(outputs_, {0, steps_}) {
+      frames_(outputs_, {first, steps_}) {
   force_.resize(kind.model->rest().size());
 }
 
-Result<TetsLog> TetsLog::create(const TetScene& scene, const TetsKind& kind, std::size_t body) {
-  TetsLog log(scene, kind, body);
+Result<TetsLog> TetsLog::create(const TetScene& scene, const TetsKind& kind, std::size_t body,
+                                std::int64_t first) {
+  TetsLog log(scene, kind, body, first);
   if (Status s = make_run_folder(log.outputs_.out); !s) return s.error();
   if (Status s = take(log.table_, CsvTable::create(table_path(log.outputs_), kTetsColumns,
                                                    scene.bodies.size() > kMostTables));
@@ -120,16 +121,9 @@ void TetsLog::note_forces(const TetBody& body) {
 void TetsLog::look(TetBody& body) {
   const TetsEnergies now{body.kinetic_energy(), body.elastic_energy(), body.gravity_energy(),
                          report_.end.switches};
-  if (first_.size() == 0) {
-    report_.start = now;
-    first_ = body.positions();
-  }
+  if (!started_) report_.start = now;
+  started_ = true;
   report_.end = now;
-  const Eigen::Index corners = body.model().vertices();
-  for (Eigen::Index v = 0; v < corners; ++v) {
-    const double moved = (body.positions() - first_).segment<3>(3 * v).norm();
-    report_.displacement = std::max(report_.displacement, moved);
-  }
   note_forces(body);
 }
 
@@ -149,26 +143,26 @@ Status TetsLog::write_row(const TetBody& body, const TetStepReport& step) {
 
 void TetsLog::note_momenta(const TetBody& body, bool touched) {
   loss_.note(body, !held_ && !touched && !(body.options().drag > 0.0));
-  if (first_.size() == 0) report_.momenta_start = loss_.now();
+  if (!started_) report_.momenta_start = loss_.now();
   report_.momenta_end = loss_.now();
   report_.linear_lost = loss_.linear();
   report_.angular_lost = loss_.angular();
 }
 
-Status TetsLog::observe(TetBody& body, const TetStepReport& step,
+Status TetsLog::observe(TetBody& body, const TetStepReport& step, const TetSums& sums,
                         const std::vector<Eigen::Vector3d>& vertices,
                         const std::vector<Eigen::Vector3f>& normals, bool touched) {
   note_momenta(body, touched);
-  report_.guarded += step.guarded > 0 ? 1 : 0;
-  report_.iterations += step.iterations;
-  report_.switched += static_cast<std::int64_t>(step.switched);
-  report_.in_parts += step.parts > 1 ? 1 : 0;
-  report_.linearised += step.linearised ? 1 : 0;
-  report_.unsolved += step.unsolved ? 1 : 0;
-  report_.end.switches += step.energy_of_switch;
-  report_.jump = std::max(report_.jump, step.jump);
-  share_sum_ += body.system().quadratic_share();
-  report_.share = share_sum_ / static_cast<double>(body.steps() + 1);
+  report_.guarded = sums.guarded();
+  report_.iterations = sums.iterations();
+  report_.switched = sums.switched();
+  report_.in_parts = sums.in_parts();
+  report_.linearised = sums.linearised();
+  report_.unsolved = sums.unsolved();
+  report_.end.switches = sums.energy_of_switches();
+  report_.jump = sums.jump();
+  report_.share = sums.share();
+  report_.displacement = sums.displacement();
   if (body.steps() % outputs_.every == 0 || body.steps() == steps_) {
     look(body);
     if (table_.is_written())

@@ -12,6 +12,7 @@
 #include "common/result.h"
 #include "runtime/apps/tremolo/output/scene_places.h"
 #include "runtime/apps/tremolo/run/log_files.h"
+#include "runtime/bodies/tets/motion/tet_sums.h"
 #include "runtime/bodies/tets/scene/tet_scene.h"
 #include "runtime/io/scenes/nodal_readers.h"
 #include "runtime/math/state.h"
@@ -66,12 +67,14 @@ class MomentumLoss {
 
 class TetsLog {
  public:
-  // Makes the body's folder, out/NAME, if there is an `out`. Errors: kSystem.
-  static Result<TetsLog> create(const TetScene& scene, const TetsKind& kind, std::size_t body);
+  // Makes the body's folder, out/NAME, if there is an `out`. first: the step at which the run
+  // begins. Errors: kSystem.
+  static Result<TetsLog> create(const TetScene& scene, const TetsKind& kind, std::size_t body,
+                                std::int64_t first);
 
-  // Takes the start and then every step. vertices, normals: of the drawn surface now. touched: the
-  // body was in contact in the step.
-  Status observe(TetBody& body, const TetStepReport& step,
+  // Takes the start and then every step. sums: of all steps so far. vertices, normals: of the drawn
+  // surface now. touched: the body was in contact in the step.
+  Status observe(TetBody& body, const TetStepReport& step, const TetSums& sums,
                  const std::vector<Eigen::Vector3d>& vertices,
                  const std::vector<Eigen::Vector3f>& normals, bool touched);
   // Renames the files from their temporary names.
@@ -79,7 +82,7 @@ class TetsLog {
   const TetsReport& report() const { return report_; }
 
  private:
-  TetsLog(const TetScene& scene, const TetsKind& kind, std::size_t body);
+  TetsLog(const TetScene& scene, const TetsKind& kind, std::size_t body, std::int64_t first);
   void look(TetBody& body);
   void note_forces(const TetBody& body);
   void note_momenta(const TetBody& body, bool touched);
@@ -90,10 +93,10 @@ class TetsLog {
   std::shared_ptr<const TetSurface> surface_;
   bool held_ = false;  // the mesh has fixed vertices
   TetSystem forces_;   // a separate system, for evaluations between steps
-  Eigen::VectorXd force_, first_;
+  Eigen::VectorXd force_;
+  bool started_ = false;
   double force_sum_ = 0.0, force_size_ = 0.0, torque_sum_ = 0.0, torque_size_ = 0.0;
   MomentumLoss loss_;
-  double share_sum_ = 0.0;
   CsvTable table_;
   Frames frames_;
   TetsReport report_;

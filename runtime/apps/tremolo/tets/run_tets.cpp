@@ -70,6 +70,7 @@ class TetsRun {
     normals_.resize(logs_.size());
     placed_.assign(logs_.size(), 0);
     for (std::size_t i = 0; i < logs_.size(); ++i) {
+      sums_.emplace_back(bodies_.group->body(i));
       vertices_[i].resize(bodies_.kind(i).surface->vertices());
       normals_[i].resize(vertices_[i].size());
     }
@@ -98,6 +99,7 @@ class TetsRun {
   const TetScene& scene_;
   TetsBodies bodies_;
   std::vector<TetsLog> logs_;
+  std::vector<TetSums> sums_;  // of each body
   std::vector<std::vector<Eigen::Vector3d>> vertices_;
   std::vector<std::vector<Eigen::Vector3f>> normals_;
   std::vector<TetContact::Look> first_;  // contacts before the first step
@@ -131,8 +133,8 @@ void TetsRun::place_all() {
 Status TetsRun::observe_all(const std::vector<TetStepReport>& steps) {
   take_time(ending_.busy.drawing, ending_.wall.drawing, [this] { place_all(); });
   for (std::size_t i = 0; i < logs_.size(); ++i)
-    if (Status s = logs_[i].observe(bodies_.group->body(i), steps[i], vertices_[i], normals_[i],
-                                    bodies_.group->touched(i));
+    if (Status s = logs_[i].observe(bodies_.group->body(i), steps[i], sums_[i], vertices_[i],
+                                    normals_[i], bodies_.group->touched(i));
         !s)
       return s;
   return Success{};
@@ -183,6 +185,7 @@ Status TetsRun::follow() {
   while (inside && ending_.steps < steps && ending_.exit_code == 0 && step_all(reports)) {
     ++ending_.steps;
     ending_.reached = static_cast<double>(ending_.steps) * scene_.step;
+    for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i].add(bodies_.group->body(i), reports[i]);
     if (Status s = observe_all(reports); !s) return s;
     note_pace(ending_.reached);
     progress.reached(ending_.reached);
@@ -284,7 +287,7 @@ Result<SceneRun> run_tets(const TetScene& scene) {
   if (!bodies) return bodies.error();
   std::vector<TetsLog> logs;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-    Result<TetsLog> log = TetsLog::create(scene, bodies->kind(i), i);
+    Result<TetsLog> log = TetsLog::create(scene, bodies->kind(i), i, 0);
     if (!log) return log.error();
     logs.push_back(std::move(*log));
   }

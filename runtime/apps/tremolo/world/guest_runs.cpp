@@ -4,11 +4,13 @@
 
 namespace tremolo {
 
-Result<GuestRuns> GuestRuns::create(const MixedFile& mixed, const WorldGuests& guests) {
+Result<GuestRuns> GuestRuns::create(const MixedFile& mixed, const WorldGuests& guests,
+                                    std::int64_t first) {
   GuestRuns runs;
   runs.guests_ = guests.guests;
-  if (Status s = take(runs.tets_, WorldTetsRun::create(mixed, guests)); !s) return s.error();
-  if (Status s = take(runs.cloths_, WorldClothRun::create(mixed, guests)); !s) return s.error();
+  if (Status s = take(runs.tets_, WorldTetsRun::create(mixed, guests, first)); !s) return s.error();
+  if (Status s = take(runs.cloths_, WorldClothRun::create(mixed, guests, first)); !s)
+    return s.error();
   return runs;
 }
 

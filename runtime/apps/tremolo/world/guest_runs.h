@@ -13,8 +13,10 @@ namespace tremolo {
 
 class GuestRuns {
  public:
-  // mixed, guests: must outlive this object. Errors: those of WorldTetsRun and WorldClothRun.
-  static Result<GuestRuns> create(const MixedFile& mixed, const WorldGuests& guests);
+  // mixed, guests: must outlive this object. first: the step at which the run begins. Errors: those
+  // of WorldTetsRun and WorldClothRun.
+  static Result<GuestRuns> create(const MixedFile& mixed, const WorldGuests& guests,
+                                  std::int64_t first);
 
   // Takes the start and then every step.
   Status observe();

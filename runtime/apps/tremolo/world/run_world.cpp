@@ -152,7 +152,6 @@ Result<SceneRun> run_world(MixedFile mixed, unsigned threads) {
   SceneFile& file = mixed.file;
   Result<SceneWorld> world = make_world(file, mixed.has_guests());
   if (!world) return error_of_file(file.path, value_error(world.error()));
-  if (Status s = begin_run(file, threads, *world); !s) return s.error();
   const auto of_body = [&](std::size_t i, const Error& error) {
     return Error{error.kind, file.path + ": body '" + world->name(i) + "': " + error.message};
   };
@@ -163,8 +162,10 @@ Result<SceneRun> run_world(MixedFile mixed, unsigned threads) {
   if (mixed.has_guests())
     if (Status s = take(made, add_guests(mixed.tets, mixed.cloths, file.path, *world)); !s)
       return s.error();
+  if (Status s = begin_run(file, threads, *world); !s) return s.error();
   WorldRun run;
-  if (Status s = take(run.guests, GuestRuns::create(mixed, made)); !s) return s.error();
+  if (Status s = take(run.guests, GuestRuns::create(mixed, made, world->steps())); !s)
+    return s.error();
   SharedLooks shared;
   for (std::size_t i = 0; i < world->size(); ++i) {
     Result<BodyLog> log = BodyLog::create(file, *world, i, shared);

@@ -29,15 +29,19 @@ double WorldClothRun::Account::turnover() const {
   return sum;
 }
 
-Result<WorldClothRun> WorldClothRun::create(const MixedFile& mixed, const WorldGuests& guests) {
+Result<WorldClothRun> WorldClothRun::create(const MixedFile& mixed, const WorldGuests& guests,
+                                            std::int64_t first) {
   WorldClothRun run;
   run.mixed_ = &mixed;
   run.guests_ = &guests;
   const std::int64_t steps = std::llround(mixed.file.scene.duration / mixed.file.scene.step);
-  for (const ClothSceneBody& body : mixed.cloths) {
+  for (std::size_t i = 0; i < mixed.cloths.size(); ++i) {
+    const ClothSceneBody& body = mixed.cloths[i];
+    const GuestEnergy& start = guests.at_start[guests.of_cloth(i)];
     Watched& watched = run.watched_.emplace_back();
+    watched.at_start = start.kinetic + start.elastic;
     watched.outputs = outputs_of_body(mixed.file.outputs, body.name());
-    watched.frames = Frames(watched.outputs, {0, steps});
+    watched.frames = Frames(watched.outputs, {first, steps});
     if (Status s = make_run_folder(watched.outputs.out); !s) return s.error();
     if (Status s =
             take(watched.table, CsvTable::create(table_path(watched.outputs), kClothColumns));
@@ -64,18 +68,15 @@ void WorldClothRun::watch(std::size_t i, bool first) {
   const ClothBody& body = step_of(i).body();
   watched.now = account_of(i);
   watched.momenta_now = body.momenta();
-  if (first) {
-    watched.start = watched.now;
-    watched.momenta_start = watched.momenta_now;
-  }
-  const Account &now = watched.now, &start = watched.start;
-  watched.balance.observe(now.total(), now.total() - start.total() - now.by_causes(),
+  if (first) watched.momenta_start = watched.momenta_now;
+  const Account& now = watched.now;
+  watched.balance.observe(now.total(), now.total() - watched.at_start - now.by_causes(),
                           now.turnover());
   if (watched.exit_code != 0) return;
   const double own = now.kinetic + now.elastic;
   if (guests_->guests->failed(number(i)))
     watched.give_up(body.time());
-  else if (!std::isfinite(own) || own > kEnergyBound * (start.total() + now.turnover()))
+  else if (!std::isfinite(own) || own > kEnergyBound * (watched.at_start + now.turnover()))
     watched.leave_bound(own, body.time());
 }
 
@@ -127,7 +128,7 @@ nlohmann::ordered_json WorldClothRun::body_json(std::size_t i) const {
   const Watched& watched = watched_[i];
   const ClothBody& body = step_of(i).body();
   const ClothParts& parts = body.model().parts();
-  const Account &start = watched.start, &now = watched.now;
+  const Account& now = watched.now;
   nlohmann::ordered_json json = {
       {"body", body.cloth().name},
       {"kind", "cloth"},
@@ -143,7 +144,7 @@ nlohmann::ordered_json WorldClothRun::body_json(std::size_t i) const {
        number_or_null(static_cast<double>(body.iterations()) / static_cast<double>(body.steps()))},
       {"cut_steps", body.cut_steps()}};
   add_momenta(watched.momenta_start, watched.momenta_now, json);
-  json["energy_initial"] = number_or_null(start.total());
+  json["energy_initial"] = number_or_null(watched.at_start);
   json["energy_final"] = number_or_null(now.total());
   json["energy_max"] = number_or_null(watched.balance.energy_max);
   json["kinetic_final"] = number_or_null(now.kinetic);
@@ -172,10 +173,10 @@ void WorldClothRun::print() const {
         "  {} (cloth, {}): energy {:.6g} -> {:.6g} J; gravity {:.4g}, wind {:.4g}, support {:.4g}, "
         "contact {:.4g}, restitution {:.4g}, friction {:.4g}, damping {:.4g}, the method itself "
         "{:.4g} J; {} contacts, its particles {:.3g} m deep at most\n",
-        mixed_->cloths[i].name(), mixed_->cloths[i].scene.integrator, watched.start.total(),
-        now.total(), now.work.gravity, now.work.wind, now.work.pins, now.given, now.restitution,
-        now.friction, 0.0 - now.work.damped, now.work.numerical,
-        guests_->guests->contacts(number(i)), guests_->guests->penetration_max(number(i)));
+        mixed_->cloths[i].name(), mixed_->cloths[i].scene.integrator, watched.at_start, now.total(),
+        now.work.gravity, now.work.wind, now.work.pins, now.given, now.restitution, now.friction,
+        0.0 - now.work.damped, now.work.numerical, guests_->guests->contacts(number(i)),
+        guests_->guests->penetration_max(number(i)));
     if (!watched.files.empty()) tell("    wrote {}\n", list_files(watched.files));
   }
 }

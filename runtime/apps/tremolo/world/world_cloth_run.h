@@ -18,8 +18,9 @@ namespace tremolo {
 class WorldClothRun {
  public:
   // Makes the folders of the cloths. mixed: may have no cloth; it and guests must outlive this
-  // object. Errors: kSystem.
-  static Result<WorldClothRun> create(const MixedFile& mixed, const WorldGuests& guests);
+  // object. first: the step at which the run begins. Errors: kSystem.
+  static Result<WorldClothRun> create(const MixedFile& mixed, const WorldGuests& guests,
+                                      std::int64_t first);
 
   // Takes the start and then every step.
   Status observe();
@@ -49,7 +50,8 @@ class WorldClothRun {
     double turnover() const;
   };
   struct Watched : RunEnding {
-    Account start, now;
+    double at_start = 0.0;  // energy at t = 0, J
+    Account now;
     EnergyBalance balance;
     Momenta momenta_start, momenta_now;
     SceneOutputs outputs;  // in the cloth's own folder

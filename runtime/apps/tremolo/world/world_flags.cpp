@@ -50,11 +50,6 @@ Status apply_flags(const GivenFlags& flags, MixedFile& mixed) {
                         "scene",
                         flag, mixed.tets.empty() ? "cloth" : "tetrahedra"));
   if (Status s = apply_flags(flags, mixed.file); !s) return s;
-  const SceneOutputs& outputs = mixed.file.outputs;
-  if (mixed.has_guests() && !(outputs.save.empty() && outputs.restore.empty()))
-    return usage_error(
-        fmt::format("--save and --restore do not apply to a scene with bodies of kind \"{}\"",
-                    mixed.tets.empty() ? "cloth" : "tets"));
   mixed.set_guest_step(mixed.file.scene.step);
   return Success{};
 }

@@ -10,7 +10,8 @@
 
 namespace tremolo {
 
-Result<WorldTetsRun> WorldTetsRun::create(const MixedFile& mixed, const WorldGuests& guests) {
+Result<WorldTetsRun> WorldTetsRun::create(const MixedFile& mixed, const WorldGuests& guests,
+                                          std::int64_t first) {
   WorldTetsRun run;
   run.mixed_ = &mixed;
   run.tets_ = &guests;
@@ -20,11 +21,15 @@ Result<WorldTetsRun> WorldTetsRun::create(const MixedFile& mixed, const WorldGue
   scene.step = mixed.file.scene.step;
   scene.duration = mixed.file.scene.duration;
   for (std::size_t i = 0; i < mixed.tets.size(); ++i) {
-    Result<TetsLog> log = TetsLog::create(scene, run.tets_->kind(i), i);
+    Result<TetsLog> log = TetsLog::create(scene, run.tets_->kind(i), i, first);
     if (!log) return log.error();
     run.logs_.push_back(std::move(*log));
   }
   run.watched_.resize(run.logs_.size());
+  for (std::size_t i = 0; i < run.logs_.size(); ++i) {
+    const GuestEnergy& start = guests.at_start[i];
+    run.watched_[i].start = {start.kinetic, start.elastic, start.gravity, 0.0};
+  }
   return run;
 }
 
@@ -36,10 +41,7 @@ void WorldTetsRun::watch(std::size_t i, bool first) {
                  tets_->guests->account(i).energy};
   watched.momenta_now = {body.momentum(), body.angular_momentum()};
   const double own = watched.now.kinetic + watched.now.elastic;
-  if (first) {
-    watched.start = watched.now;
-    watched.momenta_start = watched.momenta_now;
-  }
+  if (first) watched.momenta_start = watched.momenta_now;
   const bool sound = watched.bound.look(own, watched.now.gravity, tets_->guests->sums(i).work);
   watched.energy_max = std::max(watched.energy_max, watched.now.total());
   if (watched.exit_code != 0) return;
@@ -58,7 +60,8 @@ Status WorldTetsRun::observe() {
     normals_.resize(surface.vertices());
     surface.place(body.positions(), vertices_, normals_);
     watch(i, !started_);
-    if (Status s = logs_[i].observe(body, tets_->guests->tets(i)->report(), vertices_, normals_,
+    const TetStep& step = *tets_->guests->tets(i);
+    if (Status s = logs_[i].observe(body, step.report(), step.sums(), vertices_, normals_,
                                     tets_->guests->account(i).active > 0);
         !s)
       return s;

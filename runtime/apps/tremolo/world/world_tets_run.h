@@ -17,8 +17,10 @@ namespace tremolo {
 class WorldTetsRun {
  public:
   // Makes the folders of the bodies. mixed: may have no bodies of tetrahedra; it and guests must
-  // outlive this object. Errors: those of TetsLog::create().
-  static Result<WorldTetsRun> create(const MixedFile& mixed, const WorldGuests& guests);
+  // outlive this object. first: the step at which the run begins. Errors: those of
+  // TetsLog::create().
+  static Result<WorldTetsRun> create(const MixedFile& mixed, const WorldGuests& guests,
+                                     std::int64_t first);
 
   // Takes the start and then every step.
   Status observe();

@@ -24,6 +24,7 @@
 
 #include "common/elements/elasticity.h"
 #include "common/elements/element.h"
+#include "common/state_stream.h"
 
 namespace tremolo {
 
@@ -63,6 +64,16 @@ struct TetShape {
   bool has_turn = false;            // hessian and turned are set
   Eigen::Matrix3d hessian, turned;  // of turn_derivatives() (element_turn.h)
 };
+
+// Saves or restores a shape that was found.
+inline void carry(StateStream& stream, TetShape& shape) {
+  stream(shape.order, shape.samples, shape.rotation, shape.mean, shape.couple, shape.converged,
+         shape.has_turn);
+  stream.require(shape.samples == 1 || shape.samples == 4);
+  for (std::size_t s = 0; stream.good() && s < static_cast<std::size_t>(shape.samples); ++s)
+    stream(shape.seen[s], shape.stress[s]);
+  if (shape.has_turn) stream(shape.hessian, shape.turned);
+}
 
 // x: finite. Never NaN, also for flat and inverted elements. Allocates nothing.
 TetShape tet_shape(const TetElement& element, const Elasticity& elasticity, RotationLaw law,

@@ -309,6 +309,32 @@ double TetSystem::kinetic_energy(const Eigen::VectorXd& v) const {
   return 0.5 * v.dot(sum_);
 }
 
+void TetSystem::carry(StateStream& stream) {
+  std::vector<std::uint8_t> degrees = degrees_;
+  bool has_shapes = has_shapes_;
+  stream(degrees, has_shapes);
+  for (const std::uint8_t degree : degrees) stream.require(degree == 1 || degree == 2);
+  if (!stream.good()) return;
+  if (stream.reads()) set_degrees(degrees);
+  stream(evaluated_);
+  for (std::size_t e = 0; e < shapes_.size() && stream.good(); ++e) {
+    TetShape& shape = shapes_[e];
+    if (has_shapes)
+      stream(shape);
+    else
+      stream(shape.rotation);
+    if (!stream.reads()) continue;
+    stream.require(shape.rotation.allFinite());
+    if (has_shapes)
+      stream.require(straight(e) ? shape.order == 1 && shape.samples == 1
+                                 : shape.order == 2 && shape.samples == 4);
+  }
+  if (!stream.reads()) return;
+  has_shapes_ = has_shapes && stream.good();
+  lost_ = static_cast<std::size_t>(std::count_if(
+      shapes_.begin(), shapes_.end(), [](const TetShape& shape) { return !shape.converged; }));
+}
+
 std::size_t TetSystem::bytes() const {
   return shapes_.size() * sizeof(TetShape) + static_cast<std::size_t>(sum_.size()) * 16 +
          3 * active_.size();

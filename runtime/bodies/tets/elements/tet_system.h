@@ -77,6 +77,10 @@ class TetSystem {
   double kinetic_energy(const Eigen::VectorXd& v) const;  // J
   std::size_t bytes() const;
 
+  // Saves or restores degrees, positions and shapes: the search for a rotation starts from the last
+  // one, on which the bits of the next depend.
+  void carry(StateStream& stream);
+
  private:
   bool straight(std::size_t element) const { return linear_[element] == kAllLinear; }
   void find_shape(std::size_t element, const Eigen::VectorXd& x);  // for one element

@@ -77,8 +77,15 @@ class DegreeChoice {
   std::span<const std::uint8_t> choose(const TetSystem& system, const TetMotion& motion,
                                        const DegreeMeasure& measure);
   std::size_t changed() const { return changed_; }
+  // Saves or restores how long each edge has had its degree.
+  void carry(StateStream& stream) {
+    stream(age_);
+    for (const int age : age_) stream.require(age >= 0 && age < kOldest);
+  }
 
  private:
+  static constexpr int kOldest = 1 << 30;  // no run has as many steps
+
   DegreeOptions options_;
   std::vector<double> stiffness_, mass_;  // k_ab, m_ab
   std::vector<int> age_;

@@ -477,6 +477,19 @@ TetStepReport TetBody::step(TetContact* contact) {
   return report;
 }
 
+void TetBody::carry(StateStream& stream) {
+  for (TetMotion* motion : {&now_, &before_}) {
+    stream(motion->x, motion->v, motion->a);
+    if (stream.reads())
+      stream.require(motion->x.allFinite() && motion->v.allFinite() && motion->a.allFinite());
+  }
+  stream(has_before_, has_acceleration_, guard_, search_iterations_, search_nodes_, time_, steps_);
+  stream.require(steps_ >= 0 && std::isfinite(time_));
+  choice_.carry(stream);
+  system_.carry(stream);
+  if (stream.reads()) solve_.choose(system_.active());
+}
+
 std::size_t TetBody::bytes() const {
   return system_.bytes() + solve_.bytes() + projection_.bytes() +
          model().pattern()->blocks() * sizeof(Eigen::Matrix3d) +

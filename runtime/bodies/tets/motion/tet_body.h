@@ -66,6 +66,11 @@ struct TetStepReport {
   double energy_of_switch = 0.0;  // energy that this took from the body, J
   // Largest displacement of an end or a middle of an edge by it, over the edge's length.
   double jump = 0.0;
+
+  void carry(StateStream& stream) {
+    stream(converged, iterations, linear, parts, linearised, unsolved, guarded, switched);
+    stream(energy_of_switch, jump);
+  }
 };
 
 class TetContact;
@@ -78,6 +83,8 @@ struct TetGuard {
   // energy: J. gained: since as much was last lost, J. largest: largest kinetic plus elastic
   // energy, J.
   double energy = 0.0, gained = 0.0, largest = 0.0;
+
+  void carry(StateStream& stream) { stream(known, energy, gained, largest); }
 };
 
 class TetBody {
@@ -132,6 +139,9 @@ class TetBody {
   Eigen::Vector3d momentum() const { return system_.momentum(now_.v); }
   Eigen::Vector3d angular_momentum() const { return system_.angular_momentum(now_.x, now_.v); }
   std::size_t bytes() const;  // of the body, without the shared model
+
+  // Saves or restores the state between steps, to the bit, of a body without a grab.
+  void carry(StateStream& stream);
 
  private:
   friend class TetIsland;  // both call the following functions

@@ -1,0 +1,234 @@
+/* Worlds of bodies of all kinds from C: reduced and rigid bodies, bodies of tetrahedra and cloths,
+ * in contact with each other and with colliders under one law (docs/reference.md, "World").
+ *
+ * As in tremolo.h, whose statuses, models and colliders are used: handles are owned until they are
+ * destroyed, NULL may be destroyed, and tremolo_last_error() returns the reason of a failure. Units
+ * are SI; vectors are along the world's axes. A world may be used by one thread at a time.
+ *
+ *   tremolo_scene_create(0.002, &scene);
+ *   tremolo_scene_body_init(&place);
+ *   place.name = "ball";
+ *   place.position[2] = 0.5;
+ *   tremolo_collider_sphere(0.1, &sphere);
+ *   tremolo_scene_add_rigid(scene, &place, sphere, 1.0);
+ *   place.name = "duck";
+ *   place.position[2] = 1.0;
+ *   tremolo_tets_options_init(&options);
+ *   options.file = "duck.tets";
+ *   tremolo_scene_add_tets(scene, &place, &options);
+ *   tremolo_scene_world_create(scene, 1, &world);
+ *   tremolo_scene_world_find(world, "duck", &duck);
+ *   for (...) {
+ *     tremolo_scene_world_step(world, 1, NULL);
+ *     tremolo_scene_world_positions_float(world, duck, positions,
+ *                                         3 * tremolo_scene_world_vertices(world, duck));
+ *   }
+ *
+ * A world that is made by these calls has the same bits as one of a scene file with the same
+ * values.
+ */
+#ifndef TREMOLO_SCENE_H
+#define TREMOLO_SCENE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "tremolo.h"
+#include "tremolo_cloth.h"
+#include "tremolo_tets.h"
+
+/* NOLINTBEGIN(readability-identifier-naming) */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The description of a scene. */
+typedef struct tremolo_scene tremolo_scene;
+/* A simulated scene. */
+typedef struct tremolo_scene_world tremolo_scene_world;
+
+/* ---- the scene ---- */
+
+/* A scene without bodies. step: s, of all bodies. Gravity is 9.81 m/s^2 downwards along z. */
+tremolo_status tremolo_scene_create(double step, tremolo_scene** scene);
+
+/* Reads a scene file with [[bodies]] (TOML), or the text of one, UTF-8; more can be added. path:
+ * where the text would be; paths in it are relative to that. Keys of output are not used. In
+ * libtremolo.so. TREMOLO_SYSTEM: the file cannot be read, or the library was built without scene
+ * files. TREMOLO_CONTENT: as the program `tremolo run` refuses it, with file, line and key. */
+tremolo_status tremolo_scene_read(const char* path, tremolo_scene** scene);
+tremolo_status tremolo_scene_parse(const char* text, const char* path, tremolo_scene** scene);
+
+void tremolo_scene_destroy(tremolo_scene* scene);
+
+/* Gravity in m/s^2 and wind in m/s, constant, for all bodies, those that are there and those that
+ * follow. TREMOLO_USAGE: a value is not finite. */
+tremolo_status tremolo_scene_set_gravity(tremolo_scene* scene, const double gravity[3]);
+tremolo_status tremolo_scene_set_wind(tremolo_scene* scene, const double wind[3]);
+
+/* What bodies of all kinds have. Fill with tremolo_scene_body_init. `size` as in
+ * tremolo_body_options. */
+typedef struct tremolo_scene_body {
+  uint32_t size;        /* bytes of this struct as the caller knows it */
+  int32_t points;       /* of a reduced or rigid body: at most this many contact points; 200 */
+  const char* name;     /* UTF-8, of its own in the scene; required */
+  double position[3];   /* m, of the mesh's frame, or of a shape's; 0 */
+  double quaternion[4]; /* w, x, y, z, of length one to 1e-6; 1, 0, 0, 0 */
+  double velocity[3];   /* m/s, of the centre of mass, or of all particles; 0 */
+  double spin[3];       /* rad/s, about it; 0 */
+  /* Not of cloth, whose options have them, and the thickness for the margin: */
+  double friction;      /* of a pair the geometric mean; 0.3 */
+  double restitution;   /* 0 to 1, of a pair the geometric mean; 0.5 */
+  double margin;        /* distance at which contact begins, over the body's size; 0.005 */
+  double stiffness;     /* of contact, as in tremolo_contact_options; 16 */
+  double modulus;       /* Pa, instead of the stiffness; 0: the stiffness */
+} tremolo_scene_body;
+
+void tremolo_scene_body_init(tremolo_scene_body* place);
+
+/* Add a body of one kind. Values are checked when the world is made; here TREMOLO_USAGE: no name, or
+ * a quaternion of another length; and the errors of the options. */
+
+/* A reduced body. method: integrator, frame and damping; NULL: the defaults, TREMOLO_FIXED. Its
+ * step is the scene's. shape: with which points of other bodies collide, in the mesh's frame;
+ * copied; NULL: they pass through. velocity and spin are for TREMOLO_FREE; a fixed body with a pose
+ * is driven, at rest. */
+tremolo_status tremolo_scene_add_reduced(tremolo_scene* scene, const tremolo_scene_body* place,
+                                         const tremolo_model* model,
+                                         const tremolo_body_options* method,
+                                         const tremolo_collider* shape);
+
+/* A rigid body of uniform density. shape: a sphere, capsule, box or cylinder; copied. mass: kg. */
+tremolo_status tremolo_scene_add_rigid(tremolo_scene* scene, const tremolo_scene_body* place,
+                                       const tremolo_collider* shape, double mass);
+
+/* A body of tetrahedra. Of the options, of which the file is required, position, quaternion,
+ * velocity, spin and friction are not read: `place` has them. */
+tremolo_status tremolo_scene_add_tets(tremolo_scene* scene, const tremolo_scene_body* place,
+                                      const tremolo_tets_options* options);
+
+/* A cloth, which passes through other cloths and itself. method: "implicit-euler", "midpoint" or
+ * "energy"; NULL: the first. options: NULL for the defaults. Of `place` name, velocity, stiffness
+ * and modulus are read. pins: `count` particles that are fixed at their positions. */
+tremolo_status tremolo_scene_add_cloth(tremolo_scene* scene, const tremolo_scene_body* place,
+                                       const char* method, const tremolo_cloth_options* options,
+                                       const size_t* pins, size_t count);
+
+/* A collider at rest at its pose (next_position and next_quaternion are not read); copied. */
+tremolo_status tremolo_scene_add_collider(tremolo_scene* scene,
+                                          const tremolo_placed_collider* collider);
+
+/* ---- the world ---- */
+
+/* Reads the files that the scene names; the scene is not needed after the call. threads: of a step,
+ * the caller's included; 0: one for each core; no bit depends on it. TREMOLO_SYSTEM: a file is
+ * missing, or threads cannot be started. TREMOLO_CONTENT: a value is out of range, two bodies have
+ * one name, a body begins inside another or a collider by more than its margin, or gravity that
+ * changes acts on tetrahedra; the message names the body. */
+tremolo_status tremolo_scene_world_create(const tremolo_scene* scene, uint32_t threads,
+                                          tremolo_scene_world** world);
+void tremolo_scene_world_destroy(tremolo_scene_world* world);
+
+/* Advances by `count` steps, or until bodies fail. done (may be NULL) receives the number of steps
+ * taken, that in which bodies failed included. TREMOLO_SOLVER or TREMOLO_BOUND: the message names
+ * the bodies that failed. They keep their state and are not stepped again; the others have taken
+ * their step and continue in the next call. */
+tremolo_status tremolo_scene_world_step(tremolo_scene_world* world, int64_t count, int64_t* done);
+double tremolo_scene_world_time(const tremolo_scene_world* world);   /* s; 0 for NULL */
+int64_t tremolo_scene_world_steps(const tremolo_scene_world* world); /* 0 for NULL */
+
+typedef enum tremolo_body_kind {
+  TREMOLO_REDUCED = 0, /* of a basis file, or on bones */
+  TREMOLO_RIGID = 1,
+  TREMOLO_TETS = 2,
+  TREMOLO_CLOTH = 3
+} tremolo_body_kind;
+
+/* Bodies are numbered from 0: reduced and rigid ones in the order in which they were added, then
+ * bodies of tetrahedra, then cloths. 0 for NULL. */
+size_t tremolo_scene_world_bodies(const tremolo_scene_world* world);
+/* TREMOLO_USAGE: there is no body of that name. */
+tremolo_status tremolo_scene_world_find(const tremolo_scene_world* world, const char* name,
+                                        uint32_t* body);
+/* UTF-8, the world's; NULL if there is no such body. */
+const char* tremolo_scene_world_name(const tremolo_scene_world* world, uint32_t body);
+tremolo_status tremolo_scene_world_kind(const tremolo_scene_world* world, uint32_t body,
+                                        tremolo_body_kind* kind);
+
+/* The drawn surface: s vertices and t triangles. 0 for NULL and for a body that does not exist. */
+size_t tremolo_scene_world_vertices(const tremolo_scene_world* world, uint32_t body);
+size_t tremolo_scene_world_triangles(const tremolo_scene_world* world, uint32_t body);
+/* Three vertices per triangle; length must be 3 t. */
+tremolo_status tremolo_scene_world_triangle_corners(const tremolo_scene_world* world, uint32_t body,
+                                                    uint32_t* out, size_t length);
+
+/* Positions of the surface's vertices, x y z x y z ..., m. length must be 3 s. */
+tremolo_status tremolo_scene_world_positions_float(const tremolo_scene_world* world, uint32_t body,
+                                                   float* out, size_t length);
+tremolo_status tremolo_scene_world_positions_double(const tremolo_scene_world* world, uint32_t body,
+                                                    double* out, size_t length);
+/* Their velocities, in the same order, m/s. length must be 3 s. TREMOLO_USAGE: a driven body, whose
+ * frame has poses instead of a velocity. */
+tremolo_status tremolo_scene_world_velocities(const tremolo_scene_world* world, uint32_t body,
+                                              double* out, size_t length);
+
+/* The energy balance of a body, J. What a body has now: kinetic, potential (elastic), contact
+ * (stored). at_start: their sum at the start. Given since then by each cause, negative where it was
+ * taken; 0 where a body of its kind has no such cause:
+ *   load      forces on vertices            hand, joint   those that hold the body
+ *   support   a moving frame, pins          damping       dampers; not of tetrahedra
+ *   gravity, wind                           method        the method itself, and the damping of
+ *   contact_given  contact                                tetrahedra; not of reduced bodies
+ *   restitution, friction
+ * remainder: of the balance, without a known cause; 0 for tetrahedra, whose method has it. */
+typedef struct tremolo_energy_account {
+  double kinetic, potential, contact, at_start;
+  double load, support, gravity, wind, contact_given, restitution, friction, hand, joint, damping,
+      method;
+  double remainder;
+} tremolo_energy_account;
+
+tremolo_status tremolo_scene_world_account(const tremolo_scene_world* world, uint32_t body,
+                                           tremolo_energy_account* account);
+
+/* Momentum, kg m/s, and angular momentum about the world's origin, N m s; either may be NULL. */
+tremolo_status tremolo_scene_world_momentum(const tremolo_scene_world* world, uint32_t body,
+                                            double linear[3], double angular[3]);
+
+/* Contact of a body; any may be NULL. contacts: number of contacts that began. penetration: the
+ * largest depth of a contact point at the end of any step, m. force: mean of contact's on the body
+ * in the last step, N, world. points: with a force in it. */
+tremolo_status tremolo_scene_world_contact(const tremolo_scene_world* world, uint32_t body,
+                                           int64_t* contacts, double* penetration, double force[3],
+                                           int32_t* points);
+
+/* 1 or 0; either may be NULL. failed: a step of the body failed: it is not stepped again. */
+tremolo_status tremolo_scene_world_look(const tremolo_scene_world* world, uint32_t body,
+                                        int32_t* asleep, int32_t* failed);
+
+/* Position, m, and quaternion (w, x, y, z) of the frame of a reduced or rigid body; either may be
+ * NULL. TREMOLO_USAGE: a body of tetrahedra or a cloth, which has no frame. */
+tremolo_status tremolo_scene_world_pose(const tremolo_scene_world* world, uint32_t body,
+                                        double position[3], double quaternion[4]);
+
+/* As tremolo_body_apply_force. TREMOLO_USAGE also: a body of tetrahedra or a cloth. */
+tremolo_status tremolo_scene_world_apply_force(tremolo_scene_world* world, uint32_t body,
+                                               uint32_t vertex, const double force[3],
+                                               int32_t steps);
+
+/* As tremolo_body_save and tremolo_body_restore, of the whole world: the bytes are those of `tremolo
+ * run --save`. TREMOLO_CONTENT, with the world unchanged: the bytes are damaged, of another version
+ * or of another scene, which the message tells. */
+tremolo_status tremolo_scene_world_save(const tremolo_scene_world* world, void* bytes,
+                                        size_t capacity, size_t* size);
+tremolo_status tremolo_scene_world_restore(tremolo_scene_world* world, const void* bytes,
+                                           size_t size);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* NOLINTEND(readability-identifier-naming) */
+
+#endif /* TREMOLO_SCENE_H */
