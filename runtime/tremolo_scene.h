@@ -78,17 +78,17 @@ typedef struct tremolo_scene_body {
   double velocity[3];   /* m/s, of the centre of mass, or of all particles; 0 */
   double spin[3];       /* rad/s, about it; 0 */
   /* Not of cloth, whose options have them, and the thickness for the margin: */
-  double friction;      /* of a pair the geometric mean; 0.3 */
-  double restitution;   /* 0 to 1, of a pair the geometric mean; 0.5 */
-  double margin;        /* distance at which contact begins, over the body's size; 0.005 */
-  double stiffness;     /* of contact, as in tremolo_contact_options; 16 */
-  double modulus;       /* Pa, instead of the stiffness; 0: the stiffness */
+  double friction;    /* of a pair the geometric mean; 0.3 */
+  double restitution; /* 0 to 1, of a pair the geometric mean; 0.5 */
+  double margin;      /* distance at which contact begins, over the body's size; 0.005 */
+  double stiffness;   /* of contact, as in tremolo_contact_options; 16 */
+  double modulus;     /* Pa, instead of the stiffness; 0: the stiffness */
 } tremolo_scene_body;
 
 void tremolo_scene_body_init(tremolo_scene_body* place);
 
-/* Add a body of one kind. Values are checked when the world is made; here TREMOLO_USAGE: no name, or
- * a quaternion of another length; and the errors of the options. */
+/* Add a body of one kind. Values are checked when the world is made; here TREMOLO_USAGE: no name,
+ * or a quaternion of another length; and the errors of the options. */
 
 /* A reduced body. method: integrator, frame and damping; NULL: the defaults, TREMOLO_FIXED. Its
  * step is the scene's. shape: with which points of other bodies collide, in the mesh's frame;
@@ -217,9 +217,9 @@ tremolo_status tremolo_scene_world_apply_force(tremolo_scene_world* world, uint3
                                                uint32_t vertex, const double force[3],
                                                int32_t steps);
 
-/* As tremolo_body_save and tremolo_body_restore, of the whole world: the bytes are those of `tremolo
- * run --save`. TREMOLO_CONTENT, with the world unchanged: the bytes are damaged, of another version
- * or of another scene, which the message tells. */
+/* As tremolo_body_save and tremolo_body_restore, of the whole world: the bytes are those of
+ * `tremolo run --save`. TREMOLO_CONTENT, with the world unchanged: the bytes are damaged, of
+ * another version or of another scene, which the message tells. */
 tremolo_status tremolo_scene_world_save(const tremolo_scene_world* world, void* bytes,
                                         size_t capacity, size_t* size);
 tremolo_status tremolo_scene_world_restore(tremolo_scene_world* world, const void* bytes,

@@ -150,7 +150,8 @@ int tremolo_c_scene_world_round(const tremolo_scene* scene) {
   REQUIRE(tremolo_scene_world_positions_double(world, 3, there, n) == TREMOLO_OK);
   for (k = 0; k < n; ++k) REQUIRE(fabs(there[k] - before[k] - 0.002 * speed[k]) < 1e-3);
 
-  /* Back, and forward again. The forces on vertices are part of the saved state: there were none. */
+  /* Back, and forward again. The forces on vertices are part of the saved state: there were none.
+   */
   REQUIRE(tremolo_scene_world_restore(world, bytes, kept) == TREMOLO_OK);
   REQUIRE(tremolo_scene_world_steps(world) == 40);
   REQUIRE(tremolo_scene_world_save(world, NULL, 0, &again) == TREMOLO_OK && again == kept);
