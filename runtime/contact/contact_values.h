@@ -56,7 +56,7 @@ struct ContactAccount {
   double work = 0.0;
   double lost = 0.0;           // taken by restitution, J
   double friction_loss = 0.0;  // taken by friction, J
-  double given = 0.0;          // by moving colliders and supports, J
+  double given = 0.0;          // by moving colliders, supports and jumps of bodies, J
   // Contact energy at the start of the step minus that at the end of the step before, J.
   double surplus = 0.0;
   double hand_work = 0.0, hand_damped = 0.0;  // J
@@ -70,6 +70,12 @@ struct ContactAccount {
   // Sum of F h on the body by colliders and other bodies, N s, world.
   Eigen::Vector3d impulse_vector = Eigen::Vector3d::Zero();
   int passed = 0;  // number of points that passed through an obstacle (contact/collider.h)
+
+  // Counts the surplus as given: the obstacle has moved between the steps.
+  void give_surplus() {
+    given += surplus;
+    surplus = 0.0;
+  }
 };
 
 // A contact point of a body with a force in the last step.

@@ -288,8 +288,8 @@ void ClothStep::add_image(std::size_t point, const Vector3d& fall, Out rows) con
 }
 
 // Fixed particles pass the force of contact to what fixes them.
-void ClothStep::finish(const ContactAccount& account, double start) {
-  take_account(account, start);
+void ClothStep::finish(const ContactAccount& account, double start, bool jumped) {
+  take_account(account, start, jumped);
   const VectorXd& x0 = body_->state().x;
   const double h = step_size();
   x1_ = x0 + way_;

@@ -70,7 +70,7 @@ class ClothStep final : public GuestStep {
   void add_image(std::size_t point, const Eigen::Vector3d& fall, Out rows) const override;
 
   bool add_missed() override { return false; }
-  void finish(const ContactAccount& account, double start) override;
+  void finish(const ContactAccount& account, double start, bool jumped) override;
   int number_of(std::size_t point) const override { return static_cast<int>(point); }
   void end() override { sort_memories(); }
   void give_up() override {}

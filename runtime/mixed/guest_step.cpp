@@ -92,11 +92,12 @@ void GuestStep::forget_contact() {
   contacted_.clear();
 }
 
-void GuestStep::take_account(const ContactAccount& account, double start) {
+void GuestStep::take_account(const ContactAccount& account, double start, bool jumped) {
   const double before = account_.energy;
   account_ = account;
   account_.surplus = start - before;
   account_.given = account.work + account.energy - start + account.lost + account.friction_loss;
+  if (jumped) account_.give_surplus();
   memories_.clear();
   contacted_.clear();
 }

@@ -76,7 +76,7 @@ class GuestStep : public StepBody {
   // Ends a step without contact.
   void forget_contact();
   // Sets the account as for finish(), and clears memories and points for those of this step.
-  void take_account(const ContactAccount& account, double start);
+  void take_account(const ContactAccount& account, double start, bool jumped);
   // Call it once all contacts are remembered.
   void sort_memories();
 

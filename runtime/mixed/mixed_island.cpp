@@ -174,7 +174,10 @@ void MixedIsland::settle() {
     coupling->settle(accounts_[coupling->first], accounts_[b], starts_[coupling->first],
                      starts_[b]);
   }
-  for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i]->finish(accounts_[i], starts_[i]);
+  const bool jumped = std::any_of(bodies_.begin(), bodies_.end(),
+                                  [](const StepBody* body) { return body->jumped(); });
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    bodies_[i]->finish(accounts_[i], starts_[i], jumped);
   for (PairForces* coupling : couplings_) coupling->remember();
   for (StepBody* body : bodies_) body->end();
 }

@@ -75,10 +75,11 @@ void ReducedStep::add_image(std::size_t point, const Vector3d& fall, Out rows) c
   rows += scale().cwiseProduct(levers_[point].push.lazyProduct(fall));
 }
 
-void ReducedStep::finish(const ContactAccount& account, double start) {
+void ReducedStep::finish(const ContactAccount& account, double start, bool jumped) {
   report_ = {};
   report_.converged = true;
   contact().finish(*member_.state, report_, account, start);
+  if (jumped) contact().record().account.give_surplus();
 }
 
 }  // namespace tremolo

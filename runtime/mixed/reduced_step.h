@@ -63,7 +63,7 @@ class ReducedStep final : public StepBody {
   void add_image(std::size_t point, const Eigen::Vector3d& fall, Out rows) const override;
 
   bool add_missed() override { return contact().add_missed(); }
-  void finish(const ContactAccount& account, double start) override;
+  void finish(const ContactAccount& account, double start, bool jumped) override;
   void remember(const ContactMemory& memory) override { contact().pair_memories().add(memory); }
   void note(const ContactedPoint& point) override { contact().record().contacted.push_back(point); }
   int number_of(std::size_t point) const override { return surface_points().ids[point]; }

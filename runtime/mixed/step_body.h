@@ -88,12 +88,15 @@ class StepBody {
   virtual bool add_missed() = 0;
   // Called once the step is solved. account: of contact with other bodies and of colliders that a
   // coupling handles. start: its energy at the start of the step, J. Then remember() each contact,
-  // in any order, and call end().
-  virtual void finish(const ContactAccount& account, double start) = 0;
+  // in any order, and call end(). jumped: a body of the island has.
+  virtual void finish(const ContactAccount& account, double start, bool jumped) = 0;
   virtual void remember(const ContactMemory& memory) = 0;
   virtual void note(const ContactedPoint& point) = 0;  // a point of the body that had a force
   virtual int number_of(std::size_t point) const = 0;  // of its vertex, for note()
   virtual void end() = 0;
+  // True if points of the body have moved at once since the end of the step before, so that contact
+  // has another energy at the start of this one. Valid until finish().
+  virtual bool jumped() const { return false; }
   // Called instead if the step has failed: the state is as before the step.
   virtual void give_up() = 0;
 };

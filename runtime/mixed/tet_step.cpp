@@ -70,6 +70,7 @@ StepBall TetStep::find_ball() {
 
 bool TetStep::step_alone() {
   report_ = body_->step();
+  jumped_ = report_.switched > 0;
   forget_contact();
   return report_.converged;
 }
@@ -315,8 +316,9 @@ void TetStep::add_image(std::size_t point, const Vector3d& fall, Out rows) const
   add_shares(nodes_of(point), shares_[point], fall, rows);
 }
 
-void TetStep::finish(const ContactAccount& account, double start) {
-  take_account(account, start);
+void TetStep::finish(const ContactAccount& account, double start, bool jumped) {
+  take_account(account, start, jumped);
+  jumped_ = false;
   body_->end();
   // A step of midpoint in place of newmark's has no acceleration at its end.
   body_->has_acceleration_ = false;
@@ -330,6 +332,7 @@ void TetStep::end() {
   if (!part().whole) return;
   body_->skip_step();
   body_->choose_degrees(report_);
+  jumped_ = report_.switched > 0;
 }
 
 void TetStep::keep_whole() {
@@ -351,6 +354,7 @@ void TetStep::end_whole(int parts) {
     report_.parts = parts;
     body.skip_step();
     body.choose_degrees(report_);
+    jumped_ = report_.switched > 0;
     return;
   }
   body.now_ = whole_.now;
@@ -361,6 +365,7 @@ void TetStep::end_whole(int parts) {
 void TetStep::carry_body(StateStream& stream) {
   body_->carry(stream);
   stream(report_, sums_);
+  jumped_ = report_.switched > 0;
 }
 
 void TetStep::give_up() {

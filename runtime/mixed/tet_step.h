@@ -103,7 +103,9 @@ class TetStep final : public GuestStep {
   void add_image(std::size_t point, const Eigen::Vector3d& fall, Out rows) const override;
 
   bool add_missed() override { return false; }
-  void finish(const ContactAccount& account, double start) override;
+  // Where edges change their degree, points on them move at once.
+  bool jumped() const override { return jumped_; }
+  void finish(const ContactAccount& account, double start, bool jumped) override;
   int number_of(std::size_t point) const override;
   void end() override;
   void give_up() override;
@@ -148,6 +150,7 @@ class TetStep final : public GuestStep {
   std::shared_ptr<const TetPoints> points_;
   ContactLaw law_;
   TetStepReport report_;
+  bool jumped_ = false;
   TetSums sums_;
   double ends_ = 1.0;  // dx_1/dd
   bool known_ = false;

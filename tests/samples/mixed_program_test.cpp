@@ -163,6 +163,22 @@ TEST_F(MixedProgram, ABlockAloneIsDraggedByAFloorThatBeginsToGlide) {
   EXPECT_NEAR(block["contact_force_final"][0].get<double>(), 0.3 * kWeight, 0.02 * kWeight);
 }
 
+// Where edges become quadratic or linear, surfaces in contact jump. The energy that contact has
+// from that is given, and no error of the balance.
+TEST_F(MixedProgram, BalancesCloseWhereEdgesInContactChangeTheirDegree) {
+  const ProgramResult result =
+      run("step = 0.001\nduration = 0.4\ngravity = [0, 0, -9.81]\n" +
+          reduced("upper", "position = [0.02, 0.01, 0.17]\nvelocity = [0, 0, -2]\n") +
+          tets("lower", "position = [0, 0, 0.0503]\n") + kFloor);
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_GT(report["bodies"][1]["edges_switched"].get<int>(), 10);
+  for (const json& body : report["bodies"]) {
+    EXPECT_LE(body["energy_balance_error"].get<double>(), 1e-9) << body["body"];
+    EXPECT_LE(std::abs(body["contact_error"].get<double>()), 1e-9) << body["body"];
+  }
+}
+
 TEST_F(MixedProgram, WritesTablesAndSurfacesOfEachBody) {
   const ProgramResult result =
       run("step = 0.002\nduration = 0.02\ngravity = [0, 0, -9.81]\n" + rigid("lower", "") +
