@@ -20,8 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int kSteps = 100;
-constexpr double kStep = 0.002;
+constexpr int kGuestSteps = 100;
+constexpr double kGuestStep = 0.002;
 
 // What a run measures of itself, from its own start on ("Saving and restoring a run" in
 // docs/reference.md).
@@ -84,17 +84,18 @@ class SavedGuests : public ::testing::Test {
     return text + keys;
   }
 
-  ProgramResult run(const std::string& flags, int steps = kSteps) {
-    return run_program(
-        folder_, kTremolo + "run scene.toml " +
-                     fmt::format(" --json --step {} --duration {} ", kStep, steps * kStep) + flags);
+  ProgramResult run(const std::string& flags, int steps = kGuestSteps) {
+    return run_program(folder_, kTremolo + "run scene.toml " +
+                                    fmt::format(" --json --step {} --duration {} ", kGuestStep,
+                                                steps * kGuestStep) +
+                                    flags);
   }
   std::string text_of(const std::string& name) { return slurp(folder_ + "/" + name); }
 
   void same_files(const std::string& name, int cut) {
     std::string tail = text_of("rest/" + name + "/run.csv");
     tail.erase(0, tail.find('\n') + 1);
-    EXPECT_EQ(std::count(tail.begin(), tail.end(), '\n'), kSteps - cut + 1) << name;
+    EXPECT_EQ(std::count(tail.begin(), tail.end(), '\n'), kGuestSteps - cut + 1) << name;
     EXPECT_TRUE(text_of("whole/" + name + "/run.csv").ends_with(tail)) << name;
     int count = 0;
     for (const auto& entry : fs::directory_iterator(folder_ + "/rest/" + name)) {
@@ -104,7 +105,7 @@ class SavedGuests : public ::testing::Test {
       EXPECT_EQ(text_of("whole/" + name + "/" + file), text_of("rest/" + name + "/" + file))
           << name << file;
     }
-    EXPECT_EQ(count, 5 - 5 * cut / kSteps) << name;
+    EXPECT_EQ(count, 5 - 5 * cut / kGuestSteps) << name;
   }
 
   // Divides the run of a scene after `cut` steps.
@@ -137,14 +138,17 @@ class SavedGuests : public ::testing::Test {
     for (const char* folder : {"/whole", "/rest"}) fs::remove_all(folder_ + folder);
   }
 
-  int cut() { return std::uniform_int_distribution<int>(kSteps / 3, kSteps - 5)(random_); }
+  int cut() {
+    return std::uniform_int_distribution<int>(kGuestSteps / 3, kGuestSteps - 5)(random_);
+  }
 
   static inline std::string models_;
   std::string folder_;
   std::mt19937 random_{7};
 };
 
-const std::string kFloor = "[[colliders]]\nname = \"floor\"\nshape = \"plane\"\nfriction = 0.4\n";
+const std::string kRoughFloor =
+    "[[colliders]]\nname = \"floor\"\nshape = \"plane\"\nfriction = 0.4\n";
 
 // The cube falls on a rigid and a reduced body, or on the floor, and turns.
 TEST_F(SavedGuests, OfTetrahedraByEachMethodAndDegreeGoOnWithTheSameBytes) {
@@ -164,7 +168,7 @@ TEST_F(SavedGuests, OfTetrahedraByEachMethodAndDegreeGoOnWithTheSameBytes) {
         aside + "integrator = \"midpoint\"\nbeta = 0.0005\n",
         aside + "integrator = \"bdf2\"\nleast-steps = 25\nlook-every = 1\n",
         aside + "integrator = \"implicit-euler\"\nfriction = 0.8\n"})
-    divide(below + body("cube", "tets", keys) + kFloor, cut());
+    divide(below + body("cube", "tets", keys) + kRoughFloor, cut());
 }
 
 // While its edges change their degree, each not before it has had one for some steps.
@@ -174,7 +178,7 @@ TEST_F(SavedGuests, OfTetrahedraWhoseEdgesChangeGoOnWithTheSameBytes) {
                body("cube", "tets",
                     "position = [1, 0.005, 0.07]\nspin = [1, 2, 0.5]\ndegree = \"adaptive\"\n"
                     "integrator = \"bdf2\"\nleast-steps = 25\nlook-every = 1\nerror = 0.4\n") +
-               kFloor,
+               kRoughFloor,
            after);
 }
 
@@ -187,7 +191,7 @@ TEST_F(SavedGuests, OfTetrahedraInTheAirGoOnWithTheSameBytes) {
                       "position = [0, 0, 0.2]\nspin = [40, 250, 10]\ndegree = \"quadratic\"\n"
                       "integrator = \"" +
                           method + "\"\n") +
-                 kFloor,
+                 kRoughFloor,
              after);
 }
 
@@ -202,7 +206,7 @@ TEST_F(SavedGuests, OfClothByEachMethodGoOnWithTheSameBytes) {
              "restitution = 0.3\npins = [{ at = \"top-left\", until = 0.11 }, { at = "
              "\"bottom-left\", until = 0.17 }]\nintegrator = \"" +
                  method + "\"\n") +
-        kFloor;
+        kRoughFloor;
     for (const int after : {20, 70, cut()}) divide(scene, after);
   }
 }
@@ -217,7 +221,7 @@ TEST_F(SavedGuests, OfAllKindsInOneIslandGoOnWithTheSameBytes) {
       body("sheet", "cloth", "corner = [-0.09, -0.09, 0.1045]\nfriction = 0.5\n") +
       body("box", "rigid", "position = [-0.06, 0, 0.17]\nvelocity = [0, 0, -0.5]\n") +
       body("soft", "free", "position = [0.06, 0, 0.175]\nspin = [1, 0, 0]\nbeta = 0.001\n") +
-      kFloor + "motion = [{ kind = \"shake\", amplitude = [0.001, 0, 0], frequency = 8 }]\n";
+      kRoughFloor + "motion = [{ kind = \"shake\", amplitude = [0.001, 0, 0], frequency = 8 }]\n";
   for (const int after : {30, cut()}) divide(scene, after);
 }
 
@@ -225,8 +229,8 @@ TEST_F(SavedGuests, OfAllKindsInOneIslandGoOnWithTheSameBytes) {
 TEST_F(SavedGuests, OfTheFirstAndTheLastStepAreTheSame) {
   const std::string scene = body("cube", "tets", "position = [0, 0, 0.052]\n") +
                             body("sheet", "cloth", "corner = [-0.09, -0.09, 0.12]\n") +
-                            body("box", "rigid", "position = [1, 0, 0.06]\n") + kFloor;
-  for (const int after : {1, kSteps}) divide(scene, after);
+                            body("box", "rigid", "position = [1, 0, 0.06]\n") + kRoughFloor;
+  for (const int after : {1, kGuestSteps}) divide(scene, after);
 }
 
 TEST_F(SavedGuests, OfAnotherSceneAreRefused) {
