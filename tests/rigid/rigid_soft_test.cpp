@@ -163,7 +163,12 @@ TEST(RigidOnSoft, AShakenBeamTakesTheStepInParts) {
     shaken.kind = FrameKind::kDriven;
     shaken.motion.parts = {
         ShakeMotion{{0.0, 0.0, 0.002}, 8.0, {.start = 0.0, .end = 10.0, .ramp = 0.05}},
-        SwingMotion{{0.0, 0.0, 1.0}, {}, 0.2, 4.0, 0.0, {.start = 0.0, .end = 10.0, .ramp = 0.05}}};
+        SwingMotion{{0.0, 0.0, 1.0},
+                    Vector3d::Zero(),
+                    0.2,
+                    4.0,
+                    0.0,
+                    {.start = 0.0, .end = 10.0, .ramp = 0.05}}};
     scene.bodies = {shaken};
     for (int k = 0; balls && k < 2; ++k) {
       scene.bodies.push_back(rigid_body("ball-" + std::to_string(k), SphereShape{0.03},

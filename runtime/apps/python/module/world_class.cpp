@@ -54,8 +54,8 @@ struct WorldParts {
   std::vector<TimedEvent> events;                 // of the last call of step()
   std::atomic<bool> used = false;
 
-  WorldParts(std::string scene_text, std::string scene_path, SceneWorld made)
-      : text(std::move(scene_text)), path(std::move(scene_path)), world(std::move(made)) {}
+  WorldParts(std::string scene_text, std::string scene_path, SceneWorld of_scene)
+      : text(std::move(scene_text)), path(std::move(scene_path)), world(std::move(of_scene)) {}
 
   // Bodies of the world come first, then guests, in the scene's order.
   std::size_t size() const { return world.size() + guests.size(); }
