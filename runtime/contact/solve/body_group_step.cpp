@@ -140,7 +140,7 @@ void BodyGroup::step_island(const Island& island, Worker& worker) {
 // Steps a small island in parts if rigid bodies of it hit hard. False: its step is still to be
 // taken. points: number of entries in use of the worker's.
 bool BodyGroup::step_impact(const Island& island, std::size_t points, Worker& worker) {
-  // Parts cost up to 40 times the step, so that heaps take it whole.
+  // Parts cost up to 80 times the step, so that heaps take it whole.
   constexpr std::size_t kMostBodies = 16, kDeformable = 12;
   std::size_t bodies = 0;
   for (const IslandMember& member : worker.members)
