@@ -64,7 +64,8 @@ void ReducedStep::multiply(In x, Out rows) const {
 
 void ReducedStep::precondition(In rows, Out x) {
   rows_ = rows.cwiseQuotient(scale());
-  x = factor_.solve(rows_);
+  x = rows_;
+  factor_.solve_in_place(x);
 }
 
 Vector3d ReducedStep::change_at(std::size_t point, In x) const {

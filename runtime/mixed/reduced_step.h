@@ -5,11 +5,12 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 
 #include "runtime/contact/solve/contact_equations.h"
 #include "runtime/contact/solve/contact_island.h"
 #include "runtime/contact/solve/contact_step.h"
+#include "runtime/math/kernels/dense_lu.h"
 #include "runtime/mixed/step_body.h"
 
 namespace tremolo {
@@ -84,7 +85,7 @@ class ReducedStep final : public StepBody {
   StepReport report_;
   Eigen::VectorXd kept_, rows_;
   std::vector<PointLever> levers_;  // one a point, once it has a slope
-  Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
+  DenseLu factor_;
 };
 
 }  // namespace tremolo

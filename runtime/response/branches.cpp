@@ -5,9 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/LU>
-
 #include "common/text.h"
+#include "runtime/math/kernels/dense_lu.h"
 #include "runtime/response/curve_tracer.h"
 
 namespace tremolo {
@@ -30,10 +29,10 @@ Result<Crossing> crossing_at(CurveEquations& equations, const Eigen::VectorXd& y
   Eigen::MatrixXd matrix(n, n);
   equations.jacobian(y, matrix);
   matrix.row(n - 1) = (weights.array().square() * crossing.tangent.array()).matrix().transpose();
-  const Eigen::PartialPivLU<Eigen::MatrixXd> factor(matrix);
+  const DenseLu factor(matrix);
   Eigen::VectorXd other = Eigen::VectorXd::Ones(n);
   for (int i = 0; i < 4; ++i) {
-    const Eigen::VectorXd left = factor.transpose().solve(other);
+    const Eigen::VectorXd left = factor.solve_transposed(other);
     other = factor.solve(left.normalized());
     other /= length(other);
     if (!other.allFinite()) return Error{ErrorKind::kSolver, "the equations are singular there"};

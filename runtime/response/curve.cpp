@@ -24,14 +24,6 @@ Eigen::MatrixXd bordered(CurveEquations& equations, const Eigen::VectorXd& y,
   return matrix;
 }
 
-int sign_of(const Eigen::PartialPivLU<Eigen::MatrixXd>& factor) {
-  int sign = static_cast<int>(factor.permutationP().determinant());
-  const auto diagonal = factor.matrixLU().diagonal();
-  for (Eigen::Index i = 0; i < diagonal.size(); ++i)
-    if (diagonal[i] < 0.0) sign = -sign;
-  return sign;
-}
-
 // One corrector: iterates from y until the last correction is below `tolerance` of the state.
 struct Corrector {
   CurveEquations& equations;
@@ -40,10 +32,10 @@ struct Corrector {
   double tolerance;
 
   // factor: an old one to begin with, or null.
-  CorrectorReport run(const Eigen::PartialPivLU<Eigen::MatrixXd>* factor, Eigen::VectorXd& y) {
+  CorrectorReport run(const DenseLu* factor, Eigen::VectorXd& y) {
     const Eigen::Index n = y.size();
     const Eigen::VectorXd plane = y;
-    Eigen::PartialPivLU<Eigen::MatrixXd> own;
+    DenseLu own;
     Eigen::VectorXd residual(n - 1), right(n);
     CorrectorReport report;
     double before = INFINITY;
@@ -59,7 +51,7 @@ struct Corrector {
       const Eigen::VectorXd correction = factor->solve(right);
       const double length = (weights.array() * correction.array()).matrix().norm();
       if (!std::isfinite(length) || length > 1e3) return report;
-        y += correction;
+      y += correction;
       ++report.corrections;
       if (length < tolerance || (length < kCurveTolerance && length >= before)) {
         report.converged = true;
@@ -90,7 +82,7 @@ Result<CurveState> curve_state(CurveEquations& equations, Eigen::VectorXd y,
   if (!(length > 0.0) || !std::isfinite(length))
     return Error{ErrorKind::kSolver, "the equations are singular there"};
   state.tangent /= length;
-  state.sign = sign_of(state.factor);
+  state.sign = state.factor.sign();
   // One correction with the new factor takes what the corrector has left.
   Eigen::VectorXd residual, right = Eigen::VectorXd::Zero(n);
   equations.residual(state.y, residual);

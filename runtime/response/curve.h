@@ -12,9 +12,9 @@
 #include <functional>
 
 #include <Eigen/Core>
-#include <Eigen/LU>
 
 #include "common/result.h"
+#include "runtime/math/kernels/dense_lu.h"
 
 namespace tremolo {
 
@@ -39,7 +39,7 @@ struct CurveState {
   Eigen::VectorXd tangent;  // m + 1, of length 1 in the weights
   Eigen::VectorXd weights;  // m + 1
   Eigen::VectorXd border;   // m + 1, the last row of the factored matrix
-  Eigen::PartialPivLU<Eigen::MatrixXd> factor;
+  DenseLu factor;
   int sign = 1;  // of the factored matrix's determinant: it changes at a branch point
 
   double omega_slope() const { return tangent[tangent.size() - 1]; }

@@ -7,7 +7,8 @@
 #include <numbers>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
+
+#include "runtime/math/kernels/dense_lu.h"
 
 namespace tremolo {
 namespace {
@@ -77,35 +78,61 @@ class AlongMotion {
   Eigen::MatrixXd by_q_, by_v_;
 };
 
-// One step of length h: the deviation's rows d and v advance in place, each r x 2r. The unknowns
-// are the accelerations a_i of the stages,
+// Steps of length h: the deviation's rows d and v advance in place, each r x 2r. The unknowns are
+// the accelerations a_i of the stages,
 //
 //     a_i + h sum_j A_ij R_i a_j + h^2 sum_j (A^2)_ij K_i a_j = -R_i v - K_i (d + c_i h v).
-void gauss_step(const std::array<Coefficients, kStages>& at, double h, Eigen::MatrixXd& d,
-                Eigen::MatrixXd& v) {
-  const Eigen::Index r = d.rows();
-  const auto& [A, square] = tableau();
-  Eigen::MatrixXd matrix(kStages * r, kStages * r), right(kStages * r, d.cols());
-  for (int i = 0; i < kStages; ++i) {
-    const Coefficients& here = at[static_cast<std::size_t>(i)];
-    for (int j = 0; j < kStages; ++j)
-      matrix.block(i * r, j * r, r, r) =
-          (h * A(i, j)) * here.rate + (h * h * square(i, j)) * here.stiffness;
-    right.middleRows(i * r, r).noalias() =
-        -here.stiffness * (d + kNodes[static_cast<std::size_t>(i)] * h * v);
-    right.middleRows(i * r, r).noalias() -= here.rate * v;
+class GaussStep {
+ public:
+  explicit GaussStep(Eigen::Index r)
+      : matrix_(kStages * r, kStages * r),
+        right_(kStages * r, 2 * r),
+        square_(r, r),
+        columns_(r, 2 * r) {}
+
+  void take(const std::array<Coefficients, kStages>& at, double h, Eigen::MatrixXd& d,
+            Eigen::MatrixXd& v) {
+    const Eigen::Index r = d.rows();
+    const auto& [A, square] = tableau();
+    for (int i = 0; i < kStages; ++i) {
+      const Coefficients& here = at[static_cast<std::size_t>(i)];
+      for (int j = 0; j < kStages; ++j)
+        matrix_.block(i * r, j * r, r, r) =
+            (h * A(i, j)) * here.rate + (h * h * square(i, j)) * here.stiffness;
+      sum_.resize(r, 2 * r);
+      subtract(here.stiffness, d + kNodes[static_cast<std::size_t>(i)] * h * v);
+      if (here.rate.isDiagonal(0.0))
+        sum_.matrix() -= here.rate.diagonal().asDiagonal() * v;
+      else
+        subtract(here.rate, v);
+      right_.middleRows(i * r, r) = sum_.matrix();
+    }
+    matrix_.diagonal().array() += 1.0;
+    factor_.compute(matrix_);
+    factor_.solve_in_place(right_);
+    d += h * v;
+    for (int i = 0; i < kStages; ++i) {
+      const double weight = kWeights[static_cast<std::size_t>(i)];
+      const double left = 1.0 - kNodes[static_cast<std::size_t>(i)];
+      // b^T A = b (1 - c) for Gauss's nodes.
+      d += (h * h * weight * left) * right_.middleRows(i * r, r);
+      v += (h * weight) * right_.middleRows(i * r, r);
+    }
   }
-  matrix.diagonal().array() += 1.0;
-  const Eigen::MatrixXd a = matrix.partialPivLu().solve(right);
-  d += h * v;
-  for (int i = 0; i < kStages; ++i) {
-    const double weight = kWeights[static_cast<std::size_t>(i)];
-    const double left = 1.0 - kNodes[static_cast<std::size_t>(i)];
-    // b^T A = b (1 - c) for Gauss's nodes.
-    d += (h * h * weight * left) * a.middleRows(i * r, r);
-    v += (h * weight) * a.middleRows(i * r, r);
+
+ private:
+  // sum_ -= square columns.
+  template <class Columns>
+  void subtract(const Eigen::MatrixXd& square, const Columns& columns) {
+    square_.matrix() = square;
+    columns_.matrix() = columns;
+    sum_.subtract_product(square_, columns_);
   }
-}
+
+  Eigen::MatrixXd matrix_, right_;
+  DenseLu factor_;
+  PaddedMatrix square_, columns_, sum_;
+};
 
 }  // namespace
 
@@ -119,11 +146,12 @@ Eigen::MatrixXd monodromy(const VibratingSystem& system, const FourierSeries& mo
   Eigen::MatrixXd d = Eigen::MatrixXd::Identity(r, 2 * r), v = Eigen::MatrixXd::Zero(r, 2 * r);
   v.rightCols(r).setIdentity();
   AlongMotion motion_at(system, motion, omega);
+  GaussStep step(r);
   std::array<Coefficients, kStages> at;
   const double h = 2.0 * std::numbers::pi / static_cast<double>(steps);
   for (int n = 0; n < steps; ++n) {
     for (std::size_t i = 0; i < at.size(); ++i) motion_at.at((n + kNodes[i]) * h, at[i]);
-    gauss_step(at, h, d, v);
+    step.take(at, h, d, v);
   }
   Eigen::MatrixXd result(2 * r, 2 * r);
   result << d, v;

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include <Eigen/LU>
+#include "runtime/math/kernels/dense_lu.h"
 
 namespace tremolo {
 namespace {
@@ -68,11 +68,11 @@ FourierSeries doubled_shape(const FreeMotions& free, const FourierSeries& motion
   std::vector<Eigen::Index> odd;
   for (Eigen::Index k = 1; k <= H; k += 2)
     for (Eigen::Index i = 0; i < 2 * r; ++i) odd.push_back(r * cosine_column(k) + i);
-  const Eigen::PartialPivLU<Eigen::MatrixXd> factor(Eigen::MatrixXd(J(odd, odd)));
+  const DenseLu factor(Eigen::MatrixXd(J(odd, odd)));
   const auto count = static_cast<Eigen::Index>(odd.size());
   Eigen::VectorXd shape = Eigen::VectorXd::Ones(count);
   for (int i = 0; i < 3; ++i) {
-    shape = factor.transpose().solve(shape).normalized();
+    shape = factor.solve_transposed(shape).normalized();
     shape = factor.solve(shape).normalized();
   }
   Eigen::VectorXd all = Eigen::VectorXd::Zero(n);

@@ -32,11 +32,13 @@ HarmonicBalance::HarmonicBalance(const VibratingSystem& system, Eigen::Index har
   }
   to_coefficients_ = (2.0 / N) * to_samples_.transpose();
   to_coefficients_.col(0) *= 0.5;
+  PaddedMatrix::Map weights = block_weights_.matrix();
+  PaddedMatrix::Map slope_weights = slope_block_weights_.matrix();
   for (Eigen::Index l = 0; l < columns_; ++l)
     for (Eigen::Index k = 0; k < columns_; ++k) {
       const auto projected = to_coefficients_.col(k).array();
-      block_weights_.col(k + columns_ * l) = projected * to_samples_.row(l).transpose().array();
-      slope_block_weights_.col(k + columns_ * l) =
+      weights.col(k + columns_ * l) = projected * to_samples_.row(l).transpose().array();
+      slope_weights.col(k + columns_ * l) =
           projected * slope_to_samples_.row(l).transpose().array();
     }
 }
@@ -122,21 +124,23 @@ void HarmonicBalance::sample_tangents() {
       v = v_.col(n);
       strain_rates_.derivatives(q, v, by_q, by_v);
       evaluation_.tangent += by_q;
-      by_rate_.col(n) = by_v.reshaped();
+      by_rate_.matrix().col(n) = by_v.reshaped();
       strain_rates_.force(q, v, extra);
       damping_forces_.col(n) = extra;
     }
-    tangents_.col(n) = evaluation_.tangent.reshaped();
+    tangents_.matrix().col(n) = evaluation_.tangent.reshaped();
   }
 }
 
-void HarmonicBalance::add_blocks(const Eigen::MatrixXd& weights, const Eigen::MatrixXd& samples,
-                                 Eigen::Ref<Eigen::MatrixXd> out) {
-  blocks_.noalias() = samples * weights;
+// out += factor * samples * weights, block by block.
+void HarmonicBalance::add_blocks(const PaddedMatrix& weights, const PaddedMatrix& samples,
+                                 double factor, Eigen::Ref<Eigen::MatrixXd> out) {
+  blocks_.resize(size_ * size_, columns_ * columns_);
+  blocks_.subtract_product(samples, weights);
   for (Eigen::Index l = 0; l < columns_; ++l)
     for (Eigen::Index k = 0; k < columns_; ++k)
-      out.block(k * size_, l * size_, size_, size_) +=
-          blocks_.col(k + columns_ * l).reshaped(size_, size_);
+      out.block(k * size_, l * size_, size_, size_) -=
+          factor * blocks_.matrix().col(k + columns_ * l).reshaped(size_, size_);
 }
 
 void HarmonicBalance::jacobian(const FourierSeries& motion, double omega, double xi,
@@ -147,10 +151,10 @@ void HarmonicBalance::jacobian(const FourierSeries& motion, double omega, double
   const Eigen::Index n = unknowns();
   auto J = out.topLeftCorner(n, n);
   J.setZero();
-  add_blocks(block_weights_, tangents_, J);
+  add_blocks(block_weights_, tangents_, 1.0, J);
   by_omega.head(n).setZero();
   if (!strain_rates_.none()) {
-    add_blocks(omega * slope_block_weights_, by_rate_, J);
+    add_blocks(slope_block_weights_, by_rate_, omega, J);
     // The force is linear in the velocity, which is linear in omega.
     by_omega.head(n) = (damping_forces_ * to_coefficients_ / omega).reshaped();
   }

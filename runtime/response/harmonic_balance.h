@@ -16,6 +16,7 @@
 
 #include <Eigen/Core>
 
+#include "runtime/math/kernels/dense_lu.h"
 #include "runtime/response/fourier_series.h"
 #include "runtime/response/vibrating_system.h"
 
@@ -51,7 +52,7 @@ class HarmonicBalance {
   void sample(const FourierSeries& motion, double omega);
   void sample_forces();
   void sample_tangents();
-  void add_blocks(const Eigen::MatrixXd& weights, const Eigen::MatrixXd& samples,
+  void add_blocks(const PaddedMatrix& weights, const PaddedMatrix& samples, double factor,
                   Eigen::Ref<Eigen::MatrixXd> out);
 
   const VibratingSystem& system_;
@@ -63,12 +64,12 @@ class HarmonicBalance {
   Eigen::MatrixXd slope_to_samples_;  // of the derivative by theta
   Eigen::MatrixXd to_coefficients_;   // P^T, N x (2H + 1)
   // N x (2H + 1)^2: the weight of sample n in the block (k, l), column k + (2H + 1) l.
-  Eigen::MatrixXd block_weights_, slope_block_weights_;
-  Eigen::MatrixXd q_, v_;               // samples of the motion and its derivative, r x N
-  Eigen::MatrixXd forces_;              // of grad V, r x N
-  Eigen::MatrixXd damping_forces_;      // of beta M(q) q', r x N
-  Eigen::MatrixXd tangents_, by_rate_;  // r^2 x N
-  Eigen::MatrixXd blocks_;              // r^2 x (2H + 1)^2
+  PaddedMatrix block_weights_, slope_block_weights_;
+  Eigen::MatrixXd q_, v_;            // samples of the motion and its derivative, r x N
+  Eigen::MatrixXd forces_;           // of grad V, r x N
+  Eigen::MatrixXd damping_forces_;   // of beta M(q) q', r x N
+  PaddedMatrix tangents_, by_rate_;  // r^2 x N
+  PaddedMatrix blocks_;              // r^2 x (2H + 1)^2
   PotentialWorkspace workspace_;
   Evaluation evaluation_;
   StrainRateForce strain_rates_;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/LU>
+#include "runtime/math/kernels/dense_lu.h"
 
 namespace tremolo {
 
@@ -175,9 +175,9 @@ FoldEquations::NullVectors FoldEquations::null_vectors(const Eigen::MatrixXd& J)
   const Eigen::Index n = J.rows();
   Eigen::MatrixXd matrix(n + 1, n + 1);
   matrix << J, b_, c_.transpose(), 0.0;
-  const Eigen::PartialPivLU<Eigen::MatrixXd> factor(matrix);
+  const DenseLu factor(matrix);
   const Eigen::VectorXd unit = Eigen::VectorXd::Unit(n + 1, n);
-  const Eigen::VectorXd right = factor.solve(unit), left = factor.transpose().solve(unit);
+  const Eigen::VectorXd right = factor.solve(unit), left = factor.solve_transposed(unit);
   return {right.head(n), left.head(n), right[n]};
 }
 

@@ -5,9 +5,11 @@
 #include <limits>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "common/packed_index.h"
+#include "runtime/math/kernels/dense_lu.h"
 #include "runtime/math/kernels/pair_kernel.h"
 #include "runtime/math/kernels/small_matrices.h"
 #include "runtime/math/kernels/symmetric_kernel.h"
@@ -188,6 +190,68 @@ TEST(SmallCholesky, SolvesAndRefuses) {
     x = b;
     cholesky.solve(x);
     EXPECT_EQ(x, b) << n;
+  }
+}
+
+class DenseSize : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Sizes, DenseSize,
+                         ::testing::Values(1, 2, 5, 7, 8, 9, 15, 16, 17, 23, 36, 64, 65, 96, 129));
+
+// Rows of very different sizes and a zero diagonal, so that most columns need another pivot.
+MatrixXd uneven_matrix(int n) {
+  MatrixXd a(n, n);
+  for (int j = 0; j < n; ++j) a.col(j) = random_vector(n, 1.0, 100 + j);
+  for (int i = 0; i < n; ++i) a.row(i) *= std::pow(10.0, i % 7 - 3);
+  if (n > 1) a.diagonal().setZero();
+  return a;
+}
+
+// The error of x as a solution of a x = b, relative to what rounding leaves of it.
+double backward_error(const MatrixXd& a, const VectorXd& x, const VectorXd& b) {
+  const VectorXd scale = a.cwiseAbs() * x.cwiseAbs() + b.cwiseAbs();
+  return (a * x - b).cwiseAbs().cwiseQuotient(scale).maxCoeff();
+}
+
+TEST_P(DenseSize, FactorSolvesWithEveryPivotAndHasTheSignOfTheDeterminant) {
+  const int n = GetParam();
+  const MatrixXd a = uneven_matrix(n);
+  const DenseLu factor(a);
+  const Eigen::PartialPivLU<MatrixXd> known(a);
+  const VectorXd b = random_vector(n, 1.0, 5);
+  EXPECT_LE(backward_error(a, factor.solve(b), b), 1e-14 * n);
+  EXPECT_LE(backward_error(a.transpose(), factor.solve_transposed(b), b), 1e-13 * n);
+  MatrixXd many(n, 5);
+  for (int j = 0; j < 5; ++j) many.col(j) = random_vector(n, 1.0, 10 + j);
+  MatrixXd solved = many;
+  factor.solve_in_place(solved);
+  for (int j = 0; j < 5; ++j) EXPECT_LE(backward_error(a, solved.col(j), many.col(j)), 1e-14 * n);
+  const VectorXd diagonal = known.matrixLU().diagonal();
+  const auto negative = (diagonal.array() < 0.0).count();
+  const int sign = static_cast<int>(known.permutationP().determinant()) * (negative % 2 ? -1 : 1);
+  EXPECT_EQ(factor.sign(), sign);
+}
+
+TEST_P(DenseSize, ProductsOfPaddedMatricesAreThoseOfEigen) {
+  const int n = GetParam(), columns = 2 * n + 1, depth = n / 2 + 1;
+  const auto filled = [](int rows, int count, unsigned seed) {
+    PaddedMatrix result(rows, count);
+    for (int j = 0; j < count; ++j) result.matrix().col(j) = random_vector(rows, 1.0, seed + j);
+    return result;
+  };
+  const PaddedMatrix a = filled(n, depth, 1), b = filled(depth, columns, 500);
+  PaddedMatrix c = filled(n, columns, 900);
+  const MatrixXd expected = MatrixXd(c.matrix()) - a.matrix() * b.matrix();
+  c.subtract_product(a, b);
+  EXPECT_LE((c.matrix() - expected).cwiseAbs().maxCoeff(), 1e-15 * (depth + 4));
+}
+
+TEST(DenseLu, TakesMatricesOfSeveralSizesInTurn) {
+  DenseLu factor;
+  for (const int n : {20, 3, 33, 8}) {
+    const MatrixXd a = uneven_matrix(n);
+    const VectorXd b = random_vector(n, 1.0, 7);
+    factor.compute(a);
+    EXPECT_LE(backward_error(a, factor.solve(b), b), 1e-14 * n) << n;
   }
 }
 

@@ -54,7 +54,8 @@ bool BlockSolver::decompose() {
       d_.noalias() -= *other.block * through_;
     }
     factor_.compute(d_);
-    inverse_[k] = factor_.inverse();
+    inverse_[k].setIdentity(n, n);
+    factor_.solve_in_place(inverse_[k]);
     if (!inverse_[k].allFinite()) return false;
   }
   return true;

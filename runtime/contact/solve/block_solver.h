@@ -12,7 +12,8 @@
 #include <vector>
 
 #include <Eigen/Core>
-#include <Eigen/LU>
+
+#include "runtime/math/kernels/dense_lu.h"
 
 namespace tremolo {
 
@@ -69,7 +70,7 @@ class BlockSolver {
   std::vector<std::vector<Neighbour>> neighbours_;
   std::vector<std::size_t> order_, rank_, degree_;
   std::vector<Eigen::MatrixXd> inverse_;  // of D_k
-  Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
+  DenseLu factor_;
   Eigen::MatrixXd d_, through_, basis_, hessenberg_;
   Eigen::VectorXd part_, image_, turned_, cosine_, sine_;
   int iterations_ = 0;

@@ -8,6 +8,7 @@ namespace tremolo {
 namespace {
 
 using Eigen::Index;
+using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
@@ -102,18 +103,21 @@ ContactStep::Candidate ContactStep::make_candidate(std::size_t point, std::size_
 void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t index,
                                  const VectorXd& q, double reach) {
   const double deformed = q.cwiseAbs().dot(eq_.points().reach);
-  const auto distance = [&collider](const Vector3d& x) {
-    return signed_distance(collider.shape,
-                           collider.start.rotation.conjugate() * (x - collider.start.position))
-        .distance;
+  // From the mesh's frame to the collider's.
+  const Pose& own = gathered_.poses.start;
+  const Matrix3d back = collider.start.rotation.toRotationMatrix().transpose();
+  const Matrix3d turn = back * own.rotation.toRotationMatrix();
+  const Vector3d shift = back * (own.position - collider.start.position);
+  const auto distance = [&](const Vector3d& place) {
+    return signed_distance(collider.shape, turn * place + shift).distance;
   };
   for (const PointGroup& group : eq_.points().groups) {
-    if (distance(gathered_.poses.start * group.centre) > group.radius + deformed + reach) continue;
+    if (distance(group.centre) > group.radius + deformed + reach) continue;
     for (std::size_t i = group.first; i < group.first + group.count; ++i) {
       if (!eq_.points().meets(i, true)) continue;
-      const Vector3d x = gathered_.poses.start * eq_.points().place(i, q);
-      if (distance(x) - eq_.points().radius_of(i) <= reach)
-        candidates_.push_back(make_candidate(i, index, x));
+      const Vector3d place = eq_.points().place(i, q);
+      if (distance(place) - eq_.points().radius_of(i) <= reach)
+        candidates_.push_back(make_candidate(i, index, own * place));
     }
   }
 }

@@ -85,7 +85,8 @@ bool ContactStep::try_following(int iteration, double size, double& reached) {
   const Index n = eq_.unknowns();
   make_jacobian(0.0, true);
   factor_.compute(eq_.jacobian.topLeftCorner(n, n));
-  move_.head(n) = factor_.solve(eq_.residual.head(n));
+  move_.head(n) = eq_.residual.head(n);
+  factor_.solve_in_place(move_.head(n));
   const auto go = [&](double length) {
     eq_.z.head(n) = z_before_.head(n) - length * move_.head(n);
     evaluate({.normals = false, .limits = 1.0});
@@ -135,7 +136,8 @@ bool ContactStep::solve(double heavier, bool hold, StepReport& report) {
     const auto find_move = [&](double added) {
       make_jacobian(added, false);
       factor_.compute(eq_.jacobian.topLeftCorner(n, n));
-      move_.head(n) = factor_.solve(eq_.residual.head(n));
+      move_.head(n) = eq_.residual.head(n);
+      factor_.solve_in_place(move_.head(n));
       return -eq_.work_along(move_.head(n));
     };
     LineTrial reached;

@@ -21,8 +21,8 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
       rest_middle_(rest_),
       workspace_(model_->potential().make_workspace(kUseSegment)) {
   const Index r = model_->modes(), n = r + 6;
-  for (VectorXd* v :
-       {&eq_.q0, &v0_, &eq_.q1, &G_, &dp_, &force_, &own_force_, &middle_, &eq_.pushed})
+  for (VectorXd* v : {&eq_.q0, &v0_, &eq_.q1, &G_, &dp_, &force_, &own_force_, &middle_,
+                      &eq_.pushed, &slopes_at_})
     v->setZero(r);
   for (VectorXd* v : {&eq_.z, &known_z_, &z_before_, &eq_.residual, &move_}) v->setZero(n);
   if (eq_.surface.shape) eq_.u0 = eq_.u1 = VectorXd::Zero(eq_.points().axis_rows.rows());
@@ -64,7 +64,7 @@ void ContactStep::begin(const State& state, const StepLoad& load, FreeFrame* fre
   load_ = &load;
   free_ = free;
   in_island_ = true;
-  known_ = false;
+  known_ = slopes_known_ = false;
   eq_.q0 = state.q;
   v0_ = state.p;
   rest_middle_ = eq_.q0 + (0.5 * h) * v0_;
@@ -244,13 +244,25 @@ void ContactStep::add_roll_slopes(const Candidate& candidate, const PlacedSlope&
     eq_.add_turn_slopes(lever * slope.rub_by_taken, taken_push_.col(column).head(n));
 }
 
+// K_, unless that of an earlier move in the step is as good: the moves contract by its error.
+void ContactStep::make_slopes() {
+  constexpr double kSameSlopes = 1e-3;  // of the body's radius
+  const ContactPoints& points = eq_.points();
+  if (slopes_known_ &&
+      (eq_.q1 - slopes_at_).cwiseAbs().dot(points.reach) <= kSameSlopes * points.radius)
+    return;
+  model_->potential().averaged_jacobian(eq_.q0, eq_.q1, workspace_, K_);
+  slopes_at_ = eq_.q1;
+  slopes_known_ = true;
+}
+
 // The Jacobian of the residual of evaluate(), without the gyroscopic terms of a rotating frame,
 // which are of a higher order in h.
 void ContactStep::make_jacobian(double heavier, bool follows) {
   const double h = options_.step;
   const Index r = model_->modes();
   const VectorXd& n = damping_.n;
-  model_->potential().averaged_jacobian(eq_.q0, eq_.q1, workspace_, K_);
+  make_slopes();
   eq_.jacobian.setZero();
   eq_.jacobian.topLeftCorner(r, r) = (0.5 * h * h + h * strain_.beta()) * K_;
   if (strain_.present())

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 
 #include "runtime/bodies/reduced/frames/free_frame.h"
 #include "runtime/bodies/reduced/integrators/solve/inertia_filter.h"
@@ -23,6 +23,7 @@
 #include "runtime/contact/impact.h"
 #include "runtime/contact/solve/contact_equations.h"
 #include "runtime/integrator.h"
+#include "runtime/math/kernels/dense_lu.h"
 #include "runtime/parts.h"
 
 namespace tremolo {
@@ -155,6 +156,7 @@ class ContactStep {
   double acceleration_reach(const Eigen::VectorXd& q, const StepPush& push) const;
   void add_grips();
   void evaluate_body();
+  void make_slopes();
   void add_contact(const ContactRenewal& renewal);
   ContactTime time_with(std::size_t collider) const { return {options_.step, rates_[collider]}; }
   void add_contact_slopes(bool follows);
@@ -205,9 +207,11 @@ class ContactStep {
   bool known_ = false;
   Eigen::VectorXd known_z_, own_force_;
   Eigen::Vector3d own_spin_residual_, own_centre_residual_;
-  Eigen::MatrixXd K_;
+  Eigen::MatrixXd K_;  // of slopes_at_, if slopes_known_ in this step
+  Eigen::VectorXd slopes_at_;
+  bool slopes_known_ = false;
   Eigen::VectorXd z_before_, move_;
-  Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
+  DenseLu factor_;
   Eigen::Matrix3d spin_jacobian_;
 };
 

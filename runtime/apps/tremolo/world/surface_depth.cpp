@@ -66,8 +66,9 @@ double SurfaceDepth::measure(const SceneWorld& world, std::size_t body, NearBodi
   const Ball ball = ball_of(own);
   double depth = 0.0;
   for (const PlacedCollider& collider : world.colliders()) {
-    const auto into = [&collider](const Vector3d& x) {
-      return Vector3d(collider.end.rotation.conjugate() * (x - collider.end.position));
+    const Eigen::Matrix3d turn = collider.end.rotation.toRotationMatrix().transpose();
+    const auto into = [&](const Vector3d& x) {
+      return Vector3d(turn * (x - collider.end.position));
     };
     if (signed_distance(collider.shape, into(ball.centre)).distance > ball.radius) continue;
     for (const auto& x : places.colwise())
