@@ -267,6 +267,10 @@ class Body {
   // Rotation from the axes of the world to those at a place of Model::response_places().
   Eigen::Matrix3d turn_at_place(Eigen::Index place) const;
   bool has_energy_method() const { return energy_method_; }
+  // Weights of a vertex for the bones of a skin, in their order. Errors: kUsage if the skin has
+  // none; those of reading the interior.
+  Result<std::span<const double>> weights_of(VertexId vertex) const;
+  std::span<const BoneMap> bone_maps() const;  // at the present poses
 
   Model::Pointer model_;
   std::unique_ptr<Integrator> integrator_;
@@ -296,8 +300,6 @@ class Body {
   Status check_pose(const Pose& pose) const;
   // The bones that kAllBones or a number means: from the first to the last one, without it.
   Result<std::pair<std::size_t, std::size_t>> bones_of(std::size_t bone) const;
-  Result<Eigen::VectorXd> weights_of(VertexId vertex) const;
-  std::span<const BoneMap> bone_maps() const;
   Status add_point_force(const Signal& signal, VertexId vertex, const Eigen::Vector3d& force,
                          int steps);
   void take_place_forces();

@@ -13,6 +13,7 @@
 
 #include "common/result.h"
 #include "common/state_stream.h"
+#include "runtime/bodies/reduced/bones/bone_points.h"
 #include "runtime/body.h"
 #include "runtime/contact/contact_law.h"
 #include "runtime/contact/contact_values.h"
@@ -21,6 +22,7 @@ namespace tremolo {
 
 class BodyGroup;
 class ContactStep;
+struct ContactNear;
 enum class PartReason;
 
 // Sums of contact since the start. work = given - lost - friction_loss - growth of
@@ -39,12 +41,25 @@ struct ContactSums {
   void carry(StateStream& stream) { stream(work, lost, friction_loss, given, error, hand, joint); }
 };
 
+// Where a body with contact is at present.
+struct PresentPlace {
+  Pose pose;                                // of its one frame
+  std::shared_ptr<const BonePoints> bones;  // of a body on several bones; else null
+  // A ball around its boundary and its shape without their deformation, m, world.
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double radius = 0.0;
+
+  // A position of the world in the mesh's coordinates; on several bones nullopt if it is outside
+  // the body, far from each of them. Not for two threads at once.
+  std::optional<Eigen::Vector3d> into_rest(const Eigen::Vector3d& x) const;
+};
+
 // Without set_contact() it is a Body. Not thread-safe; different bodies may step on different
 // threads.
 class ContactBody : public Body {
  public:
   explicit ContactBody(Body&& body) : Body(std::move(body)) {}
-  // Errors as Body::create. A body on several bones cannot have contact.
+  // Errors as Body::create.
   static Result<ContactBody> create(Model::Pointer model,
                                     std::string_view integrator = kDefaultIntegrator,
                                     const IntegratorOptions& options = {},
@@ -84,12 +99,13 @@ class ContactBody : public Body {
   // of stiffest_hand() is replaced by that spring and its damper, as for pin(): beyond it rounding
   // errors exceed the step's tolerance. A damper is limited to h/2 times that stiffness.
   // hand_spring() returns the values in use. Errors as Model::vertex; kUsage for values that are
-  // not finite or negative.
+  // not finite or negative, and for a vertex without weights of the body's bones.
   Result<std::size_t> grab(VertexId vertex, double stiffness, double damping = 0.0);
   // The same for a vertex from Model::vertex: allocates nothing where reserve_contact() has
   // reserved memory.
   Result<std::size_t> grab(VertexId vertex, VertexRows place, double stiffness, double damping);
-  // The same at any point of a surface, as returned by pick(). Errors as Model::place.
+  // The same at any point of a surface, as returned by pick(). Errors as Model::place, and kUsage
+  // for a body on several bones.
   Result<std::size_t> grab(const SurfacePlace& place, double stiffness, double damping = 0.0);
   // Holds a vertex, or a point of a surface, at its position, or where move_hand() moves it, until
   // release(). The stiffness follows from mass and step, k = (30/h)^2 m, and the damper is 60 m/h,
@@ -114,6 +130,12 @@ class ContactBody : public Body {
   HandSpring hand_spring(std::size_t hand) const;
   // Ends a grab; numbers of other grabs are unchanged.
   Status release(std::size_t hand);
+  // Allocates for a body on several bones; needs set_contact().
+  PresentPlace present_place() const;
+  // The present position of a contact point, m, world; needs set_contact().
+  Eigen::Vector3d contact_point(std::size_t point) const;
+  // The present position of a vertex from Model::vertex without the response to forces, m, world.
+  Eigen::Vector3d place_now(VertexId vertex, const VertexRows& place) const;
   // The effective mass of a point for a force in a step, the mean over all directions, kg; infinite
   // for a point that cannot move. A coordinate of the frequency omega has the resistance 1 + (h
   // omega)^2/4.
@@ -128,6 +150,8 @@ class ContactBody : public Body {
     return Body::begin_step();
   }
   bool near_something(std::span<const PlacedCollider> colliders);
+  Eigen::Vector3d blend(const Eigen::Vector3d& y, std::span<const double> weights) const;
+  ContactNear near(std::span<const PlacedCollider> colliders, std::span<Grip> grips);
   StepReport advance_near(bool near);
   StepReport advance_in_parts(const StepReport& failure, PartReason reason);
   void end_contact();
@@ -147,6 +171,7 @@ class ContactBody : public Body {
   std::vector<Grip> grips_;               // those that are not released
   std::vector<std::size_t> hands_;        // the number of each
   std::size_t next_hand_ = 0;
+  std::vector<StepMaps> grip_maps_;  // of a body on several bones, one a grab
   bool booked_ = false;  // the present step was taken in parts whose energies are in the sums
   Eigen::VectorXd p_before_;
 };

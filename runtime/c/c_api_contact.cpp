@@ -93,7 +93,6 @@ tremolo_status tremolo_body_set_contact(tremolo_body* body,
     const auto full = tremolo::c_api::complete(options, tremolo_contact_options_init,
                                                "tremolo_contact_options_init");
     if (!full) return full.error();
-    if (known.bones() > 1) return tremolo::usage_error("a body on several bones touches nothing");
     ContactOptions wanted{.points = full->points,
                           .margin = full->margin,
                           .stiffness = full->stiffness,

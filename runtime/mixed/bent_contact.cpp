@@ -10,8 +10,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 Vector3d BentContact::place_at_start(std::size_t point) const {
-  const Pose& into = shape_->gathered().poses.start;
-  return into.rotation.conjugate() * (points_->start_of(point) - into.position);
+  return shape_->into_rest_at_start(points_->start_of(point));
 }
 
 void BentContact::add(std::size_t point, const Vector3d& y, double distance) {
@@ -41,10 +40,11 @@ bool BentContact::gather(StepBody& points, ContactStep& shape, std::size_t obsta
   const double reach = points.area_law().margin + 2.0 * (mine.travel + other.travel);
   if ((mine.centre - other.centre).norm() > mine.radius + other.radius + bent + reach) return false;
   for (std::size_t i = 0; i < points.points(); ++i) {
+    if (shape.on_bones() && !shape.may_reach(points.start_of(i), reach)) continue;
     const Vector3d y = place_at_start(i);
     if (signed_distance(*solid, y).distance > reach + bent) continue;
     const double distance = bent_distance(shape.equations().shape_at_start(), y);
-    if (distance <= reach) add(i, y, distance);
+    if (distance <= reach && shape.agrees(points.start_of(i), y)) add(i, y, distance);
   }
   return count_ != 0;
 }
@@ -73,7 +73,7 @@ void BentContact::press(const ContactRenewal& renewal) {
     press_shape(pair, eq, {motions_[k].end, motions_[k].middle}, time(), renewal, scratch_);
     if (!pair.now.acts) continue;
     points_->add_force(pair.point, pair.now.force);
-    eq.push(-pair.now.force, -pair.now.bend_force, pair.touch_b, pair.rows);
+    push_second(pair, eq);
   }
 }
 
@@ -124,7 +124,7 @@ bool BentContact::add_missed() {
   const std::size_t known = count_;
   for (std::size_t i = 0; i < points_->points(); ++i) {
     if (listed_[i] != 0) continue;
-    const Vector3d end = eq.motion.into_rest(points_->motion(i).end, true);
+    const Vector3d end = eq.into_rest_at_end(points_->motion(i).end);
     if (signed_distance(solid, end).distance > margin + 2.0 * bent) continue;
     if (bent_distance(eq.shape_at_end(), end) >= margin) continue;
     const Vector3d y = place_at_start(i);

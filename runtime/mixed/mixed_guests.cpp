@@ -120,6 +120,19 @@ double MixedGuests::deepest_in(std::size_t i, std::span<const PlacedCollider> co
   return deepest;
 }
 
+double MixedGuests::deepest_in(std::size_t i, const Collider& shape,
+                               const PresentPlace& place) const {
+  double deepest = 0.0;
+  const GuestStep& step = *guests_[i]->step;
+  for (std::size_t k = 0; k < step.points(); ++k) {
+    const Eigen::Vector3d x = step.start_of(k);
+    if ((x - place.centre).norm() > place.radius) continue;
+    if (const auto y = place.into_rest(x))
+      deepest = std::max(deepest, -signed_distance(shape, *y).distance);
+  }
+  return deepest;
+}
+
 void MixedGuests::start(std::span<const PlacedCollider> colliders) {
   colliders_ = colliders;
   length_ = step_;

@@ -60,7 +60,7 @@ void ReducedPair::press(const ContactRenewal& renewal) {
     press_pair(pair, bodies_of(pair), {h_, rate_}, renewal, scratch_);
     if (!pair.now.acts) continue;
     equations(pair.a).push_point(pair.now.force, pair.touch_a, pair.point);
-    equations(pair.b).push(-pair.now.force, -pair.now.bend_force, pair.touch_b, pair.rows);
+    push_second(pair, equations(pair.b));
     if (!(pair.law.radius > 0.0)) continue;
     const Eigen::Vector3d torque = surface_arm(pair.law, pair.held).cross(pair.now.rub);
     equations(pair.a).push_turn(torque);

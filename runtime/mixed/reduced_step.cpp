@@ -11,7 +11,7 @@ StepBall ReducedStep::ball() const {
 }
 
 Vector3d ReducedStep::start_of(std::size_t point) const {
-  return contact().gathered().poses.start * surface_points().place(point, equations().q0);
+  return contact().start_of_point(point);
 }
 
 void ReducedStep::begin() {
@@ -26,7 +26,7 @@ void ReducedStep::go(double length, In direction) {
 
 SiteMotion ReducedStep::motion(std::size_t point) const {
   const ContactTouch touch = equations().touch_at_point(point);
-  return {touch.x0, touch.x1, equations().motion.middle_of(touch)};
+  return {touch.x0, touch.x1, equations().motion_of(point).middle_of(touch)};
 }
 
 void ReducedStep::add_force(std::size_t point, const Vector3d& force) {
@@ -44,7 +44,7 @@ void ReducedStep::make_tangent(double heavier, bool follows) {
 void ReducedStep::add_slope(std::size_t point, const Matrix3d& by_end, const Vector3d& force) {
   ContactEquations& eq = equations();
   const ContactTouch touch = eq.touch_at_point(point);
-  eq.lever.make(eq.motion, touch, eq.point_rows(point));
+  eq.lever.make(eq.motion_of(point), touch, eq.point_rows(point));
   eq.lever.add_tangent(by_end, eq.jacobian);
   levers_[point].push = eq.lever.push();
   levers_[point].way = eq.lever.way();

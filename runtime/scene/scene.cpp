@@ -170,9 +170,6 @@ Status check_body(const SceneBody& body) {
 // Checks the method of a body that needs contact.
 Status check_method(const SceneBody& body) {
   const std::string& method = body.integrator;
-  if (!body.bones.empty() || body.rig)
-    return content_error(
-        "a body on bones touches nothing, and no hand holds it: say contact = false");
   if (frame_kind(body) == FrameKind::kFixed || method == "avf" || method == "ep2" ||
       method == "ep4")
     return Success{};

@@ -83,7 +83,7 @@ struct SceneBody {
   bool settled = false;
   std::vector<SceneLoad> loads;
   Motion motion;
-  std::vector<SceneBone> bones;  // of a driven body with several frames and without contact
+  std::vector<SceneBone> bones;  // of a driven body with several frames
   BoneWeights bone_weights;      // a row per drawn vertex, a column per bone; empty: by distance
   double bone_blend = 0.0;       // m, for weights by distance (runtime/bones.h); 0: the default
   bool rig = false;  // bones, weights and motions are those of the model's render surface

@@ -99,18 +99,35 @@ DeepestPoint deepest_point(const ContactBody& body, std::span<const PlacedCollid
   return deepest;
 }
 
+double depth_in_body(const ContactBody& body, const ContactBody& other, const PresentPlace& place) {
+  const Collider* shape = other.contact()->surface().shape_or_null();
+  if (shape == nullptr) return 0.0;
+  if (!place.bones) {
+    const PlacedCollider placed{*shape, place.pose, place.pose};
+    return deepest_point(body, std::span(&placed, 1)).depth;
+  }
+  std::vector<double> places(3 * body.model().surface().rest.size());
+  (void)body.surface_positions(places, SurfaceKind::kBoundary);  // the buffer fits
+  double depth = 0.0;
+  for (std::size_t i = 0; i + 2 < places.size(); i += 3) {
+    const Vector3d x(places.data() + i);
+    if ((x - place.centre).norm() > place.radius) continue;
+    if (const auto y = place.into_rest(x))
+      depth = std::max(depth, -signed_distance(*shape, *y).distance);
+  }
+  return depth;
+}
+
 double begins_within_margin(const ContactBody& body, std::span<const PlacedCollider> colliders) {
   const ContactStep* contact = body.contact();
   if (contact == nullptr) return 0.0;
   const ContactPoints& points = *contact->surface().points;
-  const Pose pose = body.pose();
   double deepest = 0.0;
   for (const PlacedCollider& collider : colliders)
     for (std::size_t i = 0; i < points.size(); ++i)
       if (points.meets(i, true))
-        deepest =
-            std::max(deepest, contact->surface().law.margin + points.radius_of(i) -
-                                  distance_to(collider, pose * points.place(i, body.state().q)));
+        deepest = std::max(deepest, contact->surface().law.margin + points.radius_of(i) -
+                                        distance_to(collider, body.contact_point(i)));
   return deepest;
 }
 

@@ -45,6 +45,10 @@ struct DeepestPoint {
 };
 DeepestPoint deepest_point(const ContactBody& body, std::span<const PlacedCollider> colliders);
 
+// The largest depth of a vertex of the body's boundary in the shape of another one, which has
+// contact and is at `place`, m; 0 if none is inside or there is no shape.
+double depth_in_body(const ContactBody& body, const ContactBody& other, const PresentPlace& place);
+
 // The largest distance of a contact point of the body within the margin of a collider at the start
 // of the step, m; 0: none is.
 double begins_within_margin(const ContactBody& body, std::span<const PlacedCollider> colliders);

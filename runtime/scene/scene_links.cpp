@@ -40,7 +40,7 @@ bool MovingHand::before_step(const SceneHand& wanted, std::int64_t k, double ste
   }
   const std::size_t piece = path_.piece(t + 0.5 * step);
   if (!number_) {
-    const Vector3d vertex = body.pose() * Vector3d(place_.rest + place_.rows * body.state().q);
+    const Vector3d vertex = body.place_now(vertex_, place_);
     const Pose begun = path_.pose_in(piece, t);
     base_ = wanted.position.value_or(begun.rotation.conjugate() * (vertex - begun.position));
     const Result<std::size_t> number =

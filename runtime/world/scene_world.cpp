@@ -200,18 +200,15 @@ Status SceneWorld::check_apart() const {
   NearBalls near;
   for (std::size_t i = 0; i < size(); ++i) {
     if (!scene_.bodies[i].feels_contact) continue;
-    const ContactPoints& points = *actors_[i].body.contact()->surface().points;
-    near.add(i, actors_[i].body.pose() * points.centre, points.radius);
+    const PresentPlace place = actors_[i].body.present_place();
+    near.add(i, place.centre, place.radius);
   }
   near.sort();
   for (std::size_t a = 0; a < size(); ++a)
     for (const std::size_t b : near.of(a)) {
       if (passes_through(a, b)) continue;
-      const Collider* shape = actors_[b].body.contact()->surface().shape_or_null();
-      if (shape == nullptr) continue;
-      const Pose pose = actors_[b].body.pose();
-      const PlacedCollider placed{*shape, pose, pose};
-      const double depth = deepest_point(actors_[a].body, std::span(&placed, 1)).depth;
+      const ContactBody& other = actors_[b].body;
+      const double depth = depth_in_body(actors_[a].body, other, other.present_place());
       const double margin = actors_[a].body.contact()->surface().law.margin;
       if (depth > margin)
         return content_error("body '" + name(a) + "': it begins " + number_text(depth) +

@@ -13,6 +13,7 @@ namespace {
 struct Solids {
   std::vector<PlacedCollider> shapes;
   std::vector<std::string> names;
+  std::vector<PresentPlace> places;  // of bodies on several bones; of others without bones
 };
 
 Solids solids_of(const SceneWorld& world) {
@@ -20,6 +21,7 @@ Solids solids_of(const SceneWorld& world) {
   for (std::size_t c = 0; c < world.colliders().size(); ++c) {
     solids.shapes.push_back(world.colliders()[c]);
     solids.names.push_back("collider '" + world.scene().colliders[c].name + "'");
+    solids.places.emplace_back();
   }
   for (std::size_t i = 0; i < world.size(); ++i) {
     const ContactStep* contact = world.body(i).contact();
@@ -27,6 +29,7 @@ Solids solids_of(const SceneWorld& world) {
     const Pose pose = world.body(i).pose();
     solids.shapes.push_back({*contact->surface().shape, pose, pose});
     solids.names.push_back("body '" + world.name(i) + "'");
+    solids.places.push_back(world.body(i).present_place());
   }
   return solids;
 }
@@ -35,7 +38,9 @@ Solids solids_of(const SceneWorld& world) {
 Status check_apart(const MixedGuests& guests, std::size_t i, const Solids& solids,
                    const char* margin_name) {
   for (std::size_t k = 0; k < solids.shapes.size(); ++k) {
-    const double depth = guests.deepest_in(i, std::span(&solids.shapes[k], 1));
+    const double depth = solids.places[k].bones
+                             ? guests.deepest_in(i, solids.shapes[k].shape, solids.places[k])
+                             : guests.deepest_in(i, std::span(&solids.shapes[k], 1));
     if (depth > guests.margin(i))
       return content_error("body '" + guests.name(i) + "': it begins " + number_text(depth) +
                            " m inside " + solids.names[k] + ", more than its " + margin_name +

@@ -108,9 +108,9 @@ Result<Body> Body::create(Model::Pointer model, std::string_view integrator,
   body->skin_ = std::move(skin);
   for (VertexId place : body->model().response_places()) {
     if (place == kAtDefaultLoad) place = body->model().default_load().vertices.front();
-    Result<Eigen::VectorXd> weights = body->weights_of(place);
+    const Result<std::span<const double>> weights = body->weights_of(place);
     if (!weights) return weights.error();
-    body->place_weights_.push_back(std::move(*weights));
+    body->place_weights_.emplace_back(Eigen::VectorXd::Map(weights->data(), std::ssize(*weights)));
   }
   return body;
 }

@@ -128,8 +128,11 @@ Status Body::add_point_force(const Signal& signal, VertexId vertex, const Eigen:
   Result<VertexRows> place = model_->vertex(vertex);
   if (!place) return place.error();
   PointForce point{signal, std::move(*place), force, steps};
-  if (skin_)
-    if (Status s = take(point.weights, weights_of(vertex)); !s) return s;
+  if (skin_) {
+    const Result<std::span<const double>> weights = weights_of(vertex);
+    if (!weights) return weights.error();
+    point.weights = Eigen::VectorXd::Map(weights->data(), std::ssize(*weights));
+  }
   points_.push_back(std::move(point));
   step_forces_.resize(points_.size());
   return Success{};
@@ -235,15 +238,18 @@ double Body::frame_kinetic(const Eigen::VectorXd& p) const {
   return free_ ? free_->kinetic(state_.q, p) : kinetic_energy(p);
 }
 
-// Weights of a vertex for the bones.
-Result<Eigen::VectorXd> Body::weights_of(VertexId vertex) const {
+Result<std::span<const double>> Body::weights_of(VertexId vertex) const {
+  const auto row = [](const BoneWeights& weights, std::size_t at) {
+    const auto count = static_cast<std::size_t>(weights.cols());
+    return std::span(weights.data() + at * count, count);
+  };
   if (const auto at = find_vertex(model_->surface().vertex_ids, vertex))
-    return Eigen::VectorXd(skin_->surface.row(static_cast<Eigen::Index>(*at)).transpose());
+    return row(skin_->surface, *at);
   const Result<const VertexBlock*> interior = model_->interior();
   if (!interior) return interior.error();
   if (const auto at = find_vertex((*interior)->vertex_ids, vertex);
       at && std::cmp_less(*at, skin_->interior.rows()))
-    return Eigen::VectorXd(skin_->interior.row(static_cast<Eigen::Index>(*at)).transpose());
+    return row(skin_->interior, *at);
   return usage_error("the skin has no weights of vertex " + std::to_string(vertex));
 }
 
@@ -259,7 +265,7 @@ Eigen::VectorXd Body::gravity_force() const {
 
 Result<Eigen::Matrix3d> Body::turn_at(VertexId vertex) const {
   if (!skin_) return pose().rotation.toRotationMatrix();
-  const Result<Eigen::VectorXd> weights = weights_of(vertex);
+  const Result<std::span<const double>> weights = weights_of(vertex);
   if (!weights) return weights.error();
   return Eigen::Matrix3d(blended(*weights, bone_maps()).leftCols<3>());
 }
@@ -291,7 +297,7 @@ Result<Eigen::Vector3d> Body::position(VertexId vertex) const {
   if (!moved) return moved.error();
   const Eigen::Vector3d y = rows->rest + *moved;
   if (!skin_) return pose() * y;
-  const Result<Eigen::VectorXd> weights = weights_of(vertex);
+  const Result<std::span<const double>> weights = weights_of(vertex);
   if (!weights) return weights.error();
   const BoneMap map = blended(*weights, bone_maps());
   return Eigen::Vector3d(map.leftCols<3>() * y + map.col(3));

@@ -61,6 +61,20 @@ Status check_reach_once(const Model::Pointer& model, const Collider& shape) {
   return Success{};
 }
 
+constexpr const char* kOnlyVertices = "a body on several bones is held at vertices only";
+
+// The contact points with the weights of their vertices.
+std::shared_ptr<BonePoints> points_on_bones(const Model& model, const Skin& skin,
+                                            const ContactSurface& surface) {
+  const ContactPoints& points = *surface.points;
+  BoneWeights weights(std::ssize(points.ids), skin.surface.cols());
+  for (Eigen::Index i = 0; i < weights.rows(); ++i) {
+    const auto at = find_vertex(model.surface().vertex_ids, points.ids[i]);
+    weights.row(i) = skin.surface.row(static_cast<Eigen::Index>(*at));
+  }
+  return std::make_shared<BonePoints>(points.rest, std::move(weights), points.field.softness2());
+}
+
 }  // namespace
 
 Result<ContactBody> ContactBody::create(Model::Pointer model, std::string_view integrator,
@@ -79,7 +93,6 @@ Result<ContactBody> ContactBody::create(Model::Pointer model, std::string_view i
 }
 
 Status ContactBody::set_contact(const ContactOptions& options) {
-  if (bones() > 1) return usage_error("a body on several bones touches nothing");
   if (model_->inertia() == nullptr)
     return usage_error(
         "contact needs the inertia integrals, which this basis file has not; make it again with "
@@ -106,6 +119,7 @@ Status ContactBody::set_contact(const ContactOptions& options) {
   contact_ = std::make_shared<ContactStep>(
       model_, options_,
       make_contact_surface(model_, options, model_->inertia()->mass, frame() == FrameKind::kFree));
+  if (bones() > 1) contact_->attach(points_on_bones(*model_, *skin(), contact_->surface()));
   return Success{};
 }
 
@@ -161,16 +175,68 @@ StepPush ContactBody::step_push() const {
 void ContactBody::reserve_contact(std::span<const PlacedCollider> colliders, std::size_t hands) {
   if (!contact_) return;
   grips_.reserve(hands);
+  grip_maps_.reserve(hands);
   hands_.reserve(hands);
   std::vector<Grip> all(hands);
   for (const std::span<Grip> held : {std::span(all), std::span<Grip>()})
-    (void)contact_->gather({colliders, held}, step_poses(), state_.q, state_.p, step_push());
+    (void)contact_->gather(near(colliders, held), step_poses(), state_.q, state_.p, step_push());
 }
 
 // Finds the points that may be in contact in the step.
 bool ContactBody::near_something(std::span<const PlacedCollider> colliders) {
   if (!contact_) return false;
-  return contact_->gather({colliders, grips_}, step_poses(), state_.q, state_.p, step_push());
+  return contact_->gather(near(colliders, grips_), step_poses(), state_.q, state_.p, step_push());
+}
+
+// Places a body on several bones for its step, with its grabs.
+ContactNear ContactBody::near(std::span<const PlacedCollider> colliders, std::span<Grip> grips) {
+  if (!contact_->on_bones()) return {colliders, grips};
+  contact_->place(*driven_);
+  grip_maps_.resize(grips.size());
+  for (std::size_t i = 0; i < grips.size(); ++i)
+    if (const auto weights = weights_of(grips[i].vertex))
+      grip_maps_[i] = contact_->equations().bones->maps_of(*weights);
+  return {colliders, grips, grip_maps_};
+}
+
+std::optional<Eigen::Vector3d> PresentPlace::into_rest(const Eigen::Vector3d& x) const {
+  if (!bones) return pose.rotation.conjugate() * (x - pose.position);
+  const Eigen::Vector3d y = bones->into_rest(x, false);
+  if (!bones->agree(x, y, false)) return std::nullopt;
+  return y;
+}
+
+PresentPlace ContactBody::present_place() const {
+  const ContactPoints& points = *contact_->surface().points;
+  PresentPlace place{pose(), nullptr, pose() * points.centre, points.radius};
+  if (!contact_->on_bones()) return place;
+  const auto bones = std::make_shared<BonePoints>(*contact_->equations().bones);
+  bones->place(*driven_);
+  for (const StepPoses& bone : bones->poses())
+    place.radius =
+        std::max(place.radius, points.radius + (bone.start * points.centre - place.centre).norm());
+  place.bones = bones;
+  return place;
+}
+
+Eigen::Vector3d ContactBody::contact_point(std::size_t point) const {
+  const Eigen::Vector3d y = contact_->surface().points->place(point, state_.q);
+  if (bones() < 2) return pose() * y;
+  return blend(y, *weights_of(contact_->surface().points->ids[point]));
+}
+
+Eigen::Vector3d ContactBody::place_now(VertexId vertex, const VertexRows& place) const {
+  const Eigen::Vector3d y = place.rest + place.rows * state_.q;
+  if (bones() < 2) return pose() * y;
+  const auto weights = weights_of(vertex);
+  return weights ? blend(y, *weights) : Eigen::Vector3d(pose() * y);
+}
+
+// A position of the mesh's coordinates on the bones at their present poses.
+Eigen::Vector3d ContactBody::blend(const Eigen::Vector3d& y,
+                                   std::span<const double> weights) const {
+  const BoneMap map = blended(weights, bone_maps());
+  return map.leftCols<3>() * y + map.col(3);
 }
 
 // After a step with contact: resets the integrator, and each grab starts where it ended.
@@ -229,15 +295,18 @@ Result<std::size_t> ContactBody::grab(VertexId vertex, VertexRows place, double 
   if (!(stiffness >= 0.0) || !(damping >= 0.0) || !std::isfinite(stiffness) ||
       !std::isfinite(damping))
     return usage_error("a hand's stiffness and damping are finite and not negative");
+  if (bones() > 1)
+    if (const auto weights = weights_of(vertex); !weights) return weights.error();
   Grip grip{vertex, std::move(place), stiffness, damping};
   limit_hand(grip);
-  grip.start = grip.end = pose() * Eigen::Vector3d(grip.place.rest + grip.place.rows * state_.q);
+  grip.start = grip.end = place_now(vertex, grip.place);
   grips_.push_back(std::move(grip));
   hands_.push_back(next_hand_);
   return next_hand_++;
 }
 
 Result<std::size_t> ContactBody::grab(const SurfacePlace& place, double stiffness, double damping) {
+  if (bones() > 1) return usage_error(kOnlyVertices);
   Result<VertexRows> rows = model_->place(place);
   if (!rows) return rows.error();
   const Result<std::size_t> hand =
@@ -284,6 +353,7 @@ Result<std::size_t> ContactBody::pin(VertexId vertex) {
 }
 
 Result<std::size_t> ContactBody::pin(const SurfacePlace& place) {
+  if (bones() > 1) return usage_error(kOnlyVertices);
   Result<VertexRows> rows = model_->place(place);
   if (!rows) return rows.error();
   const Result<std::size_t> hand = pin(model_->vertex_near(place), std::move(*rows));

@@ -16,13 +16,14 @@ Vector3d ContactEquations::place_in_body(std::size_t point, const VectorXd& q) c
   return from + point_rows(point).transpose() * q;
 }
 
-ContactTouch ContactEquations::touch_at(const Vector3d& rest, const PlaceRows& rows) const {
+ContactTouch ContactEquations::touch_at(const StepMotion& at, const Vector3d& rest,
+                                        const PlaceRows& rows) const {
   const Vector3d from = rest - motion.origin;
-  return motion.touch(from + rows.transpose() * q0, from + rows.transpose() * q1);
+  return at.touch(from + rows.transpose() * q0, from + rows.transpose() * q1);
 }
 
 ContactTouch ContactEquations::touch_at_point(std::size_t point) const {
-  return motion.touch(place_in_body(point, q0), place_in_body(point, q1));
+  return motion_of(point).touch(place_in_body(point, q0), place_in_body(point, q1));
 }
 
 ContactTouch ContactEquations::straight_touch_at(const VertexRows& place) const {
@@ -31,11 +32,12 @@ ContactTouch ContactEquations::straight_touch_at(const VertexRows& place) const 
 }
 
 Vector3d ContactEquations::end_of_point(std::size_t point) const {
-  return motion.c1 + motion.R1 * place_in_body(point, q1);
+  const StepMotion& at = motion_of(point);
+  return at.c1 + at.R1 * place_in_body(point, q1);
 }
 
-Vector3d ContactEquations::bend_under(const PlaceRows& rows) const {
-  return motion.turn_out(rows.transpose() * z.head(modes()));
+Vector3d ContactEquations::bend_under(const StepMotion& at, const PlaceRows& rows) const {
+  return at.turn_out(rows.transpose() * z.head(modes()));
 }
 
 void ContactEquations::clear_forces() {
@@ -44,11 +46,12 @@ void ContactEquations::clear_forces() {
   pushed.setZero();
 }
 
-void ContactEquations::push(const Vector3d& force_there, const Vector3d& bend_force,
-                            const ContactTouch& touch, const PlaceRows& rows) {
-  pushed.noalias() += rows * (motion.mean.transpose() * (motion.R0.transpose() * bend_force));
+void ContactEquations::push(const StepMotion& at, const Vector3d& force_there,
+                            const Vector3d& bend_force, const ContactTouch& touch,
+                            const PlaceRows& rows) {
+  pushed.noalias() += rows * (at.mean.transpose() * (at.R0.transpose() * bend_force));
   force += force_there;
-  torque += touch.arm.cross(motion.R0.transpose() * force_there);
+  torque += touch.arm.cross(at.R0.transpose() * force_there);
 }
 
 void ContactEquations::add_turn_slopes(const Eigen::Ref<const Eigen::Matrix3Xd>& fall,

@@ -3,8 +3,11 @@
 // torque (Ro~ y~) x F, so that the work of F is F.(x1 - x0) exactly.
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
+#include "runtime/bodies/reduced/bones/bone_points.h"
 #include "runtime/contact/solve/contact_surface.h"
 #include "runtime/contact/solve/step_motion.h"
 #include "runtime/math/state.h"
@@ -15,7 +18,11 @@ namespace tremolo {
 // centre.
 struct ContactEquations {
   ContactSurface surface;
-  StepMotion motion;          // of the frame, at the present z
+  StepMotion motion;  // of the frame, at the present z; of the first of several bones
+  // Of a body on several bones: its contact points in the step, and the motion of each; null: it
+  // has one frame.
+  FrameSharer<BonePoints> bones;
+  std::vector<StepMotion> point_motions;
   PlaceLever lever;           // effect of a force at one position
   Eigen::VectorXd q0, q1;     // coordinates at the ends of the step, r
   Eigen::VectorXd u0, u1;     // displacements of the points there; of a body with a shape
@@ -41,17 +48,27 @@ struct ContactEquations {
   auto point_rows(std::size_t point) const {
     return points().rows.middleCols<3>(static_cast<Eigen::Index>(3 * point));
   }
+  // The motion that a contact point follows.
+  const StepMotion& motion_of(std::size_t point) const {
+    return bones ? point_motions[point] : motion;
+  }
+  // A position of the world in the mesh's coordinates, at the end of the step, m.
+  Eigen::Vector3d into_rest_at_end(const Eigen::Vector3d& x) const {
+    return bones ? bones->into_rest(x, true) : motion.into_rest(x, true);
+  }
   // Position of a contact point from c along the body's axes, m.
   Eigen::Vector3d place_in_body(std::size_t point, const Eigen::VectorXd& q) const;
-  // A position of the body in the step. rest: in the mesh's coordinates, m.
-  ContactTouch touch_at(const Eigen::Vector3d& rest, const PlaceRows& rows) const;
+  // A position of the body in the step, which follows `at`. rest: in the mesh's coordinates, m.
+  ContactTouch touch_at(const StepMotion& at, const Eigen::Vector3d& rest,
+                        const PlaceRows& rows) const;
   ContactTouch touch_at_point(std::size_t point) const;
   // The same for any position of the body; the force acts at the straight mean of its ends.
   ContactTouch straight_touch_at(const VertexRows& place) const;
   Eigen::Vector3d end_of_point(std::size_t point) const;  // its x1
   // Displacement in the step of a position, whose rows of U are `rows`, by deformation, m, world.
-  // The work of a force is its product with that plus motion.way_under().
-  Eigen::Vector3d bend_under(const PlaceRows& rows) const;
+  // at: the motion that the position follows. The work of a force is its product with that plus
+  // at.way_under().
+  Eigen::Vector3d bend_under(const StepMotion& at, const PlaceRows& rows) const;
   // Bound of the displacement of any point by the coordinates in the step, m.
   double bend_in_step() const { return z.head(modes()).cwiseAbs().dot(points().reach); }
   // The shape, deformed as at the start or the end of the step.
@@ -59,12 +76,17 @@ struct ContactEquations {
   BentShape shape_at_end() const { return {&*surface.shape, surface.points.get(), &u1}; }
 
   void clear_forces();
-  // Adds a force, N, world. bend_force: the force that deforms the body, N, world.
+  // Adds a force, N, world. bend_force: the force that deforms the body, N, world. at: the motion
+  // that the position follows.
+  void push(const StepMotion& at, const Eigen::Vector3d& force_there,
+            const Eigen::Vector3d& bend_force, const ContactTouch& touch, const PlaceRows& rows);
   void push(const Eigen::Vector3d& force_there, const Eigen::Vector3d& bend_force,
-            const ContactTouch& touch, const PlaceRows& rows);
+            const ContactTouch& touch, const PlaceRows& rows) {
+    push(motion, force_there, bend_force, touch, rows);
+  }
   void push_point(const Eigen::Vector3d& force_there, const ContactTouch& touch,
                   std::size_t point) {
-    push(force_there, force_there, touch, point_rows(point));
+    push(motion_of(point), force_there, force_there, touch, point_rows(point));
   }
   // Adds a torque alone, N m, world.
   void push_turn(const Eigen::Vector3d& torque_alone) {

@@ -15,7 +15,8 @@ void ContactStep::settle_grips() {
     const ContactTouch& touch = held_[i];
     const Vector3d way = touch.x1 - touch.x0 - (grip.end - grip.start);
     grip.damped = grip.damping / options_.step * way.squaredNorm();
-    const Vector3d mean_force = 0.5 * (eq_.motion.R0 + eq_.motion.R1).transpose() * grip.force;
+    const StepMotion& at = motion_of_grip(i);
+    const Vector3d mean_force = 0.5 * (at.R0 + at.R1).transpose() * grip.force;
     grip.work = free_ != nullptr ? grip.force.dot(touch.x1 - touch.x0)
                                  : (grip.place.rows * eq_.z.head(model_->modes())).dot(mean_force);
     record_.account.hand_work += grip.work;

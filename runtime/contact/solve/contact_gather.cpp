@@ -34,6 +34,44 @@ double ContactStep::acceleration_reach(const VectorXd& q, const StepPush& push) 
   return way;
 }
 
+// Bound of the displacement by the frame in the step of the points, which are within `radius` of
+// the centre, m. A point on several bones goes no farther than with one of them.
+double ContactStep::frame_reach(const StepPoses& poses, double radius) const {
+  if (!on_bones()) return reach_of(poses, eq_.points().centre, radius);
+  double most = 0.0;
+  for (const StepPoses& bone : eq_.bones->poses())
+    most = std::max(most, reach_of(bone, eq_.points().centre, radius));
+  return most;
+}
+
+// Position of a contact point at an end of the step, m, world. pose: of the one frame there.
+Vector3d ContactStep::place_of(std::size_t point, const Pose& pose, bool at_end,
+                               const VectorXd& q) const {
+  const Vector3d y = eq_.points().place(point, q);
+  if (!on_bones()) return pose * y;
+  const BoneMap& map = at_end ? eq_.bones->maps(point).end : eq_.bones->maps(point).start;
+  return map.leftCols<3>() * y + map.col(3);
+}
+
+Vector3d ContactStep::start_of_point(std::size_t point) const {
+  return place_of(point, gathered_.poses.start, false, eq_.q0);
+}
+
+Vector3d ContactStep::into_rest_at_start(const Vector3d& x) const {
+  const Pose& pose = gathered_.poses.start;
+  return on_bones() ? eq_.bones->into_rest(x, false)
+                    : Vector3d(pose.rotation.conjugate() * (x - pose.position));
+}
+
+void ContactStep::attach(std::shared_ptr<BonePoints> points) {
+  eq_.bones = std::move(points);
+  eq_.point_motions.resize(eq_.points().size());
+}
+
+void ContactStep::place(const DrivenFrame& frame) {
+  eq_.bones->place(frame);
+}
+
 bool ContactStep::gather(const ContactNear& near, const StepPoses& poses, const VectorXd& q,
                          const VectorXd& v, const StepPush& push) {
   std::span<const PlacedCollider> colliders;
@@ -41,6 +79,7 @@ bool ContactStep::gather(const ContactNear& near, const StepPoses& poses, const 
   const ContactPoints& points = eq_.points();
   ContactBall& ball = gathered_.ball;
   grips_ = near.grips;
+  grip_maps_ = near.grip_maps;
   gathered_.colliders = colliders;
   gathered_.poses = poses;
   gathered_.acceleration = push.acceleration;
@@ -59,10 +98,14 @@ bool ContactStep::gather(const ContactNear& near, const StepPoses& poses, const 
   // Displacements by the coordinates: so far, and in the step.
   ball.centre = poses.start * points.centre;
   ball.radius = points.radius;
+  // The blend of several positions of a ball is nowhere farther than they are.
+  if (on_bones())
+    for (const StepPoses& bone : eq_.bones->poses())
+      ball.radius =
+          std::max(ball.radius, points.radius + (bone.start * points.centre - ball.centre).norm());
   ball.deformed = q.cwiseAbs().dot(points.reach);
   ball.travel = options_.step * v.cwiseAbs().dot(points.reach) +
-                reach_of(poses, points.centre, ball.radius + ball.deformed) +
-                acceleration_reach(q, push);
+                frame_reach(poses, ball.radius + ball.deformed) + acceleration_reach(q, push);
   for (std::size_t c = 0; c < colliders.size(); ++c) {
     const PlacedCollider& collider = colliders[c];
     const Vector3d centre = ball.centre;
@@ -78,6 +121,7 @@ bool ContactStep::gather(const ContactNear& near, const StepPoses& poses, const 
     add_candidates(collider, c, q, reach);
   }
   held_.resize(grips_.size());
+  if (on_bones()) grip_motions_.resize(grips_.size());
   return !touching().empty() || !grips_.empty();
 }
 
@@ -103,21 +147,25 @@ ContactStep::Candidate ContactStep::make_candidate(std::size_t point, std::size_
 void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t index,
                                  const VectorXd& q, double reach) {
   const double deformed = q.cwiseAbs().dot(eq_.points().reach);
-  // From the mesh's frame to the collider's.
   const Pose& own = gathered_.poses.start;
+  const Matrix3d turn = own.rotation.toRotationMatrix();
   const Matrix3d back = collider.start.rotation.toRotationMatrix().transpose();
-  const Matrix3d turn = back * own.rotation.toRotationMatrix();
-  const Vector3d shift = back * (own.position - collider.start.position);
-  const auto distance = [&](const Vector3d& place) {
-    return signed_distance(collider.shape, turn * place + shift).distance;
+  const auto into_world = [&](const Vector3d& place) {
+    return Vector3d(turn * place + own.position);
+  };
+  const auto distance = [&](const Vector3d& x) {
+    return signed_distance(collider.shape, back * (x - collider.start.position)).distance;
   };
   for (const PointGroup& group : eq_.points().groups) {
-    if (distance(group.centre) > group.radius + deformed + reach) continue;
+    // Groups have balls in one frame.
+    if (!on_bones() && distance(into_world(group.centre)) > group.radius + deformed + reach)
+      continue;
     for (std::size_t i = group.first; i < group.first + group.count; ++i) {
       if (!eq_.points().meets(i, true)) continue;
-      const Vector3d place = eq_.points().place(i, q);
-      if (distance(place) - eq_.points().radius_of(i) <= reach)
-        candidates_.push_back(make_candidate(i, index, own * place));
+      const Vector3d x =
+          on_bones() ? place_of(i, own, false, q) : into_world(eq_.points().place(i, q));
+      if (distance(x) - eq_.points().radius_of(i) <= reach)
+        candidates_.push_back(make_candidate(i, index, x));
     }
   }
 }
@@ -155,8 +203,8 @@ bool ContactStep::hits_hard(const RigidState& rigid) {
 // than predicted there.
 bool ContactStep::went_far(const Pose& end, const VectorXd& q) const {
   const double bent = (q - eq_.q0).cwiseAbs().dot(eq_.points().reach);
-  return bent + reach_of({gathered_.poses.start, end}, eq_.points().centre,
-                         gathered_.ball.radius + gathered_.ball.deformed) >
+  return bent + frame_reach({gathered_.poses.start, end},
+                            gathered_.ball.radius + gathered_.ball.deformed) >
          2.0 * gathered_.ball.travel;
 }
 
@@ -182,13 +230,13 @@ bool ContactStep::find_missed(const Pose& end, const VectorXd& q) {
     for (std::size_t k = 0; k < known; ++k)
       if (candidates_[k].collider == c) listed_[candidates_[k].point] = 1;
     for (const PointGroup& group : eq_.points().groups) {
-      if (distance(end * group.centre) > group.radius + deformed + surface().law.margin) continue;
+      if (!on_bones() &&
+          distance(end * group.centre) > group.radius + deformed + surface().law.margin)
+        continue;
       for (std::size_t i = group.first; i < group.first + group.count; ++i)
         if (listed_[i] == 0 && eq_.points().meets(i, true) &&
-            distance(end * eq_.points().place(i, q)) - eq_.points().radius_of(i) <
-                surface().law.margin)
-          candidates_.push_back(
-              make_candidate(i, c, gathered_.poses.start * eq_.points().place(i, eq_.q0)));
+            distance(place_of(i, end, true, q)) - eq_.points().radius_of(i) < surface().law.margin)
+          candidates_.push_back(make_candidate(i, c, start_of_point(i)));
     }
   }
   return candidates_.size() != known;

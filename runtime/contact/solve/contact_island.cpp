@@ -210,8 +210,7 @@ void ContactIsland::push(const PairPoint& pair) {
   if (!pair.now.acts) return;
   if (looked_[pair.a] != 0)
     body(pair.a).equations().push_point(pair.now.force, pair.touch_a, pair.point);
-  if (looked_[pair.b] != 0)
-    body(pair.b).equations().push(-pair.now.force, -pair.now.bend_force, pair.touch_b, pair.rows);
+  if (looked_[pair.b] != 0) push_second(pair, body(pair.b).equations());
   if (!(pair.law.radius > 0.0)) return;
   const Eigen::Vector3d torque = surface_arm(pair.law, pair.held).cross(pair.now.rub);
   if (looked_[pair.a] != 0) body(pair.a).equations().push_turn(torque);

@@ -75,6 +75,7 @@ void ContactStep::begin(const State& state, const StepLoad& load, FreeFrame* fre
   eq_.motion.origin = free_ != nullptr ? free_->mesh_centre() : Vector3d(Vector3d::Zero());
   eq_.motion.c0 = free_ != nullptr ? free_->rigid().centre : gathered_.poses.start.position;
   eq_.z.head(r) = h * v0_;
+  if (on_bones()) follow_bones();
   for (Candidate& candidate : touching()) begin_candidate(candidate);
   joints_rounding_ = 0.0;
   first_size_ = -1.0;
@@ -83,11 +84,21 @@ void ContactStep::begin(const State& state, const StepLoad& load, FreeFrame* fre
     eq_.z.tail<3>() = h * free_->rigid().velocity;
     return;
   }
-  eq_.motion.set_turn(eq_.motion.R0.transpose() * gathered_.poses.end.rotation.toRotationMatrix());
-  const Eigen::Quaterniond turn =
-      gathered_.poses.start.rotation.conjugate() * gathered_.poses.end.rotation;
-  eq_.motion.phi = 2.0 / turn.w() * turn.vec();
-  eq_.motion.c1 = gathered_.poses.end.position;
+  eq_.motion.follow(gathered_.poses);
+}
+
+// Sets the motions of contact points and grips by bones.
+void ContactStep::follow_bones() {
+  StepMotion fresh;
+  fresh.h = options_.step;
+  fresh.modes = model_->modes();
+  fresh.origin.setZero();
+  eq_.point_motions.assign(eq_.points().size(), fresh);
+  for (std::size_t i = 0; i < eq_.point_motions.size(); ++i)
+    eq_.point_motions[i].follow(eq_.bones->maps(i).start, eq_.bones->maps(i).end);
+  grip_motions_.assign(grips_.size(), fresh);
+  for (std::size_t i = 0; i < grips_.size(); ++i)
+    grip_motions_[i].follow(grip_maps_[i].start, grip_maps_[i].end);
 }
 
 // A spring's mean force is its force at the middle of the step, which is exactly its discrete
@@ -96,11 +107,11 @@ void ContactStep::add_grips() {
   for (std::size_t i = 0; i < grips_.size(); ++i) {
     Grip& grip = grips_[i];
     ContactTouch& touch = held_[i];
-    touch = eq_.touch_at(grip.place.rest, place_rows(grip.place));
+    touch = eq_.touch_at(motion_of_grip(i), grip.place.rest, place_rows(grip.place));
     const Vector3d from = touch.x0 - grip.start, to = touch.x1 - grip.end;
     grip.force =
         (-0.5 * grip.stiffness) * (from + to) - (grip.damping / options_.step) * (to - from);
-    eq_.push(grip.force, grip.force, touch, place_rows(grip.place));
+    eq_.push(motion_of_grip(i), grip.force, grip.force, touch, place_rows(grip.place));
   }
 }
 
@@ -119,7 +130,8 @@ void ContactStep::add_contact(const ContactRenewal& renewal) {
   eq_.clear_forces();
   std::fill(rates_.begin(), rates_.end(), PairRate{});
   for (Candidate& candidate : touching()) {
-    candidate.touch = eq_.motion.touch(candidate.y0, eq_.place_in_body(candidate.point, eq_.q1));
+    candidate.touch = eq_.motion_of(candidate.point)
+                          .touch(candidate.y0, eq_.place_in_body(candidate.point, eq_.q1));
     candidate.end = contact_end(candidate.law, gathered_.colliders[candidate.collider],
                                 turns_[candidate.collider], candidate.start, candidate.touch.x1);
     if (candidate.law.radius > 0.0)
@@ -208,7 +220,8 @@ void ContactStep::add_contact_slopes(bool follows) {
   }
   for (const Candidate& candidate : touching()) {
     if (!candidate.now.acts) continue;
-    eq_.lever.make(eq_.motion, candidate.touch, eq_.point_rows(candidate.point));
+    eq_.lever.make(eq_.motion_of(candidate.point), candidate.touch,
+                   eq_.point_rows(candidate.point));
     const PlacedSlope slope =
         contact_slope(candidate.law, turns_[candidate.collider], candidate.start, candidate.end,
                       time_with(candidate.collider), candidate.held, follows);
@@ -284,7 +297,7 @@ void ContactStep::make_jacobian(double heavier, bool follows) {
   for (std::size_t i = 0; i < grips_.size(); ++i) {
     const double stiffness = 0.5 * grips_[i].stiffness + grips_[i].damping / h;
     const PlaceRows rows = place_rows(grips_[i].place);
-    eq_.lever.make(eq_.motion, held_[i], rows);
+    eq_.lever.make(motion_of_grip(i), held_[i], rows);
     eq_.lever.add_tangent(stiffness * Matrix3d::Identity(), eq_.jacobian);
     if (free_ == nullptr) continue;
     eq_.lever.make_swing(eq_.motion, held_[i], rows);

@@ -33,6 +33,8 @@ namespace tremolo {
 struct ContactNear {
   std::span<const PlacedCollider> colliders;
   std::span<Grip> grips;
+  // Of a body on several bones: the maps of the grabbed positions, one a grab.
+  std::span<const StepMaps> grip_maps = {};
 };
 
 // The results of ContactStep::gather() for the present step.
@@ -68,6 +70,12 @@ class ContactStep {
   // Sets the step and Rayleigh damping from the next step on. The contact law depends on neither.
   void set_options(const IntegratorOptions& options);
 
+  // Attaches the contact points of a body to its several bones. Before each gather() of such a body
+  // call place(), which places them for the next step of the frame.
+  void attach(std::shared_ptr<BonePoints> points);
+  void place(const DrivenFrame& frame);
+  bool on_bones() const { return bool(eq_.bones); }
+
   const ContactSurface& surface() const { return eq_.surface; }
   // Contacts with other bodies that are remembered from the last step, by the number of the other
   // body in its group. finish() clears them; add those of the step after it.
@@ -79,6 +87,20 @@ class ContactStep {
   bool gather(const ContactNear& near, const StepPoses& poses, const Eigen::VectorXd& q,
               const Eigen::VectorXd& v, const StepPush& push);
   const GatheredStep& gathered() const { return gathered_; }
+  // The position of a contact point at the start of the step of gather(), m, world.
+  Eigen::Vector3d start_of_point(std::size_t point) const;
+  // A position of the world in the mesh's coordinates, there, m.
+  Eigen::Vector3d into_rest_at_start(const Eigen::Vector3d& x) const;
+  // False: at the start the position, m, world, is farther from the body than `reach`, m.
+  bool may_reach(const Eigen::Vector3d& x, double reach) const {
+    const ContactBall& ball = gathered_.ball;
+    return (x - ball.centre).norm() <= ball.radius + ball.deformed + reach;
+  }
+  // False: y = into_rest_at_start(x) has no meaning, because x is outside the body and between its
+  // bones.
+  bool agrees(const Eigen::Vector3d& x, const Eigen::Vector3d& y) const {
+    return !on_bones() || eq_.bones->agree(x, y, false);
+  }
   // Call this after a step without contact, taken because gather() found no points; the body is at
   // q in `end`. It finds the points that came within the margin nevertheless. True if there are
   // any: the step must be repeated with them.
@@ -153,8 +175,15 @@ class ContactStep {
   Candidate make_candidate(std::size_t point, std::size_t index, const Eigen::Vector3d& x) const;
   void begin_candidate(Candidate& candidate);
   void remember();
+  double frame_reach(const StepPoses& poses, double radius) const;
+  Eigen::Vector3d place_of(std::size_t point, const Pose& pose, bool at_end,
+                           const Eigen::VectorXd& q) const;
   double acceleration_reach(const Eigen::VectorXd& q, const StepPush& push) const;
   void add_grips();
+  void follow_bones();
+  const StepMotion& motion_of_grip(std::size_t i) const {
+    return on_bones() ? grip_motions_[i] : eq_.motion;
+  }
   void evaluate_body();
   void make_slopes();
   void add_contact(const ContactRenewal& renewal);
@@ -195,7 +224,9 @@ class ContactStep {
   std::vector<ImpactPoint> impacts_;  // scratch
   std::vector<char> listed_;          // points that are candidates; scratch
   std::span<Grip> grips_;
-  std::vector<ContactTouch> held_;  // one a grip
+  std::span<const StepMaps> grip_maps_;
+  std::vector<ContactTouch> held_;        // one a grip
+  std::vector<StepMotion> grip_motions_;  // of a body on several bones, one a grip
   ContactRecord record_;
   double joints_rounding_ = 0.0;  // kg^1/2 m/s
   double first_size_ = 0.0;       // of the first residual of a step; below 0 before it

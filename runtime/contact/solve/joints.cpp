@@ -37,6 +37,8 @@ Status check_bodies(const ContactBody& first, const ContactBody& second) {
   if (&first == &second) return usage_error("a joint needs two bodies");
   if (first.contact() == nullptr || second.contact() == nullptr)
     return usage_error("joints need set_contact() of both bodies first");
+  if (first.bones() > 1 || second.bones() > 1)
+    return usage_error("a body on several bones takes no joint");
   if (first.options().step != second.options().step)
     return usage_error("bodies that are joined have one step size");
   return Success{};
@@ -130,7 +132,7 @@ void settle_joint(const IslandJoint& link, const ContactEquations& first,
   const auto work = [&link](const ContactEquations& body, const ContactTouch& touch,
                             const VertexRows& place, const Vector3d& force) {
     const StepMotion& motion = body.motion;
-    const Vector3d bend = body.bend_under(place_rows(place));
+    const Vector3d bend = body.bend_under(motion, place_rows(place));
     if (!body.turns()) return motion.straight_bend(force).dot(bend);
     return force.dot(touch.x1 - touch.x0) + link.now.torque.dot(motion.R0 * motion.phi);
   };

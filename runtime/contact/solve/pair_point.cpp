@@ -14,11 +14,35 @@ using Eigen::Vector3d;
 
 constexpr double kSameSlopes = 1e-3;
 
+// Finds the motion of the point's surroundings with the second body, and the rows along its axes.
+void find_site(PairPoint& pair, const ContactEquations& second) {
+  constexpr double kLeastVolume = 0.05;  // of a slope that is inverted
+  if (!pair.site || pair.site.use_count() > 1) pair.site = std::make_shared<BoneSite>();
+  BoneSite& site = *pair.site;
+  site.motion.h = second.motion.h;
+  site.motion.modes = second.modes();
+  site.motion.origin.setZero();
+  site.motion.follow(second.bones->motion_at(pair.touch_a.x0));
+  Eigen::Matrix3d slope;
+  second.bones->into_rest(pair.touch_a.x0, false, slope);
+  site.at_start = slope.transpose();
+  if (!(slope.determinant() > kLeastVolume)) return;
+  pair.rows = (pair.rows * (site.motion.R0.transpose() * slope.inverse()).transpose()).eval();
+}
+
+// The gradient of the distance by the point's end in the world, from that by the mesh's
+// coordinates.
+Vector3d gradient_at_end(const PairPoint& pair, const ContactEquations& second) {
+  return second.bones ? Vector3d(pair.site->at_slope * pair.slope)
+                      : second.motion.turn_out_at_end(pair.slope);
+}
+
 void find_start(PairPoint& pair, const ContactEquations& second, PairScratch& scratch) {
   const BentShape shape = second.shape_at_start();
   bent_rows(shape, pair.place_at_start, scratch.bent, pair.rows);
   pair.gradient = bent_gradient(shape, pair.place_at_start);
   pair.fresh = false;
+  if (second.bones) find_site(pair, second);
 }
 
 // The point's path is computed as if the second body did not deform.
@@ -45,10 +69,15 @@ void find_changes(PairPoint& pair, const Way& first_way, ContactEquations& secon
     pair.slope = bent_change(second.shape_at_end(), pair.place, scratch.bent, pair.by_q);
     pair.slope_place = pair.place;
     pair.sloped = true;
+    if (second.bones) {
+      second.bones->into_rest(pair.touch_a.x1, true, pair.site->at_slope);
+      pair.site->at_slope.transposeInPlace();
+    }
   }
   pair.way.apart = near;
-  const Vector3d gradient = second.motion.turn_out_at_end(pair.slope);
-  const Eigen::Matrix3Xd& way = second.lever.change_of_way(second.motion, pair.touch_b, pair.rows);
+  const Vector3d gradient = gradient_at_end(pair, second);
+  const Eigen::Matrix3Xd& way =
+      second.lever.change_of_way(motion_at(pair, second), pair.touch_b, pair.rows);
   const auto find = [&](const ContactSlope& slope, Eigen::Matrix3Xd& by_a, Eigen::Matrix3Xd& by_b) {
     const Eigen::Matrix3d by_end = slope.by_distance * gradient.transpose() + slope.by_path;
     by_a.noalias() = by_end.lazyProduct(first_way);
@@ -147,26 +176,28 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
   if (shape == nullptr || on.yield_to(*second.surface().points, first.surface().shape.has_value()))
     return count;
   const bool rigid = second.surface().points->rigid();
-  const Pose from = first.gathered().poses.start, into = second.gathered().poses.start;
+  const Pose from = first.gathered().poses.start;
   const double margin = first.surface().law.margin;
   const double reach =
       margin + 2.0 * (first.gathered().ball.travel + second.gathered().ball.travel);
   const double bent = second.gathered().ball.deformed;
-  const auto place = [&](const Vector3d& x) {
-    return Vector3d(into.rotation.conjugate() * (x - into.position));
-  };
+  const auto place = [&](const Vector3d& x) { return second.into_rest_at_start(x); };
+  // The place of a group is known in one frame only, and on bones only near the surface.
+  const bool frames = !first.on_bones() && !second.on_bones();
   for (const PointGroup& group : on.groups) {
     const double far = group.radius + first.gathered().ball.deformed + bent + reach;
-    if (signed_distance(*shape, place(from * group.centre)).distance > far) continue;
+    if (frames && signed_distance(*shape, place(from * group.centre)).distance > far) continue;
     for (std::size_t i = group.first; i < group.first + group.count; ++i) {
       if (!on.meets(i, rigid)) continue;
-      const Vector3d y = place(from * on.place(i, first.equations().q0));
+      const Vector3d x = first.start_of_point(i);
+      if (second.on_bones() && !second.may_reach(x, reach + on.radius_of(i))) continue;
+      const Vector3d y = place(x);
       const double round = on.radius_of(i);
       if (signed_distance(*shape, y).distance - round > reach + bent) continue;
       if (count == points.size()) points.emplace_back();
       PairPoint& pair = points[count];
       const double distance = bent_distance(second.equations().shape_at_start(), y) - round;
-      if (distance > reach) continue;
+      if (distance > reach || !second.agrees(x, y)) continue;
       begin_point(pair, first, second, names, i, y, distance);
       ++count;
     }
@@ -189,7 +220,7 @@ void approach_pair(PairPoint& pair, const PairBodies& bodies, double bend, PairR
 
 void approach_shape(PairPoint& pair, const ContactEquations& second, double bend, PairRate& rate) {
   const double stored = 0.5 * pair.law.shear * pair.memory.slip.squaredNorm();
-  pair.place = second.motion.into_rest(pair.touch_a.x1, true);
+  pair.place = second.into_rest_at_end(pair.touch_a.x1);
   const bool acts = pair.distance < pair.law.begins || pair.held.limit != 0.0;
   pair.near = false;
   // d1 cannot be within the margin if its gradient is shorter than 2.
@@ -209,10 +240,28 @@ void press_pair(PairPoint& pair, const PairBodies& bodies, const ContactTime& ti
   if (!pair.near) return;
   const Vector3d x1 = pair.touch_a.x1;
   pair.touch_a = bodies.first.touch_at_point(pair.point);
-  const Vector3d middle = bodies.first.motion.middle_of(pair.touch_a);
+  const Vector3d middle = bodies.first.motion_of(pair.point).middle_of(pair.touch_a);
   const Vector3d turn =
       pair.law.radius > 0.0 ? bodies.first.motion.turn_in_step() : Vector3d(Vector3d::Zero());
   press_shape(pair, bodies.second, {x1, middle, turn}, time, renewal, scratch);
+}
+
+namespace {
+
+// The mean gradient of the mesh's coordinates as one of the world, in the middle of the step.
+Vector3d normal_in_middle(PairPoint& pair, const ContactEquations& second, const Vector3d& mean) {
+  if (!second.bones) return second.motion.turn_out(mean);
+  BoneSite& site = *pair.site;
+  second.bones->into_rest(pair.touch_a.x1, true, site.at_end);
+  site.at_end.transposeInPlace();
+  return 0.5 * (site.at_start + site.at_end) * mean;
+}
+
+}  // namespace
+
+void push_second(const PairPoint& pair, ContactEquations& second) {
+  second.push(motion_at(pair, second), -pair.now.force, -pair.now.bend_force, pair.touch_b,
+              pair.rows);
 }
 
 void press_shape(PairPoint& pair, const ContactEquations& second, const PairSite& site,
@@ -221,16 +270,17 @@ void press_shape(PairPoint& pair, const ContactEquations& second, const PairSite
   const Vector3d& x1 = site.end;
   const bool fresh = pair.fresh;
   if (fresh) find_start(pair, second, scratch);
-  pair.touch_b = second.motion.touch_by_other(x1, site.middle);
-  pair.way.path = x1 - pair.touch_a.x0 - second.motion.way_under(pair.touch_b);
-  pair.way.bend = second.bend_under(pair.rows);
+  const StepMotion& at = motion_at(pair, second);
+  pair.touch_b = at.touch_by_other(x1, site.middle);
+  pair.way.path = x1 - pair.touch_a.x0 - at.way_under(pair.touch_b);
+  pair.way.bend = second.bend_under(at, pair.rows);
   if (renewal.normals || fresh) {
-    pair.frame = second.motion.halfway();
+    pair.frame = at.halfway();
     ContactMemory memory = pair.memory;
     memory.slip = pair.frame * memory.slip;
     memory.normal = pair.frame * memory.normal;
     const Vector3d end = bent_gradient(second.shape_at_end(), pair.place);
-    hold_normal(second.motion.turn_out(0.5 * (pair.gradient + end)), memory, pair.held);
+    hold_normal(normal_in_middle(pair, second, 0.5 * (pair.gradient + end)), memory, pair.held);
   }
   if (pair.law.radius > 0.0) pair.way.turn = site.turn - second.motion.turn_in_step();
   pair.now = contact_force(pair.law, pair.gap, pair.way, time, renewal.limits, pair.held);
@@ -253,18 +303,15 @@ std::size_t add_missed_points(const ContactStep& first, const ContactStep& secon
                          return pair.a == names.a && pair.b == names.b && pair.point == point;
                        });
   };
-  const Pose into = second.gathered().poses.start, from = first.gathered().poses.start;
   for (std::size_t i = 0; i < on.size(); ++i) {
     if (!on.meets(i, rigid)) continue;
     const double round = on.radius_of(i);
-    const Vector3d end =
-        second.equations().motion.into_rest(first.equations().end_of_point(i), true);
+    const Vector3d end = second.equations().into_rest_at_end(first.equations().end_of_point(i));
     if (signed_distance(*shape, end).distance - round > margin + 2.0 * bent) continue;
     if (bent_distance(second.equations().shape_at_end(), end) - round >= margin || listed(i))
       continue;
     if (count == points.size()) points.emplace_back();
-    const Vector3d x = from * on.place(i, first.equations().q0);
-    const Vector3d y = into.rotation.conjugate() * (x - into.position);
+    const Vector3d y = second.into_rest_at_start(first.start_of_point(i));
     PairPoint& pair = points[count++];
     begin_point(pair, first, second, names, i, y,
                 bent_distance(second.equations().shape_at_start(), y) - round);
@@ -312,8 +359,8 @@ void remember_pair(const PairPoint& pair, ContactStep& first, std::size_t obstac
 void add_pair_slopes(PairPoint& pair, const PairBodies& bodies, const ContactTime& time,
                      bool follows, PairScratch& scratch, const PairSides& sides) {
   const auto& [first, second] = bodies;
-  first.lever.make(first.motion, pair.touch_a, first.point_rows(pair.point));
-  second.lever.make(second.motion, pair.touch_b, pair.rows);
+  first.lever.make(first.motion_of(pair.point), pair.touch_a, first.point_rows(pair.point));
+  second.lever.make(motion_at(pair, second), pair.touch_b, pair.rows);
   find_changes(pair, first.lever.way(), second, time, follows, scratch);
   first.lever.add_pushed(scratch.change_a, scratch.change_a, 1.0, first.own_block());
   first.lever.add_pushed(scratch.change_b, scratch.change_b, 1.0, sides.first_by_second);
@@ -348,7 +395,7 @@ void add_site_slopes(PairPoint& pair, ContactEquations& second, const ContactTim
                      bool follows, PairScratch& scratch, SiteSlopes& slopes) {
   const Index n = second.unknowns();
   slopes.clear(n);
-  second.lever.make(second.motion, pair.touch_b, pair.rows);
+  second.lever.make(motion_at(pair, second), pair.touch_b, pair.rows);
   find_changes(pair, Eigen::Matrix3d(Eigen::Matrix3d::Identity()), second, time, follows, scratch);
   slopes.by_end = scratch.change_a;
   slopes.by_shape = scratch.change_b;

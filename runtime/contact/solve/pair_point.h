@@ -2,6 +2,7 @@
 // and the effect of the force on the equations of the two.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -12,6 +13,15 @@
 #include "runtime/contact/solve/contact_step.h"
 
 namespace tremolo {
+
+// The surroundings of a point on a shape on several bones. They move rigidly in the step, as
+// BonePoints::motion_at() says.
+struct BoneSite {
+  StepMotion motion;
+  // Turn gradients by positions of the mesh's coordinates into gradients by positions of the world:
+  // at the point at the start, at its end when the normals were renewed, and at slope_place.
+  Eigen::Matrix3d at_start, at_end, at_slope;
+};
 
 // A point of the member a near the shape of the member b.
 struct PairPoint {
@@ -36,7 +46,16 @@ struct PairPoint {
   ContactTouch touch_a, touch_b;
   ContactWay way;
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  // y at the end, m
+  std::shared_ptr<BoneSite> site = {};              // once it acts, if b is on several bones
 };
+
+// The motion that the point's position follows with the second body, once it acts.
+inline const StepMotion& motion_at(const PairPoint& pair, const ContactEquations& second) {
+  return second.bones ? pair.site->motion : second.motion;
+}
+
+// Applies the opposite of the force of an acting pair to the second body.
+void push_second(const PairPoint& pair, ContactEquations& second);
 
 // The two bodies of a pair.
 struct PairBodies {

@@ -1,5 +1,9 @@
 #include "runtime/contact/solve/step_motion.h"
 
+#include <cmath>
+
+#include <Eigen/QR>
+
 #include "runtime/math/pose.h"
 
 namespace tremolo {
@@ -7,6 +11,30 @@ namespace tremolo {
 using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+
+void StepMotion::follow(const StepPoses& poses) {
+  R0 = poses.start.rotation.toRotationMatrix();
+  c0 = poses.start.position;
+  set_turn(R0.transpose() * poses.end.rotation.toRotationMatrix());
+  const Eigen::Quaterniond by = poses.start.rotation.conjugate() * poses.end.rotation;
+  phi = 2.0 / by.w() * by.vec();
+  c1 = poses.end.position;
+}
+
+void StepMotion::follow(const BlendedMap& start, const BlendedMap& end) {
+  constexpr double kFlat = 1e-4;  // of the volume that F leaves
+  R0 = start.leftCols<3>();
+  R1 = end.leftCols<3>();
+  c0 = start.col(3);
+  c1 = end.col(3);
+  const Matrix3d half = 0.5 * (R0 + R1);
+  if (std::abs(R0.determinant()) > kFlat)
+    mean = R0.inverse() * half;
+  else
+    mean = R0.completeOrthogonalDecomposition().solve(half);
+  turn.setIdentity();
+  phi.setZero();
+}
 
 void StepMotion::set_turn(const Matrix3d& turn_in_step) {
   turn = turn_in_step;

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "runtime/math/pose.h"
 #include "runtime/math/state.h"
 #include "runtime/parts.h"
 
@@ -16,6 +17,9 @@ struct ContactTouch {
   // Of the force about the centre, along the body's axes at the start, m.
   Eigen::Vector3d arm = x0;
 };
+
+// [F d] of a position F y + d, blended from the maps of several bones.
+using BlendedMap = Eigen::Matrix<double, 3, 4>;
 
 // The rows of U at a position, transposed, r x 3.
 using PlaceRows = Eigen::Ref<const Eigen::MatrixX3d, 0, Eigen::OuterStride<>>;
@@ -41,6 +45,12 @@ struct StepMotion {
   Eigen::Index unknowns() const { return modes + (turns() ? 6 : 0); }
   bool turns() const { return kHasFrames && free; }
 
+  // Sets the motion between two poses.
+  void follow(const StepPoses& poses);
+  // Sets the motion of a point on several bones, F y + d, from [F d] at both ends. F is their mean
+  // rotation and shrinks where they differ: Ro0, Ro1 and Ro~ are F0, F1 and their mean. It has no
+  // turn and no phi.
+  void follow(const BlendedMap& start, const BlendedMap& end);
   // Sets R1 and all values that follow from the rotation.
   void set_turn(const Eigen::Matrix3d& turn_in_step);
 

@@ -24,6 +24,12 @@ struct FieldSums {
   double spread[9];
 };
 
+// Of the squares of the weights, and of twelve values with them.
+struct SharpSums {
+  double weight;
+  double total[12];
+};
+
 }  // namespace
 }  // namespace tremolo
 
@@ -52,6 +58,10 @@ ScatteredPoints::ScatteredPoints(std::span<const Eigen::Vector3d> points, double
       y_(padded(points.size()), kFarAway),
       z_(padded(points.size()), kFarAway),
       softness2_(softness2) {
+  move(points);
+}
+
+void ScatteredPoints::move(std::span<const Eigen::Vector3d> points) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     x_[i] = points[i].x();
     y_[i] = points[i].y();
@@ -77,6 +87,14 @@ Eigen::Vector3d field_at(const ScatteredPoints& points, const Eigen::VectorXd& u
       (Eigen::Matrix3d::Map(sums.spread) - mean * Eigen::Vector3d::Map(sums.slope).transpose()) /
       sums.weight;
   return mean;
+}
+
+Eigen::Matrix<double, 12, 1> sharp_mean(const ScatteredPoints& points, const TwelveValues& values,
+                                        const Eigen::Vector3d& place) {
+  const FieldLook look = look_at(points, values.data(), place);
+  SharpSums sums;
+  TREMOLO_CALL(sum_sharply, look, sums);
+  return Eigen::Matrix<double, 12, 1>::Map(sums.total) / sums.weight;
 }
 
 void field_weights(const ScatteredPoints& points, const Eigen::Vector3d& place,

@@ -18,6 +18,9 @@ class ScatteredPoints {
   // points: m. softness2: e^2, m^2, above zero.
   ScatteredPoints(std::span<const Eigen::Vector3d> points, double softness2);
 
+  // Moves the points, as many as before.
+  void move(std::span<const Eigen::Vector3d> points);
+
   // The number of points with padding: the length of a field's coordinate.
   std::size_t stride() const { return x_.size(); }
   const double* x() const { return x_.data(); }
@@ -37,6 +40,11 @@ Eigen::Vector3d field_at(const ScatteredPoints& points, const Eigen::VectorXd& u
 // gradient(i, j): of component i along j.
 Eigen::Vector3d field_at(const ScatteredPoints& points, const Eigen::VectorXd& u,
                          const Eigen::Vector3d& place, Eigen::Matrix3d& gradient);
+// The mean of twelve values per point at a position by the squares of the weights. values: stride()
+// rows; those of padding are finite.
+using TwelveValues = Eigen::Matrix<double, Eigen::Dynamic, 12>;
+Eigen::Matrix<double, 12, 1> sharp_mean(const ScatteredPoints& points, const TwelveValues& values,
+                                        const Eigen::Vector3d& place);
 // The weights at a position, which sum to one. weights: stride() entries.
 void field_weights(const ScatteredPoints& points, const Eigen::Vector3d& place,
                    Eigen::VectorXd& weights);

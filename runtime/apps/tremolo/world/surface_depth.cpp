@@ -24,9 +24,9 @@ struct Ball {
 };
 
 Ball ball_of(const ContactBody& body) {
-  const ContactPoints& points = *body.contact()->surface().points;
-  const double deformed = body.state().q.cwiseAbs().dot(points.reach);
-  return {body.pose() * points.centre, points.radius + deformed};
+  const PresentPlace place = body.present_place();
+  const double deformed = body.state().q.cwiseAbs().dot(body.contact()->surface().points->reach);
+  return {place.centre, place.radius + deformed};
 }
 
 bool feels(const ContactBody& body) {
@@ -49,11 +49,12 @@ std::span<const std::size_t> NearBodies::of(const SceneWorld& world, std::size_t
   return balls_.of(body);
 }
 
-double SurfaceDepth::behind_body(const ContactBody& other, const Vector3d& x) {
+double SurfaceDepth::behind_body(const ContactBody& other, const PresentPlace& place,
+                                 const Vector3d& x) {
   const ContactPoints& points = *other.contact()->surface().points;
-  const Pose pose = other.pose();
   const BentShape bent{other.contact()->surface().shape_or_null(), &points, &displacement_};
-  return -bent_distance(bent, pose.rotation.conjugate() * (x - pose.position));
+  const std::optional<Vector3d> y = place.into_rest(x);
+  return y ? -bent_distance(bent, *y) : 0.0;
 }
 
 double SurfaceDepth::measure(const SceneWorld& world, std::size_t body, NearBodies& near) {
@@ -78,10 +79,11 @@ double SurfaceDepth::measure(const SceneWorld& world, std::size_t body, NearBodi
     const ContactBody& other = world.body(i);
     if (!other.contact()->surface().shape || world.passes_through(body, i)) continue;
     const Ball its = ball_of(other);
+    const PresentPlace place = other.present_place();
     other.contact()->surface().points->displacement(other.state().q, displacement_);
     for (const auto& x : places.colwise()) {
       if ((x - its.centre).norm() > its.radius) continue;
-      depth = std::max(depth, behind_body(other, x));
+      depth = std::max(depth, behind_body(other, place, x));
     }
   }
   return depth;

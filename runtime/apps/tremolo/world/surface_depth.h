@@ -39,7 +39,7 @@ class SurfaceDepth {
   }
 
  private:
-  double behind_body(const ContactBody& other, const Eigen::Vector3d& x);
+  double behind_body(const ContactBody& other, const PresentPlace& place, const Eigen::Vector3d& x);
 
   std::vector<double> positions_;
   Eigen::VectorXd displacement_;  // of the contact points of the other body

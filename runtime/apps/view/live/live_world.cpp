@@ -89,7 +89,7 @@ Status LiveHand::take(SceneWorld& world, const LiveGuests& guests, const LiveGue
 Eigen::Vector3d LiveHand::held(const SceneWorld& world) const {
   if (guest_) return guest_->guests->point_at(guest_->guest, guest_->point);
   const ContactBody& body = world.body(body_);
-  return body.pose() * Eigen::Vector3d(place_.rest + place_.rows * body.state().q);
+  return body.place_now(vertex_, place_);
 }
 
 void LiveHand::before_step(SceneWorld& world) {
@@ -190,7 +190,7 @@ Status LiveWorld::look(WorldMoment& moment) const {
     const ContactBody& body = world_->body(*world_->find(viewed_.scene.hands[i].body));
     HandMoment& hand = moment.hands[i];
     hand.holds = world_->hand(i).holds();
-    hand.held = body.pose() * Eigen::Vector3d(held_[i].rest + held_[i].rows * body.state().q);
+    hand.held = body.place_now(world_->hand(i).vertex(), held_[i]);
     hand.point = hand.held;  // a scene's hand does not say where it is
   }
   HandMoment& mine = moment.hands.back();
