@@ -4,7 +4,7 @@ namespace tremolo {
 
 using Eigen::Vector3d;
 
-void HandPull::set(StepBody& body, const GuestHand& hand, double from, double to, double h) {
+void HandPull::set(GuestStep& body, const GuestHand& hand, double from, double to, double h) {
   body_ = &body;
   shared = &own_;
   hand_ = hand;
@@ -12,6 +12,12 @@ void HandPull::set(StepBody& body, const GuestHand& hand, double from, double to
   hand_.start = hand.start + from * way;
   hand_.end = to == 1.0 ? hand.end : Vector3d(hand.start + to * way);
   h_ = h * (to - from);
+  from_ = from;
+  to_ = to;
+}
+
+void HandPull::begin() {
+  body_->hold_at(0.5 * hand_.stiffness + hand_.damping / h_);
 }
 
 void HandPull::press(const ContactRenewal& renewal) {
@@ -49,6 +55,11 @@ void HandPull::settle(ContactAccount& first_account, ContactAccount& second_acco
   const Vector3d way = motion_.end - motion_.start - (hand_.end - hand_.start);
   first_account.hand_work += force_.dot(motion_.end - motion_.start);
   first_account.hand_damped += hand_.damping / h_ * way.squaredNorm();
+}
+
+void HandPull::remember() {
+  const double share = to_ - from_;
+  mean_ = from_ == 0.0 ? Vector3d(share * force_) : Vector3d(mean_ + share * force_);
 }
 
 }  // namespace tremolo
