@@ -121,6 +121,7 @@ class ContactBody : public Body {
   // Sets the grab's point at the end of the next step, m, world. Error kUsage: no such grab, not
   // finite.
   Status move_hand(std::size_t hand, const Eigen::Vector3d& place);
+  bool has_hand(std::size_t hand) const { return find_hand(hand) != nullptr; }
   std::span<const Grip> grips() const { return grips_; }  // those that are not released
   // The force on the body in the last step, N, world; the hand feels the opposite. Zero if there is
   // no such grab.

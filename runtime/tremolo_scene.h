@@ -217,6 +217,22 @@ tremolo_status tremolo_scene_world_apply_force(tremolo_scene_world* world, uint3
                                                uint32_t vertex, const double force[3],
                                                int32_t steps);
 
+/* Grabs a vertex of a body of any kind by a spring (N/m) and a damper (N s/m) to a point that is at
+ * the vertex until it is moved. hand: its number among those of the body. vertex: as in
+ * tremolo_body_grab; of tetrahedra a vertex of the mesh on its surface, of a cloth a vertex of its
+ * file or grid. A spring stiffer than mass and step allow is replaced, as there. Saved states have
+ * the hand. TREMOLO_USAGE: a stiffness or damping that is negative or not finite, a particle that a
+ * pin holds, a body without contact. TREMOLO_CONTENT: no such vertex, or it is inside. */
+tremolo_status tremolo_scene_world_grab(tremolo_scene_world* world, uint32_t body, uint32_t vertex,
+                                        double stiffness, double damping, uint64_t* hand);
+/* place: of the hand at the end of the next step, m, world. force: on the body in the last step, N,
+ * world. TREMOLO_USAGE: the body has no such hand; a place that is not finite. */
+tremolo_status tremolo_scene_world_move_hand(tremolo_scene_world* world, uint32_t body,
+                                             uint64_t hand, const double place[3]);
+tremolo_status tremolo_scene_world_hand_force(const tremolo_scene_world* world, uint32_t body,
+                                              uint64_t hand, double force[3]);
+tremolo_status tremolo_scene_world_let_go(tremolo_scene_world* world, uint32_t body, uint64_t hand);
+
 /* As tremolo_body_save and tremolo_body_restore, of the whole world: the bytes are those of
  * `tremolo run --save`. TREMOLO_CONTENT, with the world unchanged: the bytes are damaged, of
  * another version or of another scene, which the message tells. */

@@ -1,5 +1,7 @@
 // runtime/tremolo_scene.h: the bodies of a world from C.
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -85,6 +87,31 @@ Status need_own(const Known& body, const char* what) {
                      (body.tets() != nullptr ? "tets" : "cloth") + "\": " + what);
 }
 
+// kUsage: the body has no such hand.
+Status need_hand(const Known& body, std::uint64_t hand) {
+  bool exists = false;
+  if (body.is_guest()) {
+    const tremolo::GuestHand* held = body.guests().hand(hand);
+    exists = held != nullptr && held->guest == body.guest();
+  } else {
+    exists = body.own().has_hand(hand);
+  }
+  return exists ? Status(Success{})
+                : usage_error("body '" + body.name() + "' has no hand " + std::to_string(hand));
+}
+
+// As a scene's hand.
+Result<std::size_t> grab_guest(tremolo_scene_world& world, const Known& body,
+                               tremolo::VertexId vertex, double stiffness, double damping) {
+  tremolo::MixedGuests& guests = *world.made.guests;
+  const Result<std::size_t> point = guests.point_of_vertex(body.guest(), vertex);
+  if (!point) return point.error();
+  if (std::isfinite(guests.mass_at(body.guest(), *point)))
+    limit_spring(guests.stiffest_hand(body.guest(), *point), world.world.step_size(), stiffness,
+                 damping);
+  return guests.hold(body.guest(), *point, {stiffness, damping});
+}
+
 // Positions or velocities of a guest at its drawn vertices.
 template <class Real>
 void place_guest(const Known& body, bool velocities, Real* out) {
@@ -156,6 +183,8 @@ tremolo_energy_account account_of_guest(const Known& body) {
   a.contact_given = sums.given;
   a.restitution = 0.0 - sums.lost;
   a.friction = 0.0 - sums.friction_loss;
+  a.hand = sums.hand;
+  a.joint = sums.joint;
   const double change = a.kinetic + a.potential + a.contact - a.at_start;
   if (const tremolo::ClothBody* cloth = body.cloth()) {
     const tremolo::ClothWork& work = cloth->work();
@@ -165,11 +194,11 @@ tremolo_energy_account account_of_guest(const Known& body) {
     a.damping = 0.0 - work.damped;
     a.method = work.numerical;
     a.remainder = change - (a.gravity + a.wind + a.support + a.damping + a.method +
-                            a.contact_given + a.restitution + a.friction);
+                            a.contact_given + a.restitution + a.friction + a.hand + a.joint);
     return a;
   }
   a.gravity = start.gravity - now.gravity;
-  a.method = change - (a.gravity + a.contact_given + a.restitution + a.friction);
+  a.method = change - (a.gravity + a.contact_given + a.restitution + a.friction + a.hand + a.joint);
   return a;
 }
 
@@ -306,6 +335,52 @@ tremolo_status tremolo_scene_world_pose(const tremolo_scene_world* world, uint32
     put(pose.position, position);
     const Eigen::Quaterniond& q = pose.rotation;
     put(Eigen::Vector4d(q.w(), q.x(), q.y(), q.z()), quaternion);
+    return Success{};
+  });
+}
+
+tremolo_status tremolo_scene_world_grab(tremolo_scene_world* world, uint32_t body, uint32_t vertex,
+                                        double stiffness, double damping, uint64_t* hand) {
+  return with_body(world, body, [&](const Known& known) -> Status {
+    if (Status s = need({{hand, "the place for the hand"}}); !s) return s;
+    if (vertex > static_cast<std::uint32_t>(std::numeric_limits<tremolo::VertexId>::max()))
+      return tremolo::content_error("there is no vertex " + std::to_string(vertex));
+    const auto id = static_cast<tremolo::VertexId>(vertex);
+    const Result<std::size_t> made = known.is_guest()
+                                         ? grab_guest(*world, known, id, stiffness, damping)
+                                         : world->world.body(body).grab(id, stiffness, damping);
+    if (!made) return made.error();
+    *hand = *made;
+    return Success{};
+  });
+}
+
+tremolo_status tremolo_scene_world_move_hand(tremolo_scene_world* world, uint32_t body,
+                                             uint64_t hand, const double place[3]) {
+  return with_body(world, body, [&](const Known& known) -> Status {
+    if (Status s = need({{place, "the place"}}); !s) return s;
+    if (!known.is_guest()) return world->world.body(body).move_hand(hand, Vector3d(place));
+    if (Status s = need_hand(known, hand); !s) return s;
+    return world->made.guests->move_hand(hand, Vector3d(place));
+  });
+}
+
+tremolo_status tremolo_scene_world_hand_force(const tremolo_scene_world* world, uint32_t body,
+                                              uint64_t hand, double force[3]) {
+  return with_body(world, body, [&](const Known& known) -> Status {
+    if (Status s = need({{force, "the place for the force"}}); !s) return s;
+    if (Status s = need_hand(known, hand); !s) return s;
+    put(known.is_guest() ? known.guests().hand(hand)->force : known.own().hand_force(hand), force);
+    return Success{};
+  });
+}
+
+tremolo_status tremolo_scene_world_let_go(tremolo_scene_world* world, uint32_t body,
+                                          uint64_t hand) {
+  return with_body(world, body, [&](const Known& known) -> Status {
+    if (!known.is_guest()) return world->world.body(body).release(hand);
+    if (Status s = need_hand(known, hand); !s) return s;
+    world->made.guests->let_go(hand);
     return Success{};
   });
 }

@@ -14,7 +14,8 @@
 bool tremolo::c_api::look_at(const tremolo_scene_world& world, std::size_t guest,
                              GuestBound& bound) {
   const GuestEnergy now = energy_of(*world.made.guests, guest);
-  return bound.look(now.kinetic + now.elastic, now.gravity, world.made.guests->sums(guest).work);
+  const ContactSums& sums = world.made.guests->sums(guest);
+  return bound.look(now.kinetic + now.elastic, now.gravity, sums.work + sums.hand + sums.joint);
 }
 
 namespace {
@@ -93,7 +94,8 @@ Status make_world(const tremolo_scene& given, std::uint32_t threads, tremolo_sce
   if (Status s = check_names(given); !s) return s;
   const bool guests = !given.tets.empty() || !given.cloths.empty();
   tremolo::Scene scene = given.scene;
-  scene.guests = guests;
+  for (const tremolo::TetSceneBody& body : given.tets) scene.guests.insert(body.name);
+  for (const tremolo::ClothSceneBody& body : given.cloths) scene.guests.insert(body.name());
   Result<SceneWorld> made = SceneWorld::create(
       scene, [&given](const tremolo::SceneBody& body) { return model_of(given, body); }, guests);
   if (!made) return made.error();

@@ -5,24 +5,40 @@ namespace tremolo {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-JointForce joint_force(const Joint& joint, const Vector3d& s0, const Vector3d& s1,
-                       const Vector3d& turn, double h) {
-  const double k = joint.stiffness, L = joint.length, c = joint.damping / h;
-  const Vector3d middle = 0.5 * (s0 + s1);
-  const double l1 = s1.norm(), sum = s0.norm() + l1;
+namespace {
+
+// The spring without its length: its force, slope and energy.
+JointForce spring_force(const Joint& joint, const Vector3d& middle, double l1) {
+  const double k = joint.stiffness, L = joint.length;
   JointForce out;
   out.energy = 0.5 * k * (l1 - L) * (l1 - L);
   out.force = -k * middle;
   out.slope = (0.5 * k) * Matrix3d::Identity();
-  if (L == 0.0) {
-    const Vector3d w = s1 - s0 - turn.cross(middle);
-    const Vector3d drag = -c * w;
-    out.force += drag;
-    out.torque = -0.5 * middle.cross(drag);
-    out.slope.diagonal().array() += c;
-    out.damped = c * w.squaredNorm();
-    return out;
-  }
+  return out;
+}
+
+}  // namespace
+
+JointForce joint_force(const Joint& joint, const Vector3d& s0, const Vector3d& s1,
+                       const Vector3d& turn, double h) {
+  if (joint.length != 0.0) return joint_force_along(joint, s0, s1, h);
+  const double c = joint.damping / h;
+  const Vector3d middle = 0.5 * (s0 + s1);
+  JointForce out = spring_force(joint, middle, s1.norm());
+  const Vector3d w = s1 - s0 - turn.cross(middle);
+  const Vector3d drag = -c * w;
+  out.force += drag;
+  out.torque = -0.5 * middle.cross(drag);
+  out.slope.diagonal().array() += c;
+  out.damped = c * w.squaredNorm();
+  return out;
+}
+
+JointForce joint_force_along(const Joint& joint, const Vector3d& s0, const Vector3d& s1, double h) {
+  const double k = joint.stiffness, L = joint.length, c = joint.damping / h;
+  const Vector3d middle = 0.5 * (s0 + s1);
+  const double l1 = s1.norm(), sum = s0.norm() + l1;
+  JointForce out = spring_force(joint, middle, l1);
   if (!(sum > 0.0)) return out;
   out.force += (2.0 * k * L / sum) * middle;
   out.slope.diagonal().array() -= k * L / sum;

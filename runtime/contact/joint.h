@@ -61,5 +61,8 @@ struct JointForce {
 // turn: theta, world, with the length of Cayley's formula; h: the step, s.
 JointForce joint_force(const Joint& joint, const Eigen::Vector3d& s0, const Eigen::Vector3d& s1,
                        const Eigen::Vector3d& turn, double h);
+// The same of a joint whose damper acts along s~ alone, whether it has a length or not.
+JointForce joint_force_along(const Joint& joint, const Eigen::Vector3d& s0,
+                             const Eigen::Vector3d& s1, double h);
 
 }  // namespace tremolo

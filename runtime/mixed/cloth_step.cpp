@@ -114,6 +114,7 @@ void ClothStep::begin() {
   put_held_nodes(body_->model(), end_time(), h, x, x1_, v1_);
   way_ = x1_ - x;
   known_ = false;
+  clear_holds();
 }
 
 void ClothStep::go(double length, In direction) {
@@ -169,7 +170,7 @@ double ClothStep::enough() const {
                           std::sqrt(static_cast<double>(x1_.size()));
   return kGuestTolerance *
              ((force_ + pushed_).norm() + inertia_.norm() + body_->model().load_size()) +
-         rounding;
+         rounding + held_rounding(x1_.lpNorm<Eigen::Infinity>());
 }
 
 // full: with the indefinite terms of springs under compression.

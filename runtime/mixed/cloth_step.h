@@ -37,6 +37,7 @@ class ClothStep final : public GuestStep {
   bool step_alone() override;
   ClothBody& body() const { return *body_; }
   bool is_fixed(std::size_t point) const override { return is_held(point); }
+  double mass_at(std::size_t point) const override { return areas_.masses[point]; }
 
   std::size_t points() const override { return areas_.areas.size(); }
   bool feels(std::size_t point) const override { return point < points(); }

@@ -2,6 +2,7 @@
 // any kind: what bodies of tetrahedra and cloths have in common.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -45,8 +46,14 @@ class GuestStep : public StepBody {
 
   // True if the point does not move, or moves as its pin does, whatever force acts on it.
   virtual bool is_fixed(std::size_t point) const = 0;
-  // A hand may move a point by this much more in the next step, m.
+  // Hands and joints may move a point by this much more in the next step, m.
   void set_pull(double way) { pull_ = way; }
+  // Tells that the force of a hand or joint falls by this with the end of its point, N/m: the
+  // rounding error of positions, which it turns into a force, is part of enough(). Call it after
+  // begin().
+  void hold_at(double slope) { held_slope_ += slope; }
+  // The mass that moves with a point at first, kg.
+  virtual double mass_at(std::size_t point) const = 0;
 
   // Of contact in the last step.
   const ContactAccount& account() const { return account_; }
@@ -72,6 +79,11 @@ class GuestStep : public StepBody {
   virtual void end_whole(int parts) = 0;  // counts the step; 0: it failed, and the body is put back
 
   const Part& part() const { return part_; }
+  void clear_holds() { held_slope_ = 0.0; }  // in begin()
+  // Of the forces of hands and joints at positions up to `far` from the world's origin, N.
+  double held_rounding(double far) const {
+    return 4.0 * std::numeric_limits<double>::epsilon() * held_slope_ * far;
+  }
   double length(double step) const { return step * (part_.to - part_.from); }  // of the part, s
   // Ends a step without contact.
   void forget_contact();
@@ -89,7 +101,8 @@ class GuestStep : public StepBody {
   };
 
   StepBall ball_;
-  double pull_ = 0.0;  // m
+  double pull_ = 0.0;        // m
+  double held_slope_ = 0.0;  // N/m
   Part part_;
   Before before_;
   ContactRecord sum_;  // of the parts

@@ -4,7 +4,7 @@ namespace tremolo {
 
 using Eigen::Vector3d;
 
-void HandPull::set(StepBody& body, const GuestHand& hand, double from, double to, double h) {
+void HandPull::set(GuestStep& body, const GuestHand& hand, double from, double to, double h) {
   body_ = &body;
   shared = &own_;
   hand_ = hand;
@@ -12,6 +12,12 @@ void HandPull::set(StepBody& body, const GuestHand& hand, double from, double to
   hand_.start = hand.start + from * way;
   hand_.end = to == 1.0 ? hand.end : Vector3d(hand.start + to * way);
   h_ = h * (to - from);
+  from_ = from;
+  to_ = to;
+}
+
+void HandPull::begin() {
+  body_->hold_at(0.5 * hand_.stiffness + hand_.damping / h_);
 }
 
 void HandPull::press(const ContactRenewal& renewal) {
@@ -49,6 +55,114 @@ void HandPull::settle(ContactAccount& first_account, ContactAccount& second_acco
   const Vector3d way = motion_.end - motion_.start - (hand_.end - hand_.start);
   first_account.hand_work += force_.dot(motion_.end - motion_.start);
   first_account.hand_damped += hand_.damping / h_ * way.squaredNorm();
+}
+
+void HandPull::remember() {
+  const double share = to_ - from_;
+  mean_ = from_ == 0.0 ? Vector3d(share * force_) : Vector3d(mean_ + share * force_);
+}
+
+void JointPull::set(const GuestJoint& wanted, Joint& joint, GuestStep& guest, GuestStep* other,
+                    ReducedStep* body, double from, double to, double h) {
+  joint_ = &joint;
+  guest_ = &guest;
+  other_ = other;
+  body_ = body;
+  point_ = wanted.point;
+  other_point_ = wanted.other_point;
+  along_ = wanted.along;
+  shared = &own_;
+  h_ = h * (to - from);
+  from_ = from;
+  to_ = to;
+}
+
+void JointPull::begin() {
+  const double slope = 0.5 * joint_->stiffness + joint_->damping / h_;
+  guest_->hold_at(slope);
+  if (other_ != nullptr)
+    other_->hold_at(slope);
+  else
+    body_->contact().hold_at(joint_->second, 2.0 * slope);
+}
+
+void JointPull::press(const ContactRenewal& renewal) {
+  (void)renewal;
+  motion_ = guest_->motion(point_);
+  if (other_ != nullptr) {
+    other_motion_ = other_->motion(other_point_);
+  } else {
+    touch_ = body_->equations().straight_touch_at(joint_->second);
+    other_motion_.start = touch_.x0;
+    other_motion_.end = touch_.x1;
+  }
+  now_ = along_ ? joint_force_along(*joint_, motion_.start - other_motion_.start,
+                                    motion_.end - other_motion_.end, h_)
+                : joint_force(*joint_, motion_.start - other_motion_.start,
+                              motion_.end - other_motion_.end, Vector3d::Zero(), h_);
+  const Vector3d& force = now_.force;
+  guest_->add_force(point_, force);
+  if (other_ != nullptr) return other_->add_force(other_point_, -force);
+  ContactEquations& eq = body_->equations();
+  eq.push(-force, -eq.motion.straight_bend(force), touch_, place_rows(joint_->second));
+}
+
+void JointPull::make_slopes(bool follows) {
+  (void)follows;
+  guest_->add_slope(point_, now_.slope, now_.force);
+  if (other_ != nullptr) return other_->add_slope(other_point_, now_.slope, -now_.force);
+  ContactEquations& eq = body_->equations();
+  const PlaceRows rows = place_rows(joint_->second);
+  eq.lever.make(eq.motion, touch_, rows);
+  eq.lever.add_tangent(now_.slope, eq.jacobian);
+  eq.lever.make_straight_swing(eq.motion);
+  const Vector3d force = -now_.force;
+  eq.add_geometry(force, eq.motion.straight_bend(force), touch_, rows);
+  push_ = eq.lever.push();
+  way_ = eq.lever.way();
+}
+
+void JointPull::add_growth(StepBody::In first_x, StepBody::In second_x) {
+  (void)first_x;
+  (void)second_x;
+}
+
+// The force on either point rises with the end of the other one.
+void JointPull::multiply(StepBody::In first_x, StepBody::In second_x, StepBody::Out first_rows,
+                         StepBody::Out second_rows) const {
+  const Vector3d change = guest_->change_at(point_, first_x);
+  if (other_ != nullptr) {
+    guest_->add_image(point_, -now_.slope * other_->change_at(other_point_, second_x), first_rows);
+    other_->add_image(other_point_, -now_.slope * change, second_rows);
+    return;
+  }
+  guest_->add_image(point_, -now_.slope * (way_ * second_x), first_rows);
+  body_->add_scaled(push_, -now_.slope * change, second_rows);
+}
+
+// As settle_joint(): of a driven body on its motion relative to its frame.
+double JointPull::work_on_body() const {
+  const ContactEquations& eq = body_->equations();
+  const Vector3d force = -now_.force;
+  if (eq.turns()) return force.dot(touch_.x1 - touch_.x0);
+  return eq.motion.straight_bend(force).dot(eq.bend_under(place_rows(joint_->second)));
+}
+
+void JointPull::settle(ContactAccount& first_account, ContactAccount& second_account,
+                       double& first_start, double& second_start) const {
+  (void)first_start;
+  (void)second_start;
+  first_account.joint_work += now_.force.dot(motion_.end - motion_.start);
+  second_account.joint_work +=
+      other_ != nullptr ? -now_.force.dot(other_motion_.end - other_motion_.start) : work_on_body();
+}
+
+void JointPull::remember() {
+  const double share = to_ - from_;
+  joint_->force =
+      from_ == 0.0 ? Vector3d(share * now_.force) : Vector3d(joint_->force + share * now_.force);
+  joint_->energy = now_.energy;
+  joint_->damped += now_.damped;
 }
 
 }  // namespace tremolo

@@ -5,28 +5,46 @@
 // the spring's discrete gradient. The work F.(x1 - x0) on the body is therefore the work
 // F.(p1 - p0) of the hand, minus the growth of the spring's energy k |x - p|^2/2, minus what the
 // damper takes. F does not depend on other bodies: it is a coupling without a second body.
+//
+// A joint between a contact point of a guest and a point of another body: the spring and damper of
+// runtime/contact/joint.h between them, with opposite forces on the straight line between the means
+// of the two points in the step.
+//
+// A guest has no rotation of its own. The damper of a joint with a given stiffness therefore acts
+// along the line alone, so that both momenta are conserved. A joint as stiff as a pin has no length
+// to speak of: its damper acts in all directions, and the torque of its force on the arm s~ between
+// the points, which is of the order of h^3, is left out.
 #pragma once
 
+#include "common/state_stream.h"
+#include "runtime/contact/joint.h"
+#include "runtime/contact/solve/contact_equations.h"
+#include "runtime/mixed/guest_step.h"
 #include "runtime/mixed/pair_forces.h"
+#include "runtime/mixed/reduced_step.h"
 
 namespace tremolo {
 
-// point: a number of StepBody. start, end: p at both ends of the step, m, world. force: on the
-// body in the last step, N.
+// guest: its number in MixedGuests. point: a number of StepBody. start, end: p at both ends of the
+// step, m, world. force: on the body in the last step, N; of a step in parts the mean.
 struct GuestHand {
-  std::size_t point = 0;
+  std::size_t guest = 0, point = 0;
   double stiffness = 0.0;  // N/m
   double damping = 0.0;    // N s/m
   Eigen::Vector3d start = Eigen::Vector3d::Zero(), end = start, force = start;
+
+  void carry(StateStream& stream) { stream(guest, point, stiffness, damping, start, end, force); }
 };
 
 class HandPull final : public PairForces {
  public:
   // The body is held in a step, or a part of one between fractions of the step of h seconds.
-  void set(StepBody& body, const GuestHand& hand, double from, double to, double h);
+  void set(GuestStep& body, const GuestHand& hand, double from, double to, double h);
   const Eigen::Vector3d& force() const { return force_; }  // on the body, N
+  // The mean over the parts of the step that were solved, from its start on, N.
+  const Eigen::Vector3d& mean_force() const { return mean_; }
 
-  void begin() override {}
+  void begin() override;
   void approach() override {}
   void press(const ContactRenewal& renewal) override;
   void make_slopes(bool follows) override;
@@ -36,16 +54,65 @@ class HandPull final : public PairForces {
   bool add_missed() override { return false; }
   void settle(ContactAccount& first_account, ContactAccount& second_account, double& first_start,
               double& second_start) const override;
-  void remember() override {}
+  void remember() override;
   std::size_t acting() const override { return 1; }
 
  private:
-  StepBody* body_ = nullptr;
-  SharedRate own_;  // nothing is added to it
-  GuestHand hand_;  // start and end are those of the part
-  double h_ = 0.0;  // length of the part, s
+  GuestStep* body_ = nullptr;
+  SharedRate own_;                // nothing is added to it
+  GuestHand hand_;                // start and end are those of the part
+  double h_ = 0.0;                // length of the part, s
+  double from_ = 0.0, to_ = 1.0;  // its ends, fractions of the step
   SiteMotion motion_;
-  Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d force_ = Eigen::Vector3d::Zero(), mean_ = force_;
+};
+
+// guest, point: as in GuestHand. other: another guest, held at other_point; or a body of the group,
+// held at joint.second. joint.first is not used; joint.force is that on the guest's point. along:
+// the damper acts along the joint alone.
+struct GuestJoint {
+  std::size_t guest = 0, point = 0;
+  bool to_guest = false, along = false;
+  std::size_t other = 0, other_point = 0;
+  Joint joint;
+};
+
+class JointPull final : public PairForces {
+ public:
+  // The bodies are joined in a step, or a part of one between fractions of the step of h seconds.
+  // joint: receives its force and energies. Of the other body one is given.
+  void set(const GuestJoint& wanted, Joint& joint, GuestStep& guest, GuestStep* other,
+           ReducedStep* body, double from, double to, double h);
+
+  void begin() override;
+  void approach() override {}
+  void press(const ContactRenewal& renewal) override;
+  void make_slopes(bool follows) override;
+  void add_growth(StepBody::In first_x, StepBody::In second_x) override;
+  void multiply(StepBody::In first_x, StepBody::In second_x, StepBody::Out first_rows,
+                StepBody::Out second_rows) const override;
+  bool add_missed() override { return false; }
+  void settle(ContactAccount& first_account, ContactAccount& second_account, double& first_start,
+              double& second_start) const override;
+  void remember() override;
+  std::size_t acting() const override { return 1; }
+
+ private:
+  double work_on_body() const;
+
+  Joint* joint_ = nullptr;
+  GuestStep *guest_ = nullptr, *other_ = nullptr;
+  ReducedStep* body_ = nullptr;  // instead of other_
+  std::size_t point_ = 0, other_point_ = 0;
+  bool along_ = false;
+  SharedRate own_;                // nothing is added to it
+  double h_ = 0.0;                // length of the part, s
+  double from_ = 0.0, to_ = 1.0;  // its ends, fractions of the step
+  SiteMotion motion_, other_motion_;
+  ContactTouch touch_;  // of the body
+  JointForce now_;
+  Eigen::MatrixXd push_;  // of the body, n x 3
+  Eigen::Matrix3Xd way_;  // 3 x n
 };
 
 }  // namespace tremolo

@@ -75,30 +75,6 @@ Result<std::size_t> MixedGuests::add(ClothBody body, const ContactOptions& conta
   return guests_.size() - 1;
 }
 
-Status MixedGuests::hold(std::size_t i, std::size_t point, const HandSpring& spring) {
-  const GuestStep& step = *guests_[i]->step;
-  const std::string& of = guests_[i]->name;
-  if (point >= step.points()) return named(of, "there is no point " + std::to_string(point));
-  if (step.is_fixed(point)) return named(of, "point " + std::to_string(point) + " is fixed");
-  for (const double value : {spring.stiffness, spring.damping})
-    if (!(value >= 0.0) || !std::isfinite(value))
-      return named(of, "the stiffness and the damping of a hand must be finite and not negative");
-  const Eigen::Vector3d place = step.start_of(point);
-  guests_[i]->hand = GuestHand{point, spring.stiffness, spring.damping, place, place};
-  return Success{};
-}
-
-Status MixedGuests::move_hand(std::size_t i, const Eigen::Vector3d& place) {
-  if (!guests_[i]->hand) return named(guests_[i]->name, "no hand holds it");
-  if (!place.allFinite()) return named(guests_[i]->name, "the hand's place is not finite");
-  guests_[i]->hand->end = place;
-  return Success{};
-}
-
-const GuestHand* MixedGuests::hand(std::size_t i) const {
-  return guests_[i]->hand ? &*guests_[i]->hand : nullptr;
-}
-
 std::size_t MixedGuests::point_near(std::size_t i, const Eigen::Vector3d& place) const {
   const GuestStep& step = *guests_[i]->step;
   std::size_t nearest = 0;
@@ -140,23 +116,12 @@ void MixedGuests::start(std::span<const PlacedCollider> colliders) {
   to_ = 1.0;
   report_ = {};
   in_islands_ = 0;
-  for (const auto& guest : guests_) {
-    if (guest->failed) continue;
-    GuestStep& step = *guest->step;
-    // Other forces hold the point, so that its hand moves it by little more than the margin.
-    step.set_pull(guest->hand
-                      ? std::min(step.area_law().margin,
-                                 (guest->hand->end - step.start_of(guest->hand->point)).norm())
-                      : 0.0);
+  for (std::size_t i = 0; i < guests_.size(); ++i) {
+    if (guests_[i]->failed) continue;
+    GuestStep& step = *guests_[i]->step;
+    step.set_pull(pull_of(i));
     step.start();
   }
-}
-
-void MixedGuests::meet_hand(std::size_t guest) {
-  Guest& of = *guests_[guest];
-  if (!of.hand) return;
-  of.pull.set(*of.step, *of.hand, from_, to_, step_);
-  met_.push_back({bodies_ + guest, PairForces::kNobody, &of.pull});
 }
 
 SharedRate* MixedGuests::next_rate() {
@@ -193,7 +158,7 @@ bool MixedGuests::meet_hull(StepBody& points, std::size_t number, std::size_t gu
 // Points of each of two bodies on the other have one rate.
 void MixedGuests::meet_bodies(std::size_t guest, std::span<ContactStep* const> contacts) {
   for (std::size_t b = 0; b < contacts.size(); ++b) {
-    if (contacts[b] == nullptr) continue;
+    if (contacts[b] == nullptr || !may_touch(guest, false, b)) continue;
     if (counts_.bent == bent_.size()) bent_.emplace_back();
     BentContact& contact = bent_[counts_.bent];
     SharedRate* shared = next_rate();
@@ -211,6 +176,7 @@ void MixedGuests::meet_bodies(std::size_t guest, std::span<ContactStep* const> c
 
 void MixedGuests::meet_guests(std::size_t guest, std::span<const std::size_t> others) {
   for (const std::size_t other : others) {
+    if (!may_touch(guest, true, other)) continue;
     SharedRate* shared = next_rate();
     const bool here = meet_hull(*guests_[other]->step, bodies_ + other, guest, shared);
     const bool there = meet_hull(*guests_[guest]->step, bodies_ + guest, other, shared);
@@ -218,12 +184,13 @@ void MixedGuests::meet_guests(std::size_t guest, std::span<const std::size_t> ot
   }
 }
 
-// Finds the contacts of these guests with each other, with bodies and with colliders, and their
-// hands.
+// Finds the contacts of these guests with each other, with bodies and with colliders, their hands
+// and their joints.
 void MixedGuests::meet(std::span<const std::size_t> guests,
                        std::span<ContactStep* const> contacts) {
   for (std::size_t k = 0; k < guests.size(); ++k) {
-    meet_hand(guests[k]);
+    meet_hands(guests[k]);
+    meet_joints(guests[k]);
     meet_colliders(guests[k]);
     meet_bodies(guests[k], contacts);
     meet_guests(guests[k], guests.subspan(k + 1));
@@ -375,6 +342,7 @@ void MixedGuests::start_parts() {
     guests_[guest]->failed = false;
     guests_[guest]->step->start_parts();
   }
+  for (Link& link : joined_) link.before = link.joint.joint;
 }
 
 bool MixedGuests::step_part(const GuestPart& part, const HostIsland& island) {
@@ -411,6 +379,9 @@ void MixedGuests::end_parts(bool made) {
     guests_[guest]->failed = !made;
     if (made) book(guest);
   }
+  if (made) return;
+  for (Link& link : joined_)
+    if (member_[link.joint.guest] != PairForces::kNobody) link.joint.joint = link.before;
 }
 
 void MixedGuests::step_others(std::span<const std::size_t> roots) {
@@ -441,20 +412,24 @@ void MixedGuests::book(std::size_t guest) {
   of.sums.given += account.given;
   of.sums.error += account.surplus;
   of.sums.hand += account.hand_work;
+  of.sums.joint += account.joint_work;
   of.deepest = std::max(of.deepest, account.penetration);
   of.slip = std::max(of.slip, account.slip);
   const bool touches = account.active > 0;
   if (touches && !of.touched) ++of.contacts;
   of.touched = touches;
   if (of.tets != nullptr) of.tets->add_sums();
-  if (!of.hand) return;
-  of.hand->force = of.pull.force();
-  of.hand->start = of.hand->end;
+  for (Hand& held : hands_) {
+    if (!held.used || held.hand.guest != guest) continue;
+    held.hand.force = held.pull.mean_force();
+    held.hand.start = held.hand.end;
+  }
 }
 
 // Everything else is of one step.
 void MixedGuests::carry(StateStream& stream, std::size_t bodies) {
   for (const auto& guest : guests_) carry_guest(stream, bodies, *guest);
+  carry_links(stream);
 }
 
 void MixedGuests::carry_guest(StateStream& stream, std::size_t bodies, Guest& guest) {

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -65,16 +66,43 @@ class MixedGuests final : public IslandGuests {
   std::int64_t contacts(std::size_t i) const { return guests_[i]->contacts; }  // that began
   double penetration_max(std::size_t i) const { return guests_[i]->deepest; }  // m
   double slip_max(std::size_t i) const { return guests_[i]->slip; }  // ContactAccount::slip, m
-  // Holds a contact point of a guest, in place of an earlier hold, with a hand that is at the
-  // point. Until it is moved it stays there; let_go() releases the point. Errors (kUsage): a point
-  // that does not exist or is fixed; a stiffness or damping that is negative or not finite.
-  Status hold(std::size_t i, std::size_t point, const HandSpring& spring);
+  // Holds a contact point of a guest with a hand that is at the point, and stays there until it is
+  // moved. Returns the hand's number, the lowest that is free. Errors (kUsage): a point that does
+  // not exist or is fixed; a stiffness or damping that is negative or not finite.
+  Result<std::size_t> hold(std::size_t i, std::size_t point, const HandSpring& spring);
   // place: of the hand at the end of the next step, m; it gets there at constant velocity. Errors
-  // (kUsage): the guest is not held; a place that is not finite.
-  Status move_hand(std::size_t i, const Eigen::Vector3d& place);
-  void let_go(std::size_t i) { guests_[i]->hand.reset(); }
-  // Null: no hand holds it. Its work is part of sums(): ContactSums::hand.
-  const GuestHand* hand(std::size_t i) const;
+  // (kUsage): there is no such hand; a place that is not finite.
+  Status move_hand(std::size_t hand, const Eigen::Vector3d& place);
+  void let_go(std::size_t hand);  // releases the point
+  // Null: there is no such hand. Its work is part of sums(): ContactSums::hand.
+  const GuestHand* hand(std::size_t hand) const;
+  Eigen::Vector3d hands_force(std::size_t i) const;  // of all hands in the last step, N
+
+  // True if contact, a hand or a joint acted on the guest in the last step.
+  bool is_pushed(std::size_t i) const;
+
+  // Joins a contact point of a guest to a point of another body and returns the joint's number, the
+  // lowest that is free. Its work is part of sums(): ContactSums::joint. joint(): null: there is
+  // none. other: as in GuestJoint; a body's number in the group.
+  std::size_t join(GuestJoint joint);
+  void separate(std::size_t joint);
+  const GuestJoint* joint(std::size_t joint) const;
+  // The spring and damper of a pin at the point.
+  HandSpring stiffest_hand(std::size_t i, std::size_t point) const {
+    return stiffest_spring(mass_at(i, point), step_);
+  }
+  double mass_at(std::size_t i, std::size_t point) const {  // kg; infinite: it is fixed
+    const GuestStep& step = *guests_[i]->step;
+    return step.is_fixed(point) ? std::numeric_limits<double>::infinity() : step.mass_at(point);
+  }
+  // The contact point that is a vertex of the mesh, or of the cloth's file or grid. Errors
+  // (kContent): there is no such vertex, or it is inside a body of tetrahedra.
+  Result<std::size_t> point_of_vertex(std::size_t i, VertexId vertex) const;
+  // A vertex of the mesh, or the particle, that is the point or next to it.
+  VertexId number_of(std::size_t i, std::size_t point) const {
+    return guests_[i]->step->number_of(point);
+  }
+
   // Contact points: the one nearest to a place, and the place of one, m.
   std::size_t point_near(std::size_t i, const Eigen::Vector3d& place) const;
   Eigen::Vector3d point_at(std::size_t i, std::size_t point) const {
@@ -112,12 +140,24 @@ class MixedGuests final : public IslandGuests {
     std::unique_ptr<GuestStep> step = {};
     TetStep* tets = nullptr;     // the step of tetrahedra, or null
     ClothStep* cloth = nullptr;  // that of a cloth, or null
-    std::optional<GuestHand> hand = {};
-    HandPull pull = {};
     ContactSums sums = {};
     std::int64_t contacts = 0;
     double deepest = 0.0, slip = 0.0;
     bool failed = false, touched = false;
+  };
+  // A hand or a joint; those that are not in use have been released.
+  struct Hand {
+    bool used = false;
+    GuestHand hand = {};
+    HandPull pull = {};
+
+    void carry(StateStream& stream) { stream(used, hand); }
+  };
+  struct Link {
+    bool used = false;
+    GuestJoint joint = {};
+    JointPull pull = {};
+    Joint before = {};  // a step that is taken in parts
   };
   // Contact of the points of `first` with `second`: members by their numbers in links(), of which
   // one is that of a guest; kNobody: a collider.
@@ -131,7 +171,10 @@ class MixedGuests final : public IslandGuests {
   };
 
   void meet(std::span<const std::size_t> guests, std::span<ContactStep* const> contacts);
-  void meet_hand(std::size_t guest);
+  double pull_of(std::size_t guest) const;
+  void meet_hands(std::size_t guest);
+  void meet_joints(std::size_t guest);
+  bool may_touch(std::size_t guest, bool to_guest, std::size_t other) const;
   void meet_colliders(std::size_t guest);
   void meet_bodies(std::size_t guest, std::span<ContactStep* const> contacts);
   void meet_guests(std::size_t guest, std::span<const std::size_t> others);
@@ -148,11 +191,14 @@ class MixedGuests final : public IslandGuests {
   void add_report(const MixedReport& report);
   void book(std::size_t guest);
   void carry_guest(StateStream& stream, std::size_t bodies, Guest& guest);
+  void carry_links(StateStream& stream);
 
   double step_;
   double length_ = 0.0;           // of the present part of the step, s
   double from_ = 0.0, to_ = 1.0;  // its ends, fractions of the step
   std::vector<std::unique_ptr<Guest>> guests_;
+  std::vector<Hand> hands_;
+  std::vector<Link> joined_;
   std::vector<std::pair<const TetModel*, std::shared_ptr<const TetPoints>>> points_;
   std::span<const PlacedCollider> colliders_;
   std::size_t bodies_ = 0;  // of the group

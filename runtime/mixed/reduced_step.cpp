@@ -73,7 +73,11 @@ Vector3d ReducedStep::change_at(std::size_t point, In x) const {
 }
 
 void ReducedStep::add_image(std::size_t point, const Vector3d& fall, Out rows) const {
-  rows += scale().cwiseProduct(levers_[point].push.lazyProduct(fall));
+  add_scaled(levers_[point].push, fall, rows);
+}
+
+void ReducedStep::add_scaled(const Eigen::MatrixXd& push, const Vector3d& fall, Out rows) const {
+  rows += scale().cwiseProduct(push.lazyProduct(fall));
 }
 
 void ReducedStep::finish(const ContactAccount& account, double start, bool jumped) {

@@ -62,6 +62,8 @@ class ReducedStep final : public StepBody {
   void precondition(In rows, Out x) override;
   Eigen::Vector3d change_at(std::size_t point, In x) const override;
   void add_image(std::size_t point, const Eigen::Vector3d& fall, Out rows) const override;
+  // The same for any position, whose force has the effect push, n x 3, on the residual.
+  void add_scaled(const Eigen::MatrixXd& push, const Eigen::Vector3d& fall, Out rows) const;
 
   bool add_missed() override { return contact().add_missed(); }
   void finish(const ContactAccount& account, double start, bool jumped) override;

@@ -82,6 +82,14 @@ bool TetStep::is_fixed(std::size_t point) const {
                      [held](std::uint32_t node) { return held[node] != 0; });
 }
 
+std::optional<std::size_t> TetStep::point_of(VertexId vertex) const {
+  for (std::size_t i = 0; i < points(); ++i)
+    if (points_->points[i].count == 1 &&
+        points_->points[i].nodes[0] == static_cast<std::uint32_t>(vertex))
+      return i;
+  return std::nullopt;
+}
+
 // A point between vertices has the first of them.
 int TetStep::number_of(std::size_t point) const {
   return static_cast<int>(points_->points[point].nodes[0]);
@@ -98,6 +106,7 @@ void TetStep::begin() {
   body_->guess(false);
   ends_ = body_->stage_.method == TetMethod::kMidpoint ? 2.0 : 1.0;
   known_ = false;
+  clear_holds();
 }
 
 void TetStep::keep() {
@@ -145,7 +154,7 @@ double TetStep::close() {
 }
 
 double TetStep::enough() const {
-  return body_->stop_size(kGuestTolerance);
+  return body_->stop_size(kGuestTolerance) + held_rounding(body_->now_.x.lpNorm<Eigen::Infinity>());
 }
 
 void TetStep::residual(Out rows) const {

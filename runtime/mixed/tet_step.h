@@ -52,6 +52,9 @@ class TetStep final : public GuestStep {
   void add_sums() { sums_.add(*body_, report_); }
   TetBody& body() const { return *body_; }
   bool is_fixed(std::size_t point) const override;
+  // The contact point that is a vertex of the mesh; empty: the vertex is inside.
+  std::optional<std::size_t> point_of(VertexId vertex) const;
+  double mass_at(std::size_t point) const override { return points_->masses[point]; }
 
   // The body as an obstacle (hull_contact.h). follow_hull(): positions are needed in this step.
   bool has_hull() const { return hull_ && hull_->grid; }

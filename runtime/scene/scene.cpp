@@ -292,7 +292,7 @@ Status check_scene(const Scene& scene) {
     return content_error("duration and step ask for more than 1e12 steps");
   if (scene.duration < 0.5 * scene.step)
     return content_error("duration is shorter than half a step: nothing would be done");
-  if (scene.bodies.empty() && !scene.guests) return content_error("the scene has no body");
+  if (scene.bodies.empty() && scene.guests.empty()) return content_error("the scene has no body");
   if (Status s = check_gravity(scene.gravity); !s) return s;
   std::set<std::string> names;
   const ContactNeeds needs(scene);
@@ -305,12 +305,13 @@ Status check_scene(const Scene& scene) {
     if (!good) return error_of("body '" + body.name + "'", good.error());
   }
   if (Status s = check_colliders(scene); !s) return s;
+  names.insert(scene.guests.begin(), scene.guests.end());
   for (std::size_t i = 0; i < scene.hands.size(); ++i)
     if (Status s = check_hand(scene.hands[i], names); !s)
-      return error_of("hand " + std::to_string(i + 1), s.error());
+      return error_of_listed("hand", i, scene.hands[i], s.error());
   for (std::size_t i = 0; i < scene.joints.size(); ++i)
     if (Status s = check_joint(scene.joints[i], names); !s)
-      return error_of("joint " + std::to_string(i + 1), s.error());
+      return error_of_listed("joint", i, scene.joints[i], s.error());
   return Success{};
 }
 

@@ -140,6 +140,7 @@ struct SceneHand {
   Motion motion;
   double from = 0.0;        // s; it holds from the step that begins then
   double until = kForEver;  // s
+  int line = 0;             // of a scene file, for errors; 0: none
 };
 
 // A joint between vertices of two bodies (runtime/contact/joint.h).
@@ -149,7 +150,15 @@ struct SceneJoint {
   std::string to_at;     // its vertex; empty: the point of it at the first vertex at t = 0
   JointOptions options;
   double until = kForEver;  // s; it holds until then
+  int line = 0;             // of a scene file, for errors; 0: none
 };
+
+// An error with what a scene lists: "line 12: hand 1: ...". i: from 0.
+template <class Listed>
+Error error_of_listed(const char* what, std::size_t i, const Listed& one, const Error& error) {
+  const std::string line = one.line > 0 ? "line " + std::to_string(one.line) + ": " : "";
+  return {error.kind, line + what + " " + std::to_string(i + 1) + ": " + error.message};
+}
 
 struct Scene {
   double step = 3e-3;      // s, of all bodies
@@ -159,8 +168,8 @@ struct Scene {
   std::vector<SceneCollider> colliders;
   std::vector<SceneHand> hands;
   std::vector<SceneJoint> joints;
-  // The world also has bodies of other kinds, which are not in the list: it may be empty.
-  bool guests = false;
+  // Names of the world's bodies of other kinds, which are not in the list: that may be empty.
+  std::set<std::string> guests;
 };
 
 // True if bodies of the scene may be in contact with each other.

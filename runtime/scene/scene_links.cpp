@@ -28,21 +28,37 @@ Result<MovingHand> MovingHand::create(const SceneHand& wanted, const ContactBody
   return MovingHand(std::move(*path), vertices->front(), std::move(*place));
 }
 
+HandCourse::Act HandCourse::act(const SceneHand& wanted, std::int64_t k, double step) {
+  const double now = static_cast<double>(k) * step + kSameTime * step;
+  if (over_ || now < wanted.from) return Act::kNothing;
+  if (now < wanted.until) return number_ ? Act::kMove : Act::kGrab;
+  over_ = true;
+  return number_ ? Act::kRelease : Act::kNothing;
+}
+
+void HandCourse::begin_at(const SceneHand& wanted, const Vector3d& vertex, std::int64_t k,
+                          double step) {
+  const double t = static_cast<double>(k) * step;
+  const Pose begun = path_.pose_in(path_.piece(t + 0.5 * step), t);
+  base_ = wanted.position.value_or(begun.rotation.conjugate() * (vertex - begun.position));
+}
+
+Vector3d HandCourse::place_after(std::int64_t k, double step) const {
+  const std::size_t piece = path_.piece(static_cast<double>(k) * step + 0.5 * step);
+  return path_.pose_in(piece, static_cast<double>(k + 1) * step) * base_;
+}
+
 bool MovingHand::before_step(const SceneHand& wanted, std::int64_t k, double step,
                              ContactBody& body) {
-  const double t = static_cast<double>(k) * step, now = t + kSameTime * step;
-  if (over_ || now < wanted.from) return true;
-  if (now >= wanted.until) {
-    over_ = true;
-    if (number_) (void)body.release(*number_);
+  const Act next = act(wanted, k, step);
+  if (next == Act::kNothing) return true;
+  if (next == Act::kRelease) {
+    (void)body.release(*number_);
     number_.reset();
     return true;
   }
-  const std::size_t piece = path_.piece(t + 0.5 * step);
-  if (!number_) {
-    const Vector3d vertex = body.place_now(vertex_, place_);
-    const Pose begun = path_.pose_in(piece, t);
-    base_ = wanted.position.value_or(begun.rotation.conjugate() * (vertex - begun.position));
+  if (next == Act::kGrab) {
+    begin_at(wanted, body.place_now(vertex_, place_), k, step);
     const Result<std::size_t> number =
         wanted.pin ? body.pin(vertex_, std::move(place_))
                    : body.grab(vertex_, std::move(place_), wanted.stiffness, wanted.damping);
@@ -51,8 +67,7 @@ bool MovingHand::before_step(const SceneHand& wanted, std::int64_t k, double ste
     number_ = *number;
   }
   spring_ = body.hand_spring(*number_);
-  return bool(
-      body.move_hand(*number_, path_.pose_in(piece, static_cast<double>(k + 1) * step) * base_));
+  return bool(body.move_hand(*number_, place_after(k, step)));
 }
 
 void MovingHand::carry(StateStream& stream, const ContactBody& body) {
@@ -65,9 +80,7 @@ void MovingHand::carry(StateStream& stream, const ContactBody& body) {
   if (place) place_ = std::move(*place);
 }
 
-namespace {
-
-Result<VertexId> one_vertex(const char* key, const std::string& text, const ContactBody& body) {
+Result<VertexId> joint_vertex(const char* key, const std::string& text, const ContactBody& body) {
   const Result<std::vector<VertexId>> vertices = vertices_of(text, body.model());
   const std::string what = std::string(key) + " = \"" + text + "\"";
   if (!vertices) return content_error(what + ": " + vertices.error().message);
@@ -77,18 +90,16 @@ Result<VertexId> one_vertex(const char* key, const std::string& text, const Cont
   return vertices->front();
 }
 
-}  // namespace
-
 Result<HeldJoint> HeldJoint::create(const SceneJoint& wanted, const ContactBody& first,
                                     const ContactBody& second) {
-  const Result<VertexId> at = one_vertex("at", wanted.at, first);
+  const Result<VertexId> at = joint_vertex("at", wanted.at, first);
   if (!at) return at.error();
   if (wanted.to_at.empty()) {
     Result<Joint> joint = make_joint(first, *at, second, wanted.options);
     if (!joint) return content_error(joint.error().message);
     return HeldJoint(std::move(*joint));
   }
-  const Result<VertexId> to = one_vertex("to-at", wanted.to_at, second);
+  const Result<VertexId> to = joint_vertex("to-at", wanted.to_at, second);
   if (!to) return to.error();
   Result<Joint> joint = make_joint(first, *at, second, *to, wanted.options);
   if (!joint) return content_error(joint.error().message);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Core>
 
@@ -17,8 +18,37 @@
 
 namespace tremolo {
 
+// What the hands of a scene have in common, whatever body they hold: their times and their motions.
+class HandCourse {
+ public:
+  VertexId vertex() const { return vertex_; }
+  bool holds() const { return number_.has_value(); }
+  // The spring and damper in use while it holds, or last used; nullopt before it has held.
+  const std::optional<HandSpring>& spring() const { return spring_; }
+
+ protected:
+  // What is to be done before a step.
+  enum class Act { kNothing, kGrab, kMove, kRelease };
+
+  HandCourse(MotionPath path, VertexId vertex) : path_(std::move(path)), vertex_(vertex) {}
+  // Before the k-th step.
+  Act act(const SceneHand& wanted, std::int64_t k, double step);
+  // The hand begins in the k-th step at the vertex's position, m, world.
+  void begin_at(const SceneHand& wanted, const Eigen::Vector3d& vertex, std::int64_t k,
+                double step);
+  // The hand's position at the end of the k-th step, m, world.
+  Eigen::Vector3d place_after(std::int64_t k, double step) const;
+
+  MotionPath path_;
+  VertexId vertex_;
+  Eigen::Vector3d base_ = Eigen::Vector3d::Zero();  // of the point without its motion, m
+  std::optional<std::size_t> number_;
+  std::optional<HandSpring> spring_;
+  bool over_ = false;
+};
+
 // The hands of a scene: each grabs a vertex, moves it, and releases it.
-class MovingHand {
+class MovingHand : public HandCourse {
  public:
   // Errors: those of selectors; kContent for a selector of no vertex or of several, and for a
   // vertex that does not move.
@@ -32,10 +62,6 @@ class MovingHand {
   // Saves or restores the state between steps. body: the held one, restored before.
   void carry(StateStream& stream, const ContactBody& body);
 
-  VertexId vertex() const { return vertex_; }
-  bool holds() const { return number_.has_value(); }
-  // The spring and damper in use while it holds, or last used; nullopt before it has held.
-  const std::optional<HandSpring>& spring() const { return spring_; }
   // On the body in the last step, N, world; zero while it does not hold.
   Eigen::Vector3d force(const ContactBody& body) const {
     return number_ ? body.hand_force(*number_) : Eigen::Vector3d::Zero();
@@ -43,16 +69,14 @@ class MovingHand {
 
  private:
   MovingHand(MotionPath path, VertexId vertex, VertexRows place)
-      : path_(std::move(path)), vertex_(vertex), place_(std::move(place)) {}
+      : HandCourse(std::move(path), vertex), place_(std::move(place)) {}
 
-  MotionPath path_;
-  VertexId vertex_;
-  VertexRows place_;                                // the body's while it is held
-  Eigen::Vector3d base_ = Eigen::Vector3d::Zero();  // of the point without its motion, m
-  std::optional<std::size_t> number_;
-  std::optional<HandSpring> spring_;
-  bool over_ = false;
+  VertexRows place_;  // the body's while it is held
 };
+
+// The vertex that a joint's `at` or `to-at` names: the key, for errors, and its text. kContent: a
+// selector that is not one vertex.
+Result<VertexId> joint_vertex(const char* key, const std::string& text, const ContactBody& body);
 
 // The joints of a scene: each holds two bodies together until its time is over.
 class HeldJoint {
@@ -81,6 +105,25 @@ class HeldJoint {
 
   Joint made_;
   std::optional<std::size_t> number_;
+};
+
+// Hands and joints of a scene on its bodies of other kinds, and joints between those and its other
+// bodies (runtime/world/guest_links.h). Numbers i are those of all hands or joints in the scene.
+class GuestLinks {
+ public:
+  virtual ~GuestLinks() = default;
+
+  // Call it before the k-th step of all bodies, counted from 0.
+  virtual void before_step(std::int64_t k) = 0;
+  // Saves or restores the state between steps; the bodies are restored before.
+  virtual void carry(StateStream& stream) = 0;
+  // Null: it holds another kind of body.
+  virtual const HandCourse* hand(std::size_t i) const = 0;
+  virtual Eigen::Vector3d hand_force(std::size_t i) const = 0;  // as MovingHand::force()
+  // The position of the vertex that it holds, or will hold, m, world.
+  virtual Eigen::Vector3d hand_vertex(std::size_t i) const = 0;
+  // Null: its time is over, or it is between other bodies.
+  virtual const Joint* joint(std::size_t i) const = 0;
 };
 
 }  // namespace tremolo

@@ -104,6 +104,7 @@ void SceneWorld::carry(StateStream& stream) {
   for (JointOf& joint : joints_) joint.joint.carry(stream, *group_, joint.a, joint.b);
   group_->carry(stream, size());
   if (guests_) guests_->carry(stream, size());
+  if (links_) links_->carry(stream);
   if (!stream.reads()) return;
   failures_.clear();
   colliders_.move(std::max<std::int64_t>(steps_ - 1, 0), scene_.step);

@@ -246,28 +246,32 @@ Status SceneWorld::begin_contact(std::size_t i, bool needed) {
   return Success{};
 }
 
+// Those on bodies of other kinds follow with the guests.
 Status SceneWorld::add_hands() {
+  own_hands_.resize(scene_.hands.size());
   for (std::size_t i = 0; i < scene_.hands.size(); ++i) {
-    const std::size_t body = *find(scene_.hands[i].body);
-    Result<MovingHand> hand = MovingHand::create(scene_.hands[i], actors_[body].body);
-    if (!hand)
-      return Error{hand.error().kind,
-                   "hand " + std::to_string(i + 1) + ": " + hand.error().message};
-    hands_.push_back({std::move(*hand), body});
+    const std::optional<std::size_t> body = find(scene_.hands[i].body);
+    if (!body) continue;
+    Result<MovingHand> hand = MovingHand::create(scene_.hands[i], actors_[*body].body);
+    if (!hand) return error_of_listed("hand", i, scene_.hands[i], hand.error());
+    own_hands_[i] = hands_.size();
+    hands_.push_back({std::move(*hand), *body, i});
   }
   return Success{};
 }
 
 // Those of a pair in the scene's order.
 Status SceneWorld::add_joints() {
+  own_joints_.resize(scene_.joints.size());
   for (std::size_t i = 0; i < scene_.joints.size(); ++i) {
-    const std::size_t a = *find(scene_.joints[i].body), b = *find(scene_.joints[i].to);
-    Result<HeldJoint> joint = HeldJoint::create(scene_.joints[i], actors_[a].body, actors_[b].body);
-    if (!joint)
-      return Error{joint.error().kind,
-                   "joint " + std::to_string(i + 1) + ": " + joint.error().message};
-    joint->begin(*group_, place_[a], place_[b]);
-    joints_.push_back({std::move(*joint), place_[a], place_[b]});
+    const std::optional<std::size_t> a = find(scene_.joints[i].body), b = find(scene_.joints[i].to);
+    if (!a || !b) continue;
+    Result<HeldJoint> joint =
+        HeldJoint::create(scene_.joints[i], actors_[*a].body, actors_[*b].body);
+    if (!joint) return error_of_listed("joint", i, scene_.joints[i], joint.error());
+    joint->begin(*group_, place_[*a], place_[*b]);
+    own_joints_[i] = joints_.size();
+    joints_.push_back({std::move(*joint), place_[*a], place_[*b], i});
   }
   return Success{};
 }
@@ -348,11 +352,11 @@ void SceneWorld::move_frame(Actor& actor) const {
 }
 
 void SceneWorld::move_hands() {
-  for (std::size_t i = 0; i < hands_.size(); ++i) {
-    Actor& actor = actors_[hands_[i].body];
+  for (Hand& hand : hands_) {
+    Actor& actor = actors_[hand.body];
     // The hand was checked when it was made: the body takes it.
     if (!actor.failed)
-      (void)hands_[i].hand.before_step(scene_.hands[i], steps_, scene_.step, actor.body);
+      (void)hand.hand.before_step(scene_.hands[hand.wanted], steps_, scene_.step, actor.body);
   }
 }
 
@@ -403,8 +407,9 @@ std::span<const SceneWorld::Failure> SceneWorld::step() {
   }
   colliders_.move(steps_, scene_.step);
   move_hands();
-  for (std::size_t i = 0; i < joints_.size(); ++i)
-    joints_[i].joint.before_step(scene_.joints[i], time(), scene_.step, *group_);
+  for (JointOf& joint : joints_)
+    joint.joint.before_step(scene_.joints[joint.wanted], time(), scene_.step, *group_);
+  if (links_) links_->before_step(steps_);
   const Vector3d gravity = scene_.gravity.at(time() + 0.5 * scene_.step);
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     Actor& actor = actors_[i];

@@ -128,10 +128,12 @@ class SceneWorld {
                                    bool guests = false);
 
   // Adds bodies of other kinds to the world, which steps them with its bodies
-  // (runtime/world/world_guests.h). Call it before the first step. identity: of the guests, for
-  // saved states.
-  void set_guests(std::unique_ptr<IslandGuests> guests, std::vector<SavedPart> identity) {
+  // (runtime/world/world_guests.h). Call it before the first step. links: of hands and joints on
+  // them. identity: of the guests, for saved states.
+  void set_guests(std::unique_ptr<IslandGuests> guests, std::unique_ptr<GuestLinks> links,
+                  std::vector<SavedPart> identity) {
     guests_ = std::move(guests);
+    links_ = std::move(links);
     guest_identity_ = std::move(identity);
     group_->set_guests(guests_.get());
   }
@@ -148,6 +150,8 @@ class SceneWorld {
   ContactBody& body(std::size_t i) { return actors_[i].body; }
   const std::string& name(std::size_t i) const { return scene_.bodies[i].name; }
   std::optional<std::size_t> find(std::string_view name) const;
+  // The number of body i in the group that steps it.
+  std::size_t group_number(std::size_t i) const { return place_[i]; }
   // True if a joint between the two bodies switches their contact off.
   bool passes_through(std::size_t a, std::size_t b) const;
 
@@ -204,14 +208,27 @@ class SceneWorld {
   double contact_speed_limit() const;
   // The colliders with their poses in the last step, in the scene's order.
   std::span<const PlacedCollider> colliders() const { return colliders_.placed(); }
-  // In the scene's order.
-  const MovingHand& hand(std::size_t i) const { return hands_[i].hand; }
+  // In the scene's order, those on bodies of other kinds included once the world has its guests.
+  const HandCourse& hand(std::size_t i) const {
+    return own_hands_[i] ? hands_[*own_hands_[i]].hand : *links_->hand(i);
+  }
   Eigen::Vector3d hand_force(std::size_t i) const {
-    return hands_[i].hand.force(actors_[hands_[i].body].body);
+    if (!own_hands_[i]) return links_->hand_force(i);
+    const Hand& own = hands_[*own_hands_[i]];
+    return own.hand.force(actors_[own.body].body);
+  }
+
+  // Of a hand on a body of another kind, m, world: the position of the vertex that it holds or will
+  // hold; empty: it is on a body of the world.
+  std::optional<Eigen::Vector3d> guest_vertex(std::size_t i) const {
+    if (own_hands_[i]) return std::nullopt;
+    return links_->hand_vertex(i);
   }
 
   // In the scene's order; null: its time is over.
-  const Joint* joint(std::size_t i) const { return joints_[i].joint.find(*group_); }
+  const Joint* joint(std::size_t i) const {
+    return own_joints_[i] ? joints_[*own_joints_[i]].joint.find(*group_) : links_->joint(i);
+  }
 
   // Saves the state between steps, as the bytes of a file (formats/saved/saved_file.h) or as a
   // file, which is written whole or not at all (kSystem). A world of the same scene that is
@@ -256,14 +273,15 @@ class SceneWorld {
     double begins_within = 0.0;  // m
     std::optional<BonePaths> bones = {};
   };
+  // wanted: its number in the scene.
   struct Hand {
     MovingHand hand;
-    std::size_t body;
+    std::size_t body, wanted;
   };
   // a, b: the bodies' numbers in the group.
   struct JointOf {
     HeldJoint joint;
-    std::size_t a, b;
+    std::size_t a, b, wanted;
   };
   // A body and a collider.
   struct Touching {
@@ -310,6 +328,8 @@ class SceneWorld {
   SceneColliders colliders_;
   std::vector<Hand> hands_;
   std::vector<JointOf> joints_;
+  // For each of the scene its index in hands_ or joints_; empty: it is in links_.
+  std::vector<std::optional<std::size_t>> own_hands_, own_joints_;
   std::vector<Touching> touching_;  // bodies x colliders
   std::vector<Failure> failures_;
   std::vector<ContactEvent> events_;
@@ -324,6 +344,7 @@ class SceneWorld {
   bool gravity_changes_ = false;
   std::int64_t steps_ = 0;
   std::unique_ptr<IslandGuests> guests_;   // null: none
+  std::unique_ptr<GuestLinks> links_;      // null: there are no guests
   std::vector<SavedPart> guest_identity_;  // of saved states
 };
 

@@ -5,6 +5,7 @@
 
 #include "common/text.h"
 #include "runtime/contact/solve/contact_step.h"
+#include "runtime/world/guest_links.h"
 
 namespace tremolo {
 namespace {
@@ -96,10 +97,12 @@ Result<WorldGuests> add_guests(std::span<const TetSceneBody> tets,
     if (Status s = check_apart(*guests, *added, solids, "thickness"); !s)
       return of_file(path, s.error());
   }
+  Result<std::unique_ptr<GuestLinks>> links = make_guest_links(world, *guests);
+  if (!links) return of_file(path, links.error());
   std::vector<SavedPart> identity = guest_parts(tets, *placed, cloths, *guests);
   WorldGuests made{std::move(placed->kinds), std::move(placed->kind_of), guests.get(), {}};
   for (std::size_t i = 0; i < guests->size(); ++i) made.at_start.push_back(energy_of(*guests, i));
-  world.set_guests(std::move(guests), std::move(identity));
+  world.set_guests(std::move(guests), std::move(*links), std::move(identity));
   return made;
 }
 

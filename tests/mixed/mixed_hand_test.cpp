@@ -207,7 +207,7 @@ TEST(GuestHand, MovesOnThroughThePartsOfAStep) {
   ClothStep step(body, {});
   step.start();
   const Vector3d p0(0.1, 0.2, 0.3), way(0.04, -0.02, 0.01);
-  const GuestHand hand{4, 30.0, 2.0, p0, p0 + way};
+  const GuestHand hand{0, 4, 30.0, 2.0, p0, p0 + way};
   step.start_parts();
   for (const double from : {0.0, 0.25, 0.5, 0.75}) {
     const double to = from + 0.25, h = 0.25 * kind.step;
@@ -254,7 +254,7 @@ TEST(GuestHand, RefusesWhatCannotBeHeld) {
   EXPECT_FALSE(guests.hold(0, 81, {1.0, 1.0})) << "there are 81";
   EXPECT_FALSE(guests.hold(0, 1, {-1.0, 1.0}));
   EXPECT_FALSE(guests.hold(0, 1, {1.0, std::nan("")}));
-  EXPECT_FALSE(guests.move_hand(0, Vector3d::Zero())) << "it is not held";
+  EXPECT_FALSE(guests.move_hand(0, Vector3d::Zero())) << "there is none";
   EXPECT_EQ(guests.hand(0), nullptr);
   ASSERT_TRUE(guests.hold(0, 1, {1.0, 1.0}));
   EXPECT_FALSE(guests.move_hand(0, Vector3d::Constant(std::nan(""))));

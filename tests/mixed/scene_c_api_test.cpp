@@ -1,9 +1,11 @@
 // runtime/tremolo_scene.h: worlds of bodies of all kinds from C. A world that calls make has the
 // same bits as that of a scene file with the same values.
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -174,6 +176,184 @@ TEST_F(SceneCApi, RoundFromC) {
 TEST_F(SceneCApi, RefusesFromC) {
   EXPECT_EQ(tremolo_c_scene_refusals(path("cube.tets").c_str()), 0)
       << "line of scene_c_api_test.c; " << tremolo_last_error();
+}
+
+// Hands and joints on bodies of all kinds; hand 2 begins and ends on the way.
+const std::string kHeld = R"(
+[[hands]]
+body = "sheet"
+at = "near:0.09,0.09,0.24"
+stiffness = 20
+damping = 0.05
+[[hands.motion]]
+kind = "glide"
+velocity = [0.1, 0, 0.2]
+start = 0
+[[hands]]
+body = "cube"
+at = "near:0.05,0.05,0.05"
+stiffness = 60
+damping = 0.2
+from = 0.02
+until = 0.09
+position = [0.1, 0.1, 0.3]
+[[joints]]
+body = "cube"
+at = "near:-0.05,-0.05,0.05"
+to = "sheet"
+to-at = "top-left"
+stiffness = 30
+damping = 0.1
+length = 0.1
+[[joints]]
+body = "hard"
+at = "near:-0.05,0,0.05"
+to = "cube"
+stiffness = 40
+length = 0.1
+until = 0.07
+)";
+
+TEST_F(SceneCApi, HandsAndJointsOfAllKindsAreRestoredToTheBit) {
+  tremolo_scene* scene = nullptr;
+  ASSERT_EQ(tremolo_scene_parse((kText + kHeld).c_str(), path("held.toml").c_str(), &scene),
+            TREMOLO_OK)
+      << tremolo_last_error();
+  keep(scene);
+  for (const int before : {0, 5, 30, 40, 60}) {
+    SCOPED_TRACE(before);
+    tremolo_scene_world* whole = world_of(scene);
+    advance(whole, before);
+    const std::vector<std::byte> bytes = saved(whole);
+    tremolo_scene_world* other = world_of(scene);
+    ASSERT_EQ(tremolo_scene_world_restore(other, bytes.data(), bytes.size()), TREMOLO_OK)
+        << tremolo_last_error();
+    advance(whole, 25);
+    advance(other, 25);
+    EXPECT_TRUE(saved(whole) == saved(other));
+    // Back to an earlier moment, at which other hands and joints held.
+    ASSERT_EQ(tremolo_scene_world_restore(whole, bytes.data(), bytes.size()), TREMOLO_OK);
+    advance(whole, 25);
+    EXPECT_TRUE(saved(whole) == saved(other));
+  }
+}
+
+// In each step what a body has gained is what gravity, contact, hands, joints and the rest gave.
+TEST_F(SceneCApi, TheWorkOfHandsAndJointsIsInTheBalance) {
+  tremolo_scene* scene = nullptr;
+  ASSERT_EQ(tremolo_scene_parse((kText + kHeld).c_str(), path("held.toml").c_str(), &scene),
+            TREMOLO_OK);
+  tremolo_scene_world* world = world_of(keep(scene));
+  std::uint32_t sheet = 0, cube = 0;
+  ASSERT_EQ(tremolo_scene_world_find(world, "sheet", &sheet), TREMOLO_OK);
+  ASSERT_EQ(tremolo_scene_world_find(world, "cube", &cube), TREMOLO_OK);
+  tremolo_energy_account account{};
+  for (int i = 0; i < 60; ++i) {
+    advance(world, 1);
+    ASSERT_EQ(tremolo_scene_world_account(world, sheet, &account), TREMOLO_OK);
+    ASSERT_LT(std::abs(account.remainder), 1e-10);
+  }
+  EXPECT_NE(account.hand, 0.0);
+  EXPECT_NE(account.joint, 0.0);
+  ASSERT_EQ(tremolo_scene_world_account(world, cube, &account), TREMOLO_OK);
+  EXPECT_NE(account.hand, 0.0);
+  EXPECT_NE(account.joint, 0.0);
+}
+
+// A hand by calls has the bits of one of a scene.
+TEST_F(SceneCApi, HandsByCallsAreThoseOfAScene) {
+  const std::string hands = R"(
+[[hands]]
+body = "sheet"
+at = 48
+stiffness = 20
+damping = 0.05
+[[hands]]
+body = "cube"
+at = "vertex:0"
+stiffness = 60
+damping = 0.2
+[[hands]]
+body = "hard"
+at = "vertex:1"
+stiffness = 50
+)";
+  tremolo_scene *scene = nullptr, *bare = nullptr;
+  ASSERT_EQ(tremolo_scene_parse((kText + hands).c_str(), path("hands.toml").c_str(), &scene),
+            TREMOLO_OK)
+      << tremolo_last_error();
+  ASSERT_EQ(tremolo_scene_parse(kText.c_str(), path("bare.toml").c_str(), &bare), TREMOLO_OK);
+  tremolo_scene_world *wanted = world_of(keep(scene)), *world = world_of(keep(bare));
+  struct Held {
+    const char* body;
+    std::uint32_t vertex;
+    double stiffness, damping;
+  };
+  for (const Held& held :
+       {Held{"sheet", 48, 20.0, 0.05}, {"cube", 0, 60.0, 0.2}, {"hard", 1, 50.0, 0.0}}) {
+    std::uint32_t body = 0;
+    std::uint64_t hand = 99;
+    ASSERT_EQ(tremolo_scene_world_find(world, held.body, &body), TREMOLO_OK);
+    ASSERT_EQ(
+        tremolo_scene_world_grab(world, body, held.vertex, held.stiffness, held.damping, &hand),
+        TREMOLO_OK)
+        << tremolo_last_error();
+  }
+  advance(wanted, 40);
+  advance(world, 40);
+  for (std::uint32_t body = 0; body < tremolo_scene_world_bodies(world); ++body) {
+    std::vector<double> a(3 * tremolo_scene_world_vertices(world, body)), b(a.size());
+    ASSERT_EQ(tremolo_scene_world_positions_double(wanted, body, a.data(), a.size()), TREMOLO_OK);
+    ASSERT_EQ(tremolo_scene_world_positions_double(world, body, b.data(), b.size()), TREMOLO_OK);
+    EXPECT_TRUE(a == b) << body;
+  }
+  std::uint32_t sheet = 0;
+  double force[3] = {0.0, 0.0, 0.0};
+  const double far[3] = {0.2, 0.2, 0.5};
+  ASSERT_EQ(tremolo_scene_world_find(world, "sheet", &sheet), TREMOLO_OK);
+  ASSERT_EQ(tremolo_scene_world_move_hand(world, sheet, 0, far), TREMOLO_OK);
+  advance(world, 1);
+  ASSERT_EQ(tremolo_scene_world_hand_force(world, sheet, 0, force), TREMOLO_OK);
+  EXPECT_GT(force[2], 1.0);
+  EXPECT_EQ(tremolo_scene_world_hand_force(world, sheet, 1, force), TREMOLO_USAGE) << "the cube's";
+  ASSERT_EQ(tremolo_scene_world_let_go(world, sheet, 0), TREMOLO_OK);
+  EXPECT_EQ(tremolo_scene_world_let_go(world, sheet, 0), TREMOLO_USAGE);
+  std::uint64_t hand = 0;
+  EXPECT_EQ(tremolo_scene_world_grab(world, sheet, 49, 1.0, 0.0, &hand), TREMOLO_CONTENT);
+  EXPECT_EQ(tremolo_scene_world_grab(world, sheet, 5, -1.0, 0.0, &hand), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_scene_world_grab(world, sheet, 6, 1.0, 0.0, &hand), TREMOLO_USAGE) << "a pin";
+}
+
+TEST_F(SceneCApi, WrongHandsAndJointsAreToldWithTheirLine) {
+  const std::pair<const char*, const char*> wrong[] = {
+      {"[[hands]]\nbody = \"shett\"\nat = 1\nstiffness = 1\n", "there is no body 'shett'"},
+      {"[[hands]]\nbody = \"sheet\"\nat = 49\nstiffness = 1\n", "there is no particle 49"},
+      {"[[hands]]\nbody = \"sheet\"\nat = 0\nstiffness = 1\n", "it is fixed"},
+      {"[[hands]]\nbody = \"sheet\"\nat = \"corners\"\nstiffness = 1\n", "4 particles"},
+      {"[[hands]]\nbody = \"cube\"\nat = 13\nstiffness = 1\n", "vertex 13 is inside"},
+      {"[[hands]]\nbody = \"cube\"\nat = 27\nstiffness = 1\n", "there is no vertex 27"},
+      {"[[hands]]\nbody = \"cube\"\nat = 1\nstiffness = -1\n", "must be positive"},
+      {"[[hands]]\nbody = \"cube\"\nat = 1\nstiffness = nan\n", "stiffness"},
+      {"[[hands]]\nbody = \"cube\"\nat = 1\nstiffness = 1\ndamping = -1\n", "negative"},
+      {"[[joints]]\nbody = \"cube\"\nat = 1\nto = \"shett\"\n", "there is no body 'shett'"},
+      {"[[joints]]\nbody = \"cube\"\nat = 1\nto = \"sheet\"\nto-at = 99\n",
+       "there is no particle 99"},
+      {"[[joints]]\nbody = \"cube\"\nat = 1\nto = \"sheet\"\nto-at = 1\n", "apart at the start"},
+      {"[[joints]]\nbody = \"cube\"\nat = 1\nto = \"sheet\"\nlength = -1\n", "negative"}};
+  for (const auto& [text, told] : wrong) {
+    SCOPED_TRACE(text);
+    tremolo_scene* scene = nullptr;
+    tremolo_status found =
+        tremolo_scene_parse((kText + text).c_str(), path("wrong.toml").c_str(), &scene);
+    if (found == TREMOLO_OK) {
+      tremolo_scene_world* world = nullptr;
+      found = tremolo_scene_world_create(keep(scene), 1, &world);
+    }
+    EXPECT_EQ(found, TREMOLO_CONTENT);
+    const std::string message = tremolo_last_error();
+    EXPECT_NE(message.find(told), std::string::npos) << message;
+    EXPECT_NE(message.find(": line "), std::string::npos) << message;
+  }
 }
 
 }  // namespace

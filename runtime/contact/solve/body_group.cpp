@@ -172,7 +172,8 @@ bool BodyGroup::meet_guests() {
   guests_->find_contacts(met_);
   bool woke = false;
   for (const auto& [guest, i] : guests_->links()) {
-    if (i >= bodies_.size() || begun_[i] != 0) continue;
+    // A joint's body may have failed.
+    if (i >= bodies_.size() || begun_[i] != 0 || !rest_[i].asleep) continue;
     rest_[i] = {};
     begin(i);
     woke = true;

@@ -192,6 +192,9 @@ Result<Joint> make_joint(const ContactBody& first, VertexId at, const ContactBod
 // with the nearest vertex of the second body's boundary.
 Result<Joint> make_joint(const ContactBody& first, VertexId at, const ContactBody& second,
                          const JointOptions& options = {});
+// The point of the body that is at a position now, m, world, and moves with the nearest vertex of
+// its boundary.
+VertexRows place_at(const ContactBody& body, const Eigen::Vector3d& where);
 // Present distance of the joint's two points, m.
 double joint_distance(const Joint& joint, const ContactBody& first, const ContactBody& second);
 

@@ -50,6 +50,23 @@ double joint_distance(const Joint& joint, const ContactBody& first, const Contac
   return (place_now(first, joint.first) - place_now(second, joint.second)).norm();
 }
 
+VertexRows place_at(const ContactBody& body, const Vector3d& where) {
+  const Pose pose = body.pose();
+  const Vector3d place = pose.rotation.conjugate() * (where - pose.position);
+  const Eigen::VectorXd& q = body.state().q;
+  double nearest = std::numeric_limits<double>::infinity();
+  const VertexBlock& boundary = body.model().surface();
+  VertexRows found;
+  for (std::size_t i = 0; i < boundary.rest.size(); ++i) {
+    const auto rows = boundary.rows.middleRows(3 * i, 3);
+    const Vector3d there = boundary.rest[i] + rows * q;
+    if ((there - place).squaredNorm() >= nearest) continue;
+    nearest = (there - place).squaredNorm();
+    found = {boundary.rest[i] + (place - there), rows};
+  }
+  return found;
+}
+
 Result<Joint> make_joint(const ContactBody& first, VertexId at, const ContactBody& second,
                          VertexId to, const JointOptions& options) {
   if (Status s = check_bodies(first, second); !s) return s.error();
@@ -65,19 +82,7 @@ Result<Joint> make_joint(const ContactBody& first, VertexId at, const ContactBod
   if (Status s = check_bodies(first, second); !s) return s.error();
   Joint joint;
   if (Status s = take(joint.first, first.model().vertex(at)); !s) return s.error();
-  const Pose pose = second.pose();
-  const Vector3d place =
-      pose.rotation.conjugate() * (place_now(first, joint.first) - pose.position);
-  const Eigen::VectorXd& q = second.state().q;
-  double nearest = std::numeric_limits<double>::infinity();
-  const VertexBlock& boundary = second.model().surface();
-  for (std::size_t i = 0; i < boundary.rest.size(); ++i) {
-    const auto rows = boundary.rows.middleRows(3 * i, 3);
-    const Vector3d there = boundary.rest[i] + rows * q;
-    if ((there - place).squaredNorm() >= nearest) continue;
-    nearest = (there - place).squaredNorm();
-    joint.second = {boundary.rest[i] + (place - there), rows};
-  }
+  joint.second = place_at(second, place_now(first, joint.first));
   if (Status s = set_springs(joint, first, second, options); !s) return s.error();
   return joint;
 }

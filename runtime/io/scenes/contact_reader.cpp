@@ -12,6 +12,10 @@ void need(TomlKeys& keys, const char* key) {
   if (!keys.has(key)) keys.fail(key, std::string("it has no `") + key + "`");
 }
 
+int line_of(const toml::table& table) {
+  return static_cast<int>(table.source().begin.line);
+}
+
 // A key whose value is a length of the shape.
 void read_length(TomlKeys& keys, const char* key, double& length) {
   need(keys, key);
@@ -116,6 +120,7 @@ Result<SceneCollider> read_collider(const toml::table& table, std::size_t number
 Result<SceneHand> read_hand(const toml::table& table, std::size_t number, const std::string& path,
                             std::vector<std::string>& files) {
   SceneHand hand;
+  hand.line = line_of(table);
   const std::string what = "hand " + std::to_string(number);
   TomlKeys keys(table, path, what);
   for (const char* key : {"body", "at"}) need(keys, key);
@@ -124,7 +129,10 @@ Result<SceneHand> read_hand(const toml::table& table, std::size_t number, const 
   keys.read("pin", hand.pin);
   if (!hand.pin) need(keys, "stiffness");
   keys.read("stiffness", hand.stiffness);
+  if (!hand.pin && !(hand.stiffness > 0.0))
+    keys.fail("stiffness", "'stiffness' must be positive (N/m)");
   keys.read("damping", hand.damping);
+  if (!(hand.damping >= 0.0)) keys.fail("damping", "'damping' must not be negative (N s/m)");
   if (hand.pin && (keys.has("stiffness") || keys.has("damping")))
     keys.fail("pin",
               "a pin is as stiff as mass and step allow: leave `stiffness` and `damping` out");
@@ -139,6 +147,7 @@ Result<SceneHand> read_hand(const toml::table& table, std::size_t number, const 
 Result<SceneJoint> read_joint(const toml::table& table, std::size_t number,
                               const std::string& path) {
   SceneJoint joint;
+  joint.line = line_of(table);
   TomlKeys keys(table, path, "joint " + std::to_string(number));
   for (const char* key : {"body", "at", "to"}) need(keys, key);
   keys.read("body", joint.body);
@@ -146,10 +155,15 @@ Result<SceneJoint> read_joint(const toml::table& table, std::size_t number,
   keys.read("to", joint.to);
   keys.read_text_or_number("to-at", joint.to_at);
   if (keys.has("stiffness")) keys.read("stiffness", joint.options.stiffness.emplace());
+  if (joint.options.stiffness && !(*joint.options.stiffness > 0.0))
+    keys.fail("stiffness", "'stiffness' must be positive (N/m)");
   keys.read("damping", joint.options.damping);
+  if (!(joint.options.damping >= 0.0))
+    keys.fail("damping", "'damping' must not be negative (N s/m)");
   if (keys.has("damping") && !keys.has("stiffness"))
     keys.fail("damping", "without a `stiffness` both are as large as masses and step allow");
   keys.read("length", joint.options.length);
+  if (!(joint.options.length >= 0.0)) keys.fail("length", "'length' must not be negative (m)");
   keys.read("touch", joint.options.touch);
   keys.read("until", joint.until);
   if (Status s = keys.finish(); !s) return s.error();

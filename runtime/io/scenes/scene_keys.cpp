@@ -137,7 +137,8 @@ Result<SceneKind> scene_kind(std::string_view text, const std::string& path) {
   const toml::array* bodies = (*table)["bodies"].as_array();
   if (bodies == nullptr) return SceneKind::kBodies;
   const bool tets = !bodies->empty() && std::all_of(bodies->begin(), bodies->end(), is_of_tets);
-  return tets && !has_worlds_colliders(*table) ? SceneKind::kTets : SceneKind::kWorld;
+  const bool held = table->contains("hands") || table->contains("joints");
+  return tets && !held && !has_worlds_colliders(*table) ? SceneKind::kTets : SceneKind::kWorld;
 }
 
 }  // namespace tremolo

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <initializer_list>
 #include <iterator>
-#include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "formats/file/input_file.h"
 #include "runtime/integrator.h"
@@ -209,23 +211,30 @@ Status refuse_cloths(const toml::table& table, const std::string& path) {
   return error_at(path, where, std::string("a scene with [[cloths]]: ") + kClothCommands);
 }
 
-// Hands and joints hold vertices of other bodies than guests. guests: their names; true: a cloth.
-Status check_not_held(const Scene& scene, const std::map<std::string, bool>& guests) {
-  const auto refuse = [&guests](const std::string& what, std::size_t number,
-                                const std::string& body) {
-    const auto guest = guests.find(body);
-    if (guest == guests.end()) return Status(Success{});
-    return Status(content_error(
-        what + " " + std::to_string(number + 1) + ": body '" + body + "' is of kind \"" +
-        (guest->second ? "cloth\": hands and joints hold the other kinds; `pins` fix its particles"
-                       : "tets\": hands and joints hold the other kinds; fix its vertices in its "
-                         "file (--fix)")));
+// The names of a body of another kind and of its copies. Its own reader tells what is wrong there.
+void add_guest_names(const toml::table& table, const std::string& path,
+                     std::set<std::string>& names) {
+  struct Named {
+    std::string name;
+    Pose pose;
   };
-  for (std::size_t i = 0; i < scene.hands.size(); ++i)
-    if (Status s = refuse("hand", i, scene.hands[i].body); !s) return s;
-  for (std::size_t i = 0; i < scene.joints.size(); ++i)
-    for (const std::string& body : {scene.joints[i].body, scene.joints[i].to})
-      if (Status s = refuse("joint", i, body); !s) return s;
+  TomlKeys keys(table, path, "");
+  std::vector<Named> bodies;
+  add_copies(Named{table["name"].value_or(std::string()), {}}, read_copies(keys), bodies);
+  for (const Named& body : bodies) names.insert(body.name);
+}
+
+// The bodies that a hand or a joint names by these keys must exist.
+Status check_held(const toml::table& table, const std::string& path, const std::string& what,
+                  std::initializer_list<const char*> keys, const Scene& scene) {
+  for (const char* key : keys) {
+    const std::string name = table[key].value_or(std::string());
+    const auto named = [&name](const SceneBody& body) { return body.name == name; };
+    if (scene.guests.contains(name) || std::any_of(scene.bodies.begin(), scene.bodies.end(), named))
+      continue;
+    return error_at(path, table[key].node()->source(),
+                    what + ": " + key + ": there is no body '" + name + "'");
+  }
   return Success{};
 }
 
@@ -256,7 +265,6 @@ Result<SceneFile> parse_world(std::string_view text, const std::string& path, Ot
   read_outputs(keys, file.outputs);
   if (Status s = read_gravity(keys, path, file.scene.gravity, file.files); !s) return s.error();
   std::size_t number = 0;
-  std::map<std::string, bool> skipped;
   for (const toml::table* entry : keys.read_tables(kBodies)) {
     ++number;
     if (const bool cloth = is_of_cloth(*entry); cloth || is_of_tets(*entry)) {
@@ -264,7 +272,7 @@ Result<SceneFile> parse_world(std::string_view text, const std::string& path, Ot
         return error_at(path, entry->source(),
                         std::string("a body of kind \"") + (cloth ? "cloth" : "tets") +
                             "\" next to others: " + kMixedCommands);
-      skipped.emplace((*entry)["name"].value_or(std::string()), cloth);
+      add_guest_names(*entry, path, file.scene.guests);
       if (cloth)
         for (const char* key : kClothSurroundings) keys.find(key);
       continue;
@@ -274,7 +282,6 @@ Result<SceneFile> parse_world(std::string_view text, const std::string& path, Ot
     if (!body) return body.error();
     add_copies(*body, copies, file.scene.bodies);
   }
-  file.scene.guests = !skipped.empty();
   number = 0;
   for (const toml::table* entry : keys.read_tables("colliders")) {
     Result<SceneCollider> collider = read_collider(*entry, ++number, path, file.files);
@@ -285,16 +292,22 @@ Result<SceneFile> parse_world(std::string_view text, const std::string& path, Ot
   for (const toml::table* entry : keys.read_tables("hands")) {
     Result<SceneHand> hand = read_hand(*entry, ++number, path, file.files);
     if (!hand) return hand.error();
+    if (Status s = check_held(*entry, path, "hand " + std::to_string(number), {"body"}, file.scene);
+        !s)
+      return s.error();
     file.scene.hands.push_back(std::move(*hand));
   }
   number = 0;
   for (const toml::table* entry : keys.read_tables("joints")) {
     Result<SceneJoint> joint = read_joint(*entry, ++number, path);
     if (!joint) return joint.error();
+    if (Status s =
+            check_held(*entry, path, "joint " + std::to_string(number), {"body", "to"}, file.scene);
+        !s)
+      return s.error();
     file.scene.joints.push_back(std::move(*joint));
   }
   if (Status s = keys.finish(); !s) return s.error();
-  if (Status s = check_not_held(file.scene, skipped); !s) return error_of_file(path, s.error());
   if (Status s = check_scene(file.scene); !s) return error_of_file(path, s.error());
   return file;
 }

@@ -89,7 +89,9 @@ class GuestSource : public Source {
   Status release(std::size_t number) override { return refuse_grab(number); }
   std::optional<NodalAccount> account() override {
     const ContactSums& sums = guests_.sums(i_);
-    return NodalAccount{energy(), sums.given, -sums.lost, -sums.friction_loss, sums.work};
+    return NodalAccount{
+        energy(),  sums.given, -sums.lost, -sums.friction_loss, sums.work + sums.hand + sums.joint,
+        sums.hand, sums.joint};
   }
   std::int64_t contacts() const override { return guests_.contacts(i_); }
   double penetration_max() const override { return guests_.penetration_max(i_); }

@@ -35,7 +35,8 @@ struct NodalAccount {
   NodalEnergy now;
   // Given since the start, J.
   double contact_given = 0.0, restitution = 0.0, friction = 0.0;
-  double work = 0.0;  // of contact, with what it stores, J
+  double work = 0.0;               // of contact, with what it stores, of hands and of joints, J
+  double hand = 0.0, joint = 0.0;  // given since the start, J
 };
 
 class NodalSource {

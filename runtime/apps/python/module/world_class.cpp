@@ -280,8 +280,10 @@ py::dict account_of_guest(WorldParts& parts, std::size_t guest) {
   dict["contact_given"] = a.contact_given;
   dict["restitution"] = a.restitution;
   dict["friction"] = a.friction;
-  dict["method"] =
-      total(a.now) - total(start) - gravity - a.contact_given - a.restitution - a.friction;
+  dict["hand"] = a.hand;
+  dict["joint"] = a.joint;
+  dict["method"] = total(a.now) - total(start) - gravity - a.contact_given - a.restitution -
+                   a.friction - a.hand - a.joint;
   dict["total"] = total(a.now);
   return dict;
 }

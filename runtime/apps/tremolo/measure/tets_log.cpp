@@ -78,10 +78,10 @@ TetsLog::TetsLog(const TetScene& scene, const TetsKind& kind, std::size_t body, 
 }
 
 Result<TetsLog> TetsLog::create(const TetScene& scene, const TetsKind& kind, std::size_t body,
-                                std::int64_t first) {
+                                std::int64_t first, const std::string& further) {
   TetsLog log(scene, kind, body, first);
   if (Status s = make_run_folder(log.outputs_.out); !s) return s.error();
-  if (Status s = take(log.table_, CsvTable::create(table_path(log.outputs_), kTetsColumns,
+  if (Status s = take(log.table_, CsvTable::create(table_path(log.outputs_), kTetsColumns + further,
                                                    scene.bodies.size() > kMostTables));
       !s)
     return s.error();
@@ -127,7 +127,8 @@ void TetsLog::look(TetBody& body) {
   note_forces(body);
 }
 
-Status TetsLog::write_row(const TetBody& body, const TetStepReport& step) {
+Status TetsLog::write_row(const TetBody& body, const TetStepReport& step,
+                          std::span<const double> further) {
   const TetsEnergies& e = report_.end;
   const Eigen::Vector3d p = body.momentum(), l = body.angular_momentum();
   // The first moment of mass about the origin gives the centre.
@@ -138,6 +139,7 @@ Status TetsLog::write_row(const TetBody& body, const TetStepReport& step) {
       body.time(), e.kinetic, e.elastic, e.gravity, e.total(), e.switches,
       body.system().quadratic_share(), step.iterations, centre.x(), centre.y(), centre.z(), p.x(),
       p.y(), p.z(), l.x(), l.y(), l.z(), report_.displacement);
+  for (const double value : further) table_.row() += fmt::format(",{:.12g}", value);
   return table_.end_row();
 }
 
@@ -151,7 +153,8 @@ void TetsLog::note_momenta(const TetBody& body, bool touched) {
 
 Status TetsLog::observe(TetBody& body, const TetStepReport& step, const TetSums& sums,
                         const std::vector<Eigen::Vector3d>& vertices,
-                        const std::vector<Eigen::Vector3f>& normals, bool touched) {
+                        const std::vector<Eigen::Vector3f>& normals, bool touched,
+                        std::span<const double> further) {
   note_momenta(body, touched);
   report_.guarded = sums.guarded();
   report_.iterations = sums.iterations();
@@ -166,7 +169,7 @@ Status TetsLog::observe(TetBody& body, const TetStepReport& step, const TetSums&
   if (body.steps() % outputs_.every == 0 || body.steps() == steps_) {
     look(body);
     if (table_.is_written())
-      if (Status s = write_row(body, step); !s) return s;
+      if (Status s = write_row(body, step, further); !s) return s;
   }
   if (!frames_.due(body.steps())) return Success{};
   return frames_.write(body.time(), [&](const std::string& path) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -68,15 +69,17 @@ class MomentumLoss {
 class TetsLog {
  public:
   // Makes the body's folder, out/NAME, if there is an `out`. first: the step at which the run
-  // begins. Errors: kSystem.
+  // begins. further: names of more columns, ",a,b"; may be empty. Errors: kSystem.
   static Result<TetsLog> create(const TetScene& scene, const TetsKind& kind, std::size_t body,
-                                std::int64_t first);
+                                std::int64_t first, const std::string& further = {});
 
   // Takes the start and then every step. sums: of all steps so far. vertices, normals: of the drawn
-  // surface now. touched: the body was in contact in the step.
+  // surface now. touched: forces of others acted on the body in the step. further: values of the
+  // further columns.
   Status observe(TetBody& body, const TetStepReport& step, const TetSums& sums,
                  const std::vector<Eigen::Vector3d>& vertices,
-                 const std::vector<Eigen::Vector3f>& normals, bool touched);
+                 const std::vector<Eigen::Vector3f>& normals, bool touched,
+                 std::span<const double> further = {});
   // Renames the files from their temporary names.
   Status finish();
   const TetsReport& report() const { return report_; }
@@ -86,7 +89,7 @@ class TetsLog {
   void look(TetBody& body);
   void note_forces(const TetBody& body);
   void note_momenta(const TetBody& body, bool touched);
-  Status write_row(const TetBody& body, const TetStepReport& step);
+  Status write_row(const TetBody& body, const TetStepReport& step, std::span<const double> further);
 
   SceneOutputs outputs_;    // in the body's own folder
   std::int64_t steps_ = 0;  // of the whole run

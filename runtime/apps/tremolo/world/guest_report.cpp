@@ -17,6 +17,12 @@ void add_guest_contacts(const MixedGuests& guests, std::size_t guest, double h,
   json["asleep"] = false;
 }
 
+std::array<double, 5> held_values(const MixedGuests& guests, std::size_t guest) {
+  const ContactSums& sums = guests.sums(guest);
+  const Eigen::Vector3d force = guests.hands_force(guest);
+  return {sums.hand, sums.joint, force.x(), force.y(), force.z()};
+}
+
 std::vector<std::string> guest_names(const MixedFile& mixed) {
   std::vector<std::string> names;
   for (const TetSceneBody& body : mixed.tets) names.push_back(body.name);

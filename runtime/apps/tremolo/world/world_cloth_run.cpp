@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <iterator>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -24,7 +25,7 @@ constexpr const char* kClothColumns =
 double WorldClothRun::Account::turnover() const {
   double sum = 0.0;
   for (const double part : {work.gravity, work.wind, work.pins, work.damped, given, restitution,
-                            friction, work.numerical})
+                            friction, hand, joint, work.numerical})
     sum += std::abs(part);
   return sum;
 }
@@ -43,8 +44,8 @@ Result<WorldClothRun> WorldClothRun::create(const MixedFile& mixed, const WorldG
     watched.outputs = outputs_of_body(mixed.file.outputs, body.name());
     watched.frames = Frames(watched.outputs, {first, steps});
     if (Status s = make_run_folder(watched.outputs.out); !s) return s.error();
-    if (Status s =
-            take(watched.table, CsvTable::create(table_path(watched.outputs), kClothColumns));
+    if (Status s = take(watched.table, CsvTable::create(table_path(watched.outputs),
+                                                        kClothColumns + std::string(kHeldColumns)));
         !s)
       return s.error();
   }
@@ -60,7 +61,9 @@ WorldClothRun::Account WorldClothRun::account_of(std::size_t i) const {
           .work = body.work(),
           .given = sums.given,
           .restitution = 0.0 - sums.lost,
-          .friction = 0.0 - sums.friction_loss};
+          .friction = 0.0 - sums.friction_loss,
+          .hand = sums.hand,
+          .joint = sums.joint};
 }
 
 void WorldClothRun::watch(std::size_t i, bool first) {
@@ -94,6 +97,8 @@ Status WorldClothRun::write(std::size_t i) {
           now.work.numerical, momenta.linear.x(), momenta.linear.y(), momenta.linear.z(),
           momenta.angular.x(), momenta.angular.y(), momenta.angular.z(),
           guests_->guests->penetration_max(number(i))})
+      fmt::format_to(out, ",{:.12g}", value);
+    for (const double value : held_values(*guests_->guests, number(i)))
       fmt::format_to(out, ",{:.12g}", value);
     if (Status s = watched.table.end_row(); !s) return s;
   }
@@ -156,6 +161,8 @@ nlohmann::ordered_json WorldClothRun::body_json(std::size_t i) const {
                              {"friction", number_or_null(now.friction)},
                              {"restitution", number_or_null(now.restitution)},
                              {"damping", number_or_null(0.0 - now.work.damped)},
+                             {"hand", number_or_null(now.hand)},
+                             {"joint", number_or_null(now.joint)},
                              {"method", number_or_null(now.work.numerical)}};
   json["energy_balance_error"] = number_or_null(watched.balance.error());
   add_guest_contacts(*guests_->guests, number(i), body.options().step, json);
@@ -171,12 +178,12 @@ void WorldClothRun::print() const {
     const Account& now = watched.now;
     tell(
         "  {} (cloth, {}): energy {:.6g} -> {:.6g} J; gravity {:.4g}, wind {:.4g}, support {:.4g}, "
-        "contact {:.4g}, restitution {:.4g}, friction {:.4g}, damping {:.4g}, the method itself "
-        "{:.4g} J; {} contacts, its particles {:.3g} m deep at most\n",
+        "contact {:.4g}, restitution {:.4g}, friction {:.4g}, hand {:.4g}, joint {:.4g}, damping "
+        "{:.4g}, the method itself {:.4g} J; {} contacts, its particles {:.3g} m deep at most\n",
         mixed_->cloths[i].name(), mixed_->cloths[i].scene.integrator, watched.at_start, now.total(),
         now.work.gravity, now.work.wind, now.work.pins, now.given, now.restitution, now.friction,
-        0.0 - now.work.damped, now.work.numerical, guests_->guests->contacts(number(i)),
-        guests_->guests->penetration_max(number(i)));
+        now.hand, now.joint, 0.0 - now.work.damped, now.work.numerical,
+        guests_->guests->contacts(number(i)), guests_->guests->penetration_max(number(i)));
     if (!watched.files.empty()) tell("    wrote {}\n", list_files(watched.files));
   }
 }

@@ -1,6 +1,8 @@
 #include "runtime/apps/tremolo/world/world_momentum.h"
 
 #include <algorithm>
+#include <optional>
+#include <string>
 
 #include "runtime/bodies/reduced/frames/frame_inertia.h"
 
@@ -65,12 +67,19 @@ void WorldMomentum::add(Known& known, const Vector3d& momentum, bool asleep,
 }
 
 // The two forces of a joint between two free bodies cancel.
-void WorldMomentum::add_joints(const SceneWorld& world) {
+void WorldMomentum::add_joints(const SceneWorld& world, const MixedGuests* guests) {
   const std::vector<SceneJoint>& joints = world.scene().joints;
+  const auto find = [&](const std::string& name) {
+    std::optional<std::size_t> found = world.find(name);
+    for (std::size_t i = 0; !found && guests != nullptr && i < guests->size(); ++i)
+      if (guests->name(i) == name) found = world.size() + i;
+    return found;
+  };
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const Joint* joint = world.joint(i);
-    const auto first = world.find(joints[i].body), second = world.find(joints[i].to);
-    if (joint == nullptr || !first || !second || world.asleep(*first)) continue;
+    const auto first = find(joints[i].body), second = find(joints[i].to);
+    if (joint == nullptr || !first || !second) continue;
+    if (*first < world.size() && world.asleep(*first)) continue;
     const Vector3d impulse = step_ * joint->force;
     exchanged_ += impulse.norm();
     if (!known_[*first].free) rest_ += impulse;
@@ -108,9 +117,10 @@ void WorldMomentum::observe(const SceneWorld& world, const MixedGuests* guests) 
     impulses.all = guests->account(i).impulse_vector;
     for (const ContactedPoint& point : guests->contacted(i))
       if (!point.on_body) impulses.of_colliders += point.impulse;
+    impulses.hands = step_ * guests->hands_force(i);
     add(known, momentum_of(*guests, i), false, impulses, gravity);
   }
-  if (!starts) add_joints(world);
+  if (!starts) add_joints(world, guests);
   largest_ = std::max(largest_, rest_.norm());
 }
 

@@ -46,7 +46,7 @@ class WorldMomentum {
   static Known start_of(const MixedGuests& guests, std::size_t guest);
   void add(Known& known, const Eigen::Vector3d& momentum, bool asleep, const Impulses& impulses,
            const Eigen::Vector3d& gravity);
-  void add_joints(const SceneWorld& world);
+  void add_joints(const SceneWorld& world, const MixedGuests* guests);
 
   std::vector<Known> known_;                        // bodies of the world, then guests
   Eigen::Vector3d rest_ = Eigen::Vector3d::Zero();  // R, kg m/s

@@ -83,7 +83,7 @@ Json joint_json(const SceneJoint& wanted, const Joint* joint) {
           {"damped", number_or_null(now.damped)}};
 }
 
-Json hand_json(const SceneHand& wanted, const MovingHand& hand, const Eigen::Vector3d& force) {
+Json hand_json(const SceneHand& wanted, const HandCourse& hand, const Eigen::Vector3d& force) {
   Json json{{"body", wanted.body}, {"at", wanted.at}, {"holds", hand.holds()}};
   const auto& spring = hand.spring();
   json["stiffness"] = spring ? number_or_null(spring->stiffness) : Json(nullptr);

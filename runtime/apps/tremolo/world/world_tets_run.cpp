@@ -21,7 +21,7 @@ Result<WorldTetsRun> WorldTetsRun::create(const MixedFile& mixed, const WorldGue
   scene.step = mixed.file.scene.step;
   scene.duration = mixed.file.scene.duration;
   for (std::size_t i = 0; i < mixed.tets.size(); ++i) {
-    Result<TetsLog> log = TetsLog::create(scene, run.tets_->kind(i), i, first);
+    Result<TetsLog> log = TetsLog::create(scene, run.tets_->kind(i), i, first, kHeldColumns);
     if (!log) return log.error();
     run.logs_.push_back(std::move(*log));
   }
@@ -33,7 +33,7 @@ Result<WorldTetsRun> WorldTetsRun::create(const MixedFile& mixed, const WorldGue
   return run;
 }
 
-// The energy put in is the work of gravity and of contact.
+// The energy put in is the work of gravity, contact, hands and joints.
 void WorldTetsRun::watch(std::size_t i, bool first) {
   Watched& watched = watched_[i];
   TetBody& body = tets_->guests->tets(i)->body();
@@ -42,7 +42,9 @@ void WorldTetsRun::watch(std::size_t i, bool first) {
   watched.momenta_now = {body.momentum(), body.angular_momentum()};
   const double own = watched.now.kinetic + watched.now.elastic;
   if (first) watched.momenta_start = watched.momenta_now;
-  const bool sound = watched.bound.look(own, watched.now.gravity, tets_->guests->sums(i).work);
+  const ContactSums& sums = tets_->guests->sums(i);
+  const bool sound =
+      watched.bound.look(own, watched.now.gravity, sums.work + sums.hand + sums.joint);
   watched.energy_max = std::max(watched.energy_max, watched.now.total());
   if (watched.exit_code != 0) return;
   if (tets_->guests->failed(i))
@@ -62,7 +64,7 @@ Status WorldTetsRun::observe() {
     watch(i, !started_);
     const TetStep& step = *tets_->guests->tets(i);
     if (Status s = logs_[i].observe(body, step.report(), step.sums(), vertices_, normals_,
-                                    tets_->guests->account(i).active > 0);
+                                    tets_->guests->is_pushed(i), held_values(*tets_->guests, i));
         !s)
       return s;
   }
@@ -92,11 +94,13 @@ nlohmann::ordered_json WorldTetsRun::body_json(std::size_t i) const {
   json["energy_max"] = number_or_null(watched.energy_max);
   const double gravity = watched.start.gravity - watched.now.gravity;
   const double method = watched.now.total() - watched.start.total() - gravity - sums.given +
-                        sums.lost + sums.friction_loss;
+                        sums.lost + sums.friction_loss - sums.hand - sums.joint;
   json["energy_by_cause"] = {{"gravity", number_or_null(gravity)},
                              {"contact", number_or_null(sums.given)},
                              {"friction", number_or_null(0.0 - sums.friction_loss)},
                              {"restitution", number_or_null(0.0 - sums.lost)},
+                             {"hand", number_or_null(sums.hand)},
+                             {"joint", number_or_null(sums.joint)},
                              {"method", number_or_null(method)}};
   // All that is not of contact is in `method`; the account of contact closes by itself.
   json["energy_balance_error"] =
@@ -112,10 +116,11 @@ void WorldTetsRun::print() const {
     const ContactSums& sums = tets_->guests->sums(i);
     tell(
         "  {} (tets, {}): energy {:.6g} -> {:.6g} J; contact {:.4g}, restitution {:.4g}, friction "
-        "{:.4g} J; {} contacts, its points {:.3g} m deep at most\n",
+        "{:.4g}, hand {:.4g}, joint {:.4g} J; {} contacts, its points {:.3g} m deep at most\n",
         mixed_->tets[i].name, tet_method_name(mixed_->tets[i].options.method),
         watched_[i].start.total(), watched_[i].now.total(), sums.given, 0.0 - sums.lost,
-        0.0 - sums.friction_loss, tets_->guests->contacts(i), tets_->guests->penetration_max(i));
+        0.0 - sums.friction_loss, sums.hand, sums.joint, tets_->guests->contacts(i),
+        tets_->guests->penetration_max(i));
     if (!report.files.empty()) tell("    wrote {}\n", list_files(report.files));
   }
 }

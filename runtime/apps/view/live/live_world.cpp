@@ -77,9 +77,10 @@ Status LiveHand::take(SceneWorld& world, const LiveGuests& guests, const LiveGue
   if (!springs) return usage_error(guests.name(hit.guest) + ": " + springs.error().message);
   springs_ = {springs->stiffness * firmness, springs->damping * firmness};
   MixedGuests& all = guests.all();
-  const GuestHold taken{&all, hit.guest,
-                        all.point_near(hit.guest, guests.vertex_at(hit.guest, hit.vertex))};
-  if (Status s = all.hold(taken.guest, taken.point, springs_); !s) return s;
+  GuestHold taken{&all, hit.guest,
+                  all.point_near(hit.guest, guests.vertex_at(hit.guest, hit.vertex)), 0};
+  if (Status s = tremolo::take(taken.number, all.hold(taken.guest, taken.point, springs_)); !s)
+    return s;
   guest_ = taken;
   begun_ = held(world);
   way_.setZero();
@@ -95,13 +96,13 @@ Eigen::Vector3d LiveHand::held(const SceneWorld& world) const {
 void LiveHand::before_step(SceneWorld& world) {
   // The number is valid, since the body returned it, and the point is finite.
   if (number_) (void)world.body(body_).move_hand(*number_, point());
-  if (guest_) (void)guest_->guests->move_hand(guest_->guest, point());
+  if (guest_) (void)guest_->guests->move_hand(guest_->number, point());
 }
 
 void LiveHand::let_go(SceneWorld& world) {
   if (number_) (void)world.body(body_).release(*number_);
   number_.reset();
-  if (guest_) guest_->guests->let_go(guest_->guest);
+  if (guest_) guest_->guests->let_go(guest_->number);
   guest_.reset();
 }
 
@@ -175,10 +176,11 @@ Status LiveWorld::begin(ModelCache& models) {
       return s;
   held_.clear();
   for (std::size_t i = 0; i < viewed_.scene.hands.size(); ++i) {
+    held_.emplace_back();
+    if (world_->guest_vertex(i)) continue;
     const ContactBody& body = world_->body(*world_->find(viewed_.scene.hands[i].body));
-    Result<VertexRows> place = body.model().vertex(world_->hand(i).vertex());
-    if (!place) return place.error();
-    held_.push_back(std::move(*place));
+    if (Status s = tremolo::take(held_.back(), body.model().vertex(world_->hand(i).vertex())); !s)
+      return s;
   }
   return refresh();
 }
@@ -187,10 +189,14 @@ Status LiveWorld::look(WorldMoment& moment) const {
   if (Status s = look_at_world(*world_, guests_, moment); !s) return s;
   moment.hands.resize(held_.size() + 1);
   for (std::size_t i = 0; i < held_.size(); ++i) {
-    const ContactBody& body = world_->body(*world_->find(viewed_.scene.hands[i].body));
     HandMoment& hand = moment.hands[i];
     hand.holds = world_->hand(i).holds();
-    hand.held = body.place_now(world_->hand(i).vertex(), held_[i]);
+    if (const std::optional<Eigen::Vector3d> vertex = world_->guest_vertex(i)) {
+      hand.held = *vertex;
+    } else {
+      const ContactBody& body = world_->body(*world_->find(viewed_.scene.hands[i].body));
+      hand.held = body.place_now(world_->hand(i).vertex(), held_[i]);
+    }
     hand.point = hand.held;  // a scene's hand does not say where it is
   }
   HandMoment& mine = moment.hands.back();

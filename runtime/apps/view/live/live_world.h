@@ -67,7 +67,7 @@ class LiveHand {
   // Instead of body_ to number_, where a guest is held.
   struct GuestHold {
     MixedGuests* guests = nullptr;
-    std::size_t guest = 0, point = 0;
+    std::size_t guest = 0, point = 0, number = 0;
   };
   std::optional<GuestHold> guest_;
 };
@@ -119,7 +119,7 @@ class LiveWorld {
   std::unique_ptr<SceneWorld> world_;
   LiveGuests guests_;
   LiveHand hand_;
-  std::vector<VertexRows> held_;  // by the scene's hands
+  std::vector<VertexRows> held_;  // by the scene's hands, empty of those on guests
   WorldMoment moments_[2];
   int newest_ = 0;
   std::string trouble_;

@@ -1,0 +1,176 @@
+// MixedGuests: hands that hold guests, and joints between guests and other bodies.
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/mixed/mixed_guests.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+Error refused(const std::string& name, const std::string& what) {
+  return usage_error("body '" + name + "': " + what);
+}
+
+// The lowest entry that is not in use, which the caller takes.
+template <class Entry>
+std::size_t free_entry(std::vector<Entry>& entries) {
+  const auto found =
+      std::find_if(entries.begin(), entries.end(), [](const Entry& one) { return !one.used; });
+  const auto number = static_cast<std::size_t>(found - entries.begin());
+  if (found == entries.end()) entries.emplace_back();
+  return number;
+}
+
+}  // namespace
+
+Result<std::size_t> MixedGuests::hold(std::size_t i, std::size_t point, const HandSpring& spring) {
+  const GuestStep& step = *guests_[i]->step;
+  const std::string& of = guests_[i]->name;
+  if (point >= step.points()) return refused(of, "there is no point " + std::to_string(point));
+  if (step.is_fixed(point)) return refused(of, "point " + std::to_string(point) + " is fixed");
+  for (const double value : {spring.stiffness, spring.damping})
+    if (!(value >= 0.0) || !std::isfinite(value))
+      return refused(of, "the stiffness and the damping of a hand must be finite and not negative");
+  const Vector3d place = step.start_of(point);
+  const std::size_t number = free_entry(hands_);
+  hands_[number].used = true;
+  hands_[number].hand = {i, point, spring.stiffness, spring.damping, place, place};
+  return number;
+}
+
+Status MixedGuests::move_hand(std::size_t hand, const Vector3d& place) {
+  if (hand >= hands_.size() || !hands_[hand].used)
+    return usage_error("there is no hand " + std::to_string(hand));
+  if (!place.allFinite()) return usage_error("the hand's place is not finite");
+  hands_[hand].hand.end = place;
+  return Success{};
+}
+
+void MixedGuests::let_go(std::size_t hand) {
+  if (hand < hands_.size()) hands_[hand].used = false;
+}
+
+const GuestHand* MixedGuests::hand(std::size_t hand) const {
+  return hand < hands_.size() && hands_[hand].used ? &hands_[hand].hand : nullptr;
+}
+
+Vector3d MixedGuests::hands_force(std::size_t i) const {
+  Vector3d sum = Vector3d::Zero();
+  for (const Hand& held : hands_)
+    if (held.used && held.hand.guest == i) sum += held.hand.force;
+  return sum;
+}
+
+bool MixedGuests::is_pushed(std::size_t i) const {
+  const ContactAccount& account = guests_[i]->step->account();
+  return account.active > 0 || account.hand_work != 0.0 || account.joint_work != 0.0 ||
+         std::any_of(hands_.begin(), hands_.end(),
+                     [i](const Hand& held) { return held.used && held.hand.guest == i; }) ||
+         std::any_of(joined_.begin(), joined_.end(), [i](const Link& link) {
+           return link.used &&
+                  (link.joint.guest == i || (link.joint.to_guest && link.joint.other == i));
+         });
+}
+
+std::size_t MixedGuests::join(GuestJoint joint) {
+  const std::size_t number = free_entry(joined_);
+  joined_[number].used = true;
+  joined_[number].joint = std::move(joint);
+  return number;
+}
+
+void MixedGuests::separate(std::size_t joint) {
+  if (joint < joined_.size()) joined_[joint].used = false;
+}
+
+const GuestJoint* MixedGuests::joint(std::size_t joint) const {
+  return joint < joined_.size() && joined_[joint].used ? &joined_[joint].joint : nullptr;
+}
+
+Result<std::size_t> MixedGuests::point_of_vertex(std::size_t i, VertexId vertex) const {
+  const std::string number = std::to_string(vertex);
+  if (const ClothStep* cloth = this->cloth(i)) {
+    const ClothParts& parts = cloth->body().model().parts();
+    if (vertex < 0 || static_cast<std::size_t>(vertex) >= parts.vertices())
+      return content_error("there is no particle " + number + ": it has " +
+                           std::to_string(parts.vertices()) + ", counted from 0");
+    return parts.particle_of_vertex(static_cast<std::size_t>(vertex));
+  }
+  const TetStep& tets = *this->tets(i);
+  const std::size_t vertices = tets.body().model().vertices();
+  if (vertex < 0 || static_cast<std::size_t>(vertex) >= vertices)
+    return content_error("there is no vertex " + number + ": it has " + std::to_string(vertices) +
+                         ", counted from 0");
+  if (const std::optional<std::size_t> point = tets.point_of(vertex)) return *point;
+  return content_error("vertex " + number +
+                       " is inside: a body of tetrahedra is held at its surface");
+}
+
+// Other forces hold a point, so that its hands and joints move it by little more than the margin.
+double MixedGuests::pull_of(std::size_t guest) const {
+  const GuestStep& step = *guests_[guest]->step;
+  const double most = step.area_law().margin;
+  double way = 0.0;
+  for (const Hand& held : hands_)
+    if (held.used && held.hand.guest == guest)
+      way += std::min(most, (held.hand.end - step.start_of(held.hand.point)).norm());
+  for (const Link& link : joined_) {
+    const GuestJoint& joint = link.joint;
+    if (link.used && (joint.guest == guest || (joint.to_guest && joint.other == guest)))
+      way += most;
+  }
+  return way;
+}
+
+void MixedGuests::meet_hands(std::size_t guest) {
+  for (Hand& held : hands_) {
+    if (!held.used || held.hand.guest != guest) continue;
+    held.pull.set(*guests_[guest]->step, held.hand, from_, to_, step_);
+    met_.push_back({bodies_ + guest, PairForces::kNobody, &held.pull});
+  }
+}
+
+// A joint belongs to the guest that has its point; a part of a step has both bodies or none.
+void MixedGuests::meet_joints(std::size_t guest) {
+  for (Link& link : joined_) {
+    const GuestJoint& joint = link.joint;
+    if (!link.used || joint.guest != guest) continue;
+    if (joint.to_guest && guests_[joint.other]->failed) continue;
+    link.pull.set(joint, link.joint.joint, *guests_[guest]->step,
+                  joint.to_guest ? guests_[joint.other]->step.get() : nullptr,
+                  joint.to_guest ? nullptr : &reduced_[joint.other], from_, to_, step_);
+    const std::size_t other = joint.to_guest ? bodies_ + joint.other : joint.other;
+    met_.push_back({bodies_ + guest, other, &link.pull});
+    links_.emplace_back(bodies_ + guest, other);
+  }
+}
+
+// False: a joint between the two lets them pass through each other.
+bool MixedGuests::may_touch(std::size_t guest, bool to_guest, std::size_t other) const {
+  return std::none_of(joined_.begin(), joined_.end(), [&](const Link& link) {
+    const GuestJoint& joint = link.joint;
+    if (!link.used || joint.joint.touch || joint.to_guest != to_guest) return false;
+    return (joint.guest == guest && joint.other == other) ||
+           (to_guest && joint.guest == other && joint.other == guest);
+  });
+}
+
+// Joints are those of the world, which has them already, whether they hold or not; hands are those
+// that were saved.
+void MixedGuests::carry_links(StateStream& stream) {
+  stream.sized(hands_);
+  if (stream.reads())
+    for (const Hand& held : hands_) {
+      const GuestHand& hand = held.hand;
+      stream.require(!held.used ||
+                     (hand.guest < guests_.size() &&
+                      hand.point < guests_[hand.guest]->step->points() && hand.stiffness >= 0.0 &&
+                      hand.damping >= 0.0 && std::isfinite(hand.stiffness + hand.damping) &&
+                      hand.start.allFinite() && hand.end.allFinite() && hand.force.allFinite()));
+    }
+  for (Link& link : joined_) stream(link.used, link.joint.joint);
+}
+
+}  // namespace tremolo
