@@ -145,7 +145,7 @@ double JointPull::work_on_body() const {
   const ContactEquations& eq = body_->equations();
   const Vector3d force = -now_.force;
   if (eq.turns()) return force.dot(touch_.x1 - touch_.x0);
-  return eq.motion.straight_bend(force).dot(eq.bend_under(place_rows(joint_->second)));
+  return eq.motion.straight_bend(force).dot(eq.bend_under(eq.motion, place_rows(joint_->second)));
 }
 
 void JointPull::settle(ContactAccount& first_account, ContactAccount& second_account,

@@ -171,6 +171,8 @@ class JointMaker {
   // turned: the joint's guest is `to`.
   Result<GuestJoint> make(const SceneJoint& wanted, bool& turned) const {
     JointEnd first = end_of(wanted.body), second = end_of(wanted.to);
+    if (on_bones(first) || on_bones(second))
+      return content_error("a body on several bones takes no joint");
     if (Status s = find_place(first, wanted.at, "at"); !s) return s.error();
     if (wanted.to_at.empty())
       find_nearest(second, where(first), wanted.options.length);
@@ -189,6 +191,10 @@ class JointMaker {
     else
       end.body = *world_.find(name);
     return end;
+  }
+
+  bool on_bones(const JointEnd& end) const {
+    return !end.guest && world_.body(end.body).bones() > 1;
   }
 
   Status find_place(JointEnd& end, const std::string& text, const char* key) const {
