@@ -28,7 +28,7 @@ using testing::make_rigged;
 using testing::rigged_bar;
 using testing::RiggedBar;
 
-constexpr double kStep = 2e-3;
+constexpr double kContactStep = 2e-3;
 
 // All vertices have the same area.
 const RiggedBar& bar() {
@@ -125,8 +125,9 @@ void move_all(const MotionPath& path, ContactBody& body) {
 
 TEST(BonesContact, OnAFloorBonesThatMoveTogetherAreADrivenFrame) {
   const MotionPath path = whole_path();
-  ContactBody driven = make_framed(bar().model, FrameKind::kDriven, options_of(kStep), "ep4");
-  ContactBody boned = make_rigged(bar().model, bar_skin(bar()), options_of(kStep));
+  ContactBody driven =
+      make_framed(bar().model, FrameKind::kDriven, options_of(kContactStep), "ep4");
+  ContactBody boned = make_rigged(bar().model, bar_skin(bar()), options_of(kContactStep));
   PlacedCollider floor{PlaneShape{}, {}, {}, 0.4, 0.6};
   double impulse = 0.0;
   for (ContactBody* body : {&driven, &boned}) {
@@ -153,8 +154,8 @@ TEST(BonesContact, OnAFloorBonesThatMoveTogetherAreADrivenFrame) {
 
 TEST(BonesContact, UnderABallBonesThatMoveTogetherAreADrivenFrame) {
   const MotionPath path = whole_path();
-  Pair one{bar_of(false, kStep), ball_at({0.35, 0.05, 0.23}, kStep), {}};
-  Pair other{bar_of(true, kStep), ball_at({0.35, 0.05, 0.23}, kStep), {}};
+  Pair one{bar_of(false, kContactStep), ball_at({0.35, 0.05, 0.23}, kContactStep), {}};
+  Pair other{bar_of(true, kContactStep), ball_at({0.35, 0.05, 0.23}, kContactStep), {}};
   double impulse = 0.0;
   for (Pair* pair : {&one, &other}) {
     ASSERT_TRUE(pair->bar.set_pose(path.pose(0.0), kAllBones));
@@ -187,7 +188,7 @@ std::vector<Pose> stair(double angle) {
 
 // The bar's contact points in a step of bones that move differently.
 struct MovedPoints {
-  ContactBody body = bar_of(true, kStep);
+  ContactBody body = bar_of(true, kContactStep);
   PresentPlace place;
 
   MovedPoints() {
@@ -396,7 +397,8 @@ TEST(BonesContact, SavedInContactItContinuesWithTheSameBits) {
 }
 
 TEST(BonesContact, JointsAreRefused) {
-  const ContactBody body = bar_of(true, kStep), ball = ball_at({0.5, 0.05, 0.2}, kStep);
+  const ContactBody body = bar_of(true, kContactStep),
+                    ball = ball_at({0.5, 0.05, 0.2}, kContactStep);
   const Result<Joint> joint = make_joint(ball, ball.model().surface().vertex_ids[0], body);
   ASSERT_FALSE(joint);
   EXPECT_EQ(joint.error().message, "a body on several bones takes no joint");

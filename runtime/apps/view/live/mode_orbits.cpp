@@ -53,7 +53,8 @@ Result<ModeOrbits> mode_orbits(const Model& model, Eigen::Index mode,
 }
 
 Status check_orbit_world(const SceneWorld& world) {
-  if (world.size() == 1 && world.body(0).frame() == FrameKind::kFixed && !world.scene().guests)
+  if (world.size() == 1 && world.body(0).frame() == FrameKind::kFixed &&
+      world.scene().guests.empty())
     return Success{};
   return usage_error(
       "--orbit needs a model or a scene of one body whose support does not move: orbits are found "
