@@ -10,6 +10,7 @@ namespace tremolo {
 namespace {
 
 using Eigen::Index;
+using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kSameSlopes = 1e-3;
@@ -176,22 +177,25 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
   if (shape == nullptr || on.yield_to(*second.surface().points, first.surface().shape.has_value()))
     return count;
   const bool rigid = second.surface().points->rigid();
-  const Pose from = first.gathered().poses.start;
   const double margin = first.surface().law.margin;
   const double reach =
       margin + 2.0 * (first.gathered().ball.travel + second.gathered().ball.travel);
   const double bent = second.gathered().ball.deformed;
-  const auto place = [&](const Vector3d& x) { return second.into_rest_at_start(x); };
   // The place of a group is known in one frame only, and on bones only near the surface.
   const bool frames = !first.on_bones() && !second.on_bones();
+  const Pose from = first.gathered().poses.start, into = second.gathered().poses.start;
+  const Matrix3d back = into.rotation.toRotationMatrix().transpose();
+  const Matrix3d turn = back * from.rotation.toRotationMatrix();
+  const Vector3d shift = back * (from.position - into.position);
   for (const PointGroup& group : on.groups) {
     const double far = group.radius + first.gathered().ball.deformed + bent + reach;
-    if (frames && signed_distance(*shape, place(from * group.centre)).distance > far) continue;
+    if (frames && signed_distance(*shape, turn * group.centre + shift).distance > far) continue;
     for (std::size_t i = group.first; i < group.first + group.count; ++i) {
       if (!on.meets(i, rigid)) continue;
-      const Vector3d x = first.start_of_point(i);
+      const Vector3d x = frames ? Vector3d::Zero() : first.start_of_point(i);
       if (second.on_bones() && !second.may_reach(x, reach + on.radius_of(i))) continue;
-      const Vector3d y = place(x);
+      const Vector3d y = frames ? Vector3d(turn * on.place(i, first.equations().q0) + shift)
+                                : second.into_rest_at_start(x);
       const double round = on.radius_of(i);
       if (signed_distance(*shape, y).distance - round > reach + bent) continue;
       if (count == points.size()) points.emplace_back();

@@ -475,9 +475,8 @@ void add_queries(WorldClass& c) {
         "The energy balance of a body, J, a dict: kinetic, potential, contact, total; at_start; "
         "given since then by load, support, gravity, contact_given, restitution, friction, hand, "
         "joint, damping; remainder, which has no known cause. Of tetrahedra and cloth: kinetic, "
-        "potential, contact, total; at_start; gravity, contact_given, restitution, friction; "
-        "method, given by "
-        "the method and by damping.");
+        "potential, contact, total; at_start; gravity, contact_given, restitution, friction, hand, "
+        "joint; method, given by the method and by damping.");
   c.def_property_readonly(
       "events", &events,
       "Contacts that began or ended in the last call of step(), a list of dicts: time (s), kind "
