@@ -209,8 +209,9 @@ class Body {
   Energy energy(std::optional<Eigen::Index> low = std::nullopt) const;
 
   // The first hit of a ray on the deformed surface, from either side; nullopt: none. origin: m,
-  // world; direction: world, of any length. Error kUsage: a value is not finite, the direction is
-  // zero, or the body is on several bones. Nothing is allocated after a model's first call.
+  // world; direction: world, of any length. Error kUsage: a value is not finite, or the direction
+  // is zero. Nothing is allocated after the first call of a model, or of a body on several bones,
+  // for which every triangle is tested.
   Result<std::optional<SurfaceHit>> pick(const Eigen::Vector3d& origin,
                                          const Eigen::Vector3d& direction,
                                          SurfaceKind surface = SurfaceKind::kDrawn) const;
@@ -316,6 +317,10 @@ class Body {
   void age_applied_forces();
   double kick() const;
   double total_energy() const;
+  // direction: of unit length.
+  std::optional<SurfaceTree::Hit> nearest(const Eigen::Vector3d& origin,
+                                          const Eigen::Vector3d& direction,
+                                          SurfaceKind surface) const;
   const Evaluation& at_state() const;
   double harmonic_energy() const;
   bool look();
@@ -346,7 +351,8 @@ class Body {
   mutable Eigen::VectorXd evaluated_q_;  // where, r; NaN before the first
   mutable Eigen::VectorXd momentum_;
   mutable SurfaceWorkspace surface_;
-  mutable Eigen::VectorXd shown_;  // r + 3p, or none
+  mutable Eigen::VectorXd shown_;            // r + 3p, or none
+  mutable std::vector<double> seen_places_;  // of nearest(), on several bones
 };
 
 // kBound for kEnergy, else kSolver.

@@ -223,7 +223,8 @@ typedef struct tremolo_hit {
 
 /* Finds the first hit of a ray on the deformed surface, from either side. origin: m, world.
  * direction: world, of any length. TREMOLO_USAGE if they are not finite or the direction is zero.
- * A model's first ray builds a search tree for the others. */
+ * A model's first ray builds a search tree for the others. On several bones every triangle is
+ * tested, and the hit's vertex may be grabbed, not its point. */
 tremolo_status tremolo_body_pick(const tremolo_body* body, const double origin[3],
                                  const double direction[3], tremolo_hit* hit);
 
@@ -453,7 +454,7 @@ tremolo_status tremolo_body_release(tremolo_body* body, uint64_t hand);
 
 /* The same at any point of the drawn surface: in a triangle (tremolo_model_triangle_corners) at the
  * mean of its corners by weights that are not negative and sum to one, as tremolo_body_pick returns
- * them. TREMOLO_USAGE also for an invalid point. */
+ * them. TREMOLO_USAGE also for an invalid point, and for a body on several bones. */
 tremolo_status tremolo_body_grab_at(tremolo_body* body, uint32_t triangle, const double weights[3],
                                     double stiffness, double damping, uint64_t* hand);
 

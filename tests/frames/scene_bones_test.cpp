@@ -1,7 +1,9 @@
 // Bodies on bones in scenes: their chains, energy balance, refusals.
 #include <cmath>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -231,6 +233,35 @@ TEST_F(SceneBones, AnArmOnBonesMeetsAFloorAndAHandAndItsAccountCloses) {
   scene.bodies[0].feels_contact = false;
   scene.hands.clear();
   EXPECT_TRUE(try_world(scene));
+}
+
+TEST_F(SceneBones, RaysFindTheArmAndTheBodyBesideIt) {
+  Scene scene = arm_scene();
+  SceneBody straight = scene.bodies[0];
+  straight.name = "straight";
+  straight.bones.clear();
+  straight.pose.position += Vector3d(0.0, 3.0, 0.0);
+  scene.bodies.push_back(straight);
+  SceneWorld world = world_of(scene);
+  for (int k = 0; k < 100; ++k) ASSERT_TRUE(world.step().empty());
+  for (std::size_t i = 0; i < 2; ++i) {
+    const ContactBody& body = world.body(i);
+    std::vector<double> places(3 * body.model().drawn().rest.size());
+    ASSERT_TRUE(body.surface_positions(std::span<double>(places)));
+    Eigen::Matrix3d corners;
+    for (std::size_t k = 0; k < 3; ++k)
+      corners.col(k) = Vector3d::Map(&places[3 * body.model().drawn().triangles[0][k]]);
+    const Vector3d middle = corners.rowwise().mean();
+    const Vector3d normal =
+        (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0)).normalized();
+    const auto hit = world.pick(middle + 1e-3 * normal, -normal);
+    ASSERT_TRUE(hit) << hit.error().message;
+    ASSERT_TRUE(*hit);
+    EXPECT_EQ((*hit)->body, i);
+    EXPECT_EQ((*hit)->hit.place.triangle, 0U);
+    EXPECT_LE(((*hit)->hit.point - middle).norm(), 1e-13);
+    EXPECT_NEAR((*hit)->hit.distance, 1e-3, 1e-13);
+  }
 }
 
 TEST(SwingMotion, TurnsToAndFroAboutItsPoint) {

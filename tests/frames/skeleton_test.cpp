@@ -137,12 +137,6 @@ TEST(Skeleton, SavedInMotionItGoesOnWithTheSameBits) {
   EXPECT_FALSE(narrow.restore(body.save()));
 }
 
-TEST(Skeleton, RaysAreRefused) {
-  const RiggedBar bar = rigged_bar(5);
-  const ContactBody body = make_rigged(bar.model, bar_skin(bar), {.step = 3e-3});
-  EXPECT_EQ(body.pick({0, 0, 1}, {0, 0, -1}).error().kind, ErrorKind::kUsage);
-}
-
 TEST(Skeleton, BonesThatStandStillAreAHeldBody) {
   const RiggedBar bar = rigged_bar(5);
   for (const char* method : kDrivenMethods) {

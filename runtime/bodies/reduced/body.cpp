@@ -286,20 +286,36 @@ Status Body::surface(std::span<float> positions, std::span<float> normals) const
   return Success{};
 }
 
+// A ray ignores the shape W f, as a hand does.
+std::optional<SurfaceTree::Hit> Body::nearest(const Eigen::Vector3d& origin,
+                                              const Eigen::Vector3d& direction,
+                                              SurfaceKind surface) const {
+  if (bones() > 1) {
+    const bool drawn = surface == SurfaceKind::kDrawn;
+    const auto& rest = drawn ? model_->drawn().rest : model_->surface().rest;
+    seen_places_.resize(3 * rest.size());
+    write_positions(rest, drawn ? model_->drawn().rows : model_->surface().rows, state_.q,
+                    seen_places_);
+    to_world(std::span<double>(seen_places_), true, drawn ? &Skin::drawn : &Skin::surface);
+    return nearest_of_all(drawn ? model_->drawn().triangles : model_->triangles(), seen_places_,
+                          origin, direction);
+  }
+  const Pose pose = this->pose();
+  const Eigen::Quaterniond back = pose.rotation.conjugate();
+  return model_->surface_tree(surface).nearest(back * (origin - pose.position),
+                                               (back * direction).normalized(), state_.q);
+}
+
 Result<std::optional<SurfaceHit>> Body::pick(const Eigen::Vector3d& origin,
                                              const Eigen::Vector3d& direction,
                                              SurfaceKind surface) const {
-  if (bones() > 1) return usage_error("a body on several bones is not seen by rays");
   if (!origin.allFinite() || !direction.allFinite())
     return usage_error("the ray's origin or direction is not finite");
   const double length = direction.stableNorm();
   if (!(length > 0.0) || !std::isfinite(length))
     return usage_error("the ray's direction is zero or too long");
-  const Pose pose = this->pose();
-  const Eigen::Quaterniond back = pose.rotation.conjugate();
   const Eigen::Vector3d along = direction / length;
-  const auto found = model_->surface_tree(surface).nearest(back * (origin - pose.position),
-                                                           (back * along).normalized(), state_.q);
+  const std::optional<SurfaceTree::Hit> found = nearest(origin, along, surface);
   if (!found) return std::optional<SurfaceHit>();
   SurfaceHit hit{{surface, found->triangle, found->weights}, 0, found->distance, {}};
   hit.vertex = model_->vertex_near(hit.place);

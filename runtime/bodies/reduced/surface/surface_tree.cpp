@@ -63,6 +63,46 @@ double entry(const Vector3d& low, const Vector3d& high, const Vector3d& origin,
   return from > to ? std::numeric_limits<double>::infinity() : from;
 }
 
+// Axes in which a ray runs along the third one, by a shear.
+class AlongRay {
+ public:
+  explicit AlongRay(const Vector3d& direction) {
+    direction.cwiseAbs().maxCoeff(&z_);
+    x_ = (z_ + 1) % 3;
+    y_ = (z_ + 2) % 3;
+    length_ = direction[z_];
+    shear_x_ = direction[x_] / length_;
+    shear_y_ = direction[y_] / length_;
+  }
+
+  // A place relative to the ray's origin: across the ray, and along it.
+  Vector3d turned(const Vector3d& place) const {
+    return {place[x_] - shear_x_ * place[z_], place[y_] - shear_y_ * place[z_],
+            place[z_] / length_};
+  }
+
+ private:
+  Index x_ = 0, y_ = 0, z_ = 0;
+  double shear_x_ = 0.0, shear_y_ = 0.0, length_ = 0.0;
+};
+
+// Edge functions in the plane across the ray (Woop, Benthin & Wald 2013, "Watertight ray/triangle
+// intersection", JCGT 2): the two triangles of an edge see the same numbers, so that no ray slips
+// between them. corners: a column each, as AlongRay::turned.
+std::optional<SurfaceTree::Hit> meet_corners(std::size_t triangle, const Eigen::Matrix3d& corners,
+                                             double most) {
+  const auto edge = [&corners](Index a, Index b) {
+    return corners(0, a) * corners(1, b) - corners(1, a) * corners(0, b);
+  };
+  const Vector3d weights(edge(2, 1), edge(0, 2), edge(1, 0));
+  if ((weights.array() < 0.0).any() && (weights.array() > 0.0).any()) return std::nullopt;
+  const double sum = weights.sum();
+  if (sum == 0.0) return std::nullopt;
+  const double distance = weights.dot(corners.row(2)) / sum;
+  if (!(distance >= 0.0 && distance < most)) return std::nullopt;
+  return SurfaceTree::Hit{triangle, weights / sum, distance};
+}
+
 }  // namespace
 
 SurfaceTree::SurfaceTree(const std::vector<Vector3d>& rest, const BasisRows& rows,
@@ -177,35 +217,19 @@ SurfaceTree::Box SurfaceTree::bent_box(std::size_t node, const float* q, const f
   return {low + shift - Vector3d::Constant(wider), high + shift + Vector3d::Constant(wider)};
 }
 
-// Edge functions in the plane across the ray (Woop, Benthin & Wald 2013, "Watertight ray/triangle
-// intersection", JCGT 2): the two triangles of an edge see the same numbers, so that no ray slips
-// between them.
 std::optional<SurfaceTree::Hit> SurfaceTree::meet(std::size_t triangle, const Vector3d& origin,
                                                   const Vector3d& direction, const VectorXd& q,
                                                   double most) const {
-  Index z = 0;
-  direction.cwiseAbs().maxCoeff(&z);
-  const Index x = (z + 1) % 3, y = (z + 2) % 3;
-  const double shear_x = direction[x] / direction[z], shear_y = direction[y] / direction[z];
-  Eigen::Matrix3d corners;  // a column a corner: across the ray, and along it
+  const AlongRay along(direction);
+  Eigen::Matrix3d corners;
   for (Index k = 0; k < 3; ++k) {
     const std::size_t vertex = triangles_[triangle][k];
     Vector3d place = rest_[vertex] - origin;
     for (Index axis = 0; axis < 3; ++axis)
       place[axis] += rows_.row(static_cast<Index>(3 * vertex) + axis).dot(q);
-    corners.col(k) = Vector3d(place[x] - shear_x * place[z], place[y] - shear_y * place[z],
-                              place[z] / direction[z]);
+    corners.col(k) = along.turned(place);
   }
-  const auto edge = [&corners](Index a, Index b) {
-    return corners(0, a) * corners(1, b) - corners(1, a) * corners(0, b);
-  };
-  const Vector3d weights(edge(2, 1), edge(0, 2), edge(1, 0));
-  if ((weights.array() < 0.0).any() && (weights.array() > 0.0).any()) return std::nullopt;
-  const double sum = weights.sum();
-  if (sum == 0.0) return std::nullopt;
-  const double distance = weights.dot(corners.row(2)) / sum;
-  if (!(distance >= 0.0 && distance < most)) return std::nullopt;
-  return Hit{triangle, weights / sum, distance};
+  return meet_corners(triangle, corners, most);
 }
 
 std::optional<SurfaceTree::Hit> SurfaceTree::nearest(const Vector3d& origin,
@@ -253,6 +277,26 @@ std::optional<SurfaceTree::Hit> SurfaceTree::nearest(const Vector3d& origin,
     if (far.distance < near.distance) std::swap(near, far);
     if (far.distance < most) stack[waiting++] = far;
     if (near.distance < most) stack[waiting++] = near;
+  }
+  return best;
+}
+
+std::optional<SurfaceTree::Hit> nearest_of_all(const std::vector<Triangle>& triangles,
+                                               std::span<const double> places,
+                                               const Vector3d& origin, const Vector3d& direction) {
+  const AlongRay along(direction);
+  std::optional<SurfaceTree::Hit> best;
+  double most = std::numeric_limits<double>::infinity();
+  Eigen::Matrix3d corners;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    for (Index k = 0; k < 3; ++k) {
+      const double* place = places.data() + 3 * static_cast<std::size_t>(triangles[t][k]);
+      corners.col(k) = along.turned(Eigen::Map<const Vector3d>(place) - origin);
+    }
+    if (const auto hit = meet_corners(t, corners, most)) {
+      best = hit;
+      most = hit->distance;
+    }
   }
   return best;
 }

@@ -8,12 +8,15 @@
 // so that the rest box, moved by c q and widened by that sum, contains the deformed vertices, at a
 // cost of 4r products. Only nodes that the ray enters are visited, and only their triangles are
 // evaluated.
+//
+// Points on several bones are elsewhere: for such a surface every triangle is tested.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -100,5 +103,12 @@ class SurfaceTree {
   std::vector<Eigen::Vector3d> middles_;  // of triangles, while the tree is built
   std::vector<float> bounds_;             // a node: the three rows of c, then e; r each
 };
+
+// SurfaceTree::nearest() for a surface that no coordinates describe: places are the positions of
+// its vertices, x y z x y z ..., m. Tests every triangle and allocates nothing.
+std::optional<SurfaceTree::Hit> nearest_of_all(const std::vector<Triangle>& triangles,
+                                               std::span<const double> places,
+                                               const Eigen::Vector3d& origin,
+                                               const Eigen::Vector3d& direction);
 
 }  // namespace tremolo
