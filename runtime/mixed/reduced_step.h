@@ -10,7 +10,7 @@
 #include "runtime/contact/solve/contact_equations.h"
 #include "runtime/contact/solve/contact_island.h"
 #include "runtime/contact/solve/contact_step.h"
-#include "runtime/math/kernels/dense_lu.h"
+#include "runtime/math/dense/dense_lu.h"
 #include "runtime/mixed/step_body.h"
 
 namespace tremolo {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/text.h"
-#include "runtime/math/kernels/dense_lu.h"
+#include "runtime/math/dense/dense_lu.h"
 #include "runtime/response/curve_tracer.h"
 
 namespace tremolo {

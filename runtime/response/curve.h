@@ -14,7 +14,7 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
-#include "runtime/math/kernels/dense_lu.h"
+#include "runtime/math/dense/dense_lu.h"
 
 namespace tremolo {
 

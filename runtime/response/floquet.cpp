@@ -8,7 +8,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "runtime/math/kernels/dense_lu.h"
+#include "runtime/math/dense/dense_lu.h"
 
 namespace tremolo {
 namespace {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "runtime/math/kernels/dense_lu.h"
+#include "runtime/math/dense/dense_lu.h"
 
 namespace tremolo {
 namespace {

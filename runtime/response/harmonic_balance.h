@@ -16,7 +16,7 @@
 
 #include <Eigen/Core>
 
-#include "runtime/math/kernels/dense_lu.h"
+#include "runtime/math/dense/dense_lu.h"
 #include "runtime/response/fourier_series.h"
 #include "runtime/response/vibrating_system.h"
 

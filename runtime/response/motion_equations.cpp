@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "runtime/math/kernels/dense_lu.h"
+#include "runtime/math/dense/dense_lu.h"
 
 namespace tremolo {
 

@@ -62,7 +62,7 @@ ContactBody ball_at(const Vector3d& place, double step, double mass = 0.5, doubl
   const Collider sphere = SphereShape{radius};
   const Result<Model::Pointer> model = make_rigid_model({.shape = sphere, .mass = mass});
   ContactBody ball =
-      std::move(*ContactBody::create(*model, "ep4", {.step = step}, FrameKind::kFree));
+      std::move(*ContactBody::create(*model, "ep4", options_of(step), FrameKind::kFree));
   EXPECT_TRUE(ball.set_contact(contact_of(sphere)));
   EXPECT_TRUE(ball.set_pose({place, Eigen::Quaterniond::Identity()}));
   return ball;
@@ -72,7 +72,7 @@ ContactBody block_at(const Vector3d& place, double friction) {
   const Collider box = BoxShape{{0.03, 0.02, 0.01}};
   const Result<Model::Pointer> model = make_rigid_model({.shape = box, .mass = 0.1});
   ContactBody block =
-      std::move(*ContactBody::create(*model, "ep4", {.step = 1e-3}, FrameKind::kFree));
+      std::move(*ContactBody::create(*model, "ep4", options_of(1e-3), FrameKind::kFree));
   ContactOptions contact = contact_of(box);
   contact.friction = friction;
   EXPECT_TRUE(block.set_contact(contact));
@@ -194,10 +194,12 @@ struct MovedPoints {
   MovedPoints() {
     const std::vector<Pose> poses = stair(0.5);
     for (std::size_t b = 0; b < poses.size(); ++b) EXPECT_TRUE(body.set_pose(poses[b], b));
-    for (std::size_t b = 0; b < poses.size(); ++b)
-      EXPECT_TRUE(body.move_to({poses[b].position + Vector3d(0.001, 0.0, 0.002 * b),
-                                poses[b].rotation * turn_by({0.01 * b, 0.02, 0.0})},
+    for (std::size_t b = 0; b < poses.size(); ++b) {
+      const auto number = static_cast<double>(b);
+      EXPECT_TRUE(body.move_to({poses[b].position + Vector3d(0.001, 0.0, 0.002 * number),
+                                poses[b].rotation * turn_by({0.01 * number, 0.02, 0.0})},
                                {}, b));
+    }
     place = body.present_place();
   }
   const BonePoints& bones() const { return *place.bones; }

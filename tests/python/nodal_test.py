@@ -148,8 +148,8 @@ class WorldsWithTetrahedra(unittest.TestCase):
                      lambda: w.contact_points("marble", "block"), lambda: w["block"].grab(0)):
             with self.assertRaisesRegex(tremolo.UsageError, "block"):
                 call()
-        with self.assertRaisesRegex(tremolo.ContentError, "'block' is of kind \"tets\""):
-            tremolo.world({**scene, "hands": [{"body": "block", "at": "vertex:0", "pin": True}]})
+        with self.assertRaisesRegex(tremolo.ContentError, "vertex 99999 is not in the mesh"):
+            tremolo.world({**scene, "hands": [{"body": "block", "at": "vertex:99999", "pin": True}]})
         with self.assertRaisesRegex(tremolo.ContentError, "inside collider 'floor'"):
             tremolo.world({**scene, "bodies": [tets(position=[0, 0, -0.05]), scene["bodies"][1]]})
         with self.assertRaisesRegex(tremolo.ContentError, "two bodies are called 'block'"):

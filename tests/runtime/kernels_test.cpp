@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "common/packed_index.h"
-#include "runtime/math/kernels/dense_lu.h"
+#include "runtime/math/dense/dense_lu.h"
+#include "runtime/math/dense/small_matrices.h"
 #include "runtime/math/kernels/pair_kernel.h"
-#include "runtime/math/kernels/small_matrices.h"
 #include "runtime/math/kernels/symmetric_kernel.h"
 #include "tests/support/sample_basis.h"
 

@@ -118,8 +118,8 @@ TEST_F(ClothBodyProgram, RefusesByNameWhatAClothCannotDo) {
   };
   const std::string cloth = sheet("sheet", "corner = [0, 0, 0.3]\n");
   for (const Refusal& refusal :
-       {Refusal{start + cloth + "[[hands]]\nbody = \"sheet\"\nat = \"0\"\nstiffness = 10\n", "",
-                "hand 1: body 'sheet' is of kind \"cloth\"", 3},
+       {Refusal{start + cloth + "[[hands]]\nbody = \"sheet\"\nat = \"row:9\"\nstiffness = 10\n", "",
+                "'row:9' is no place of particles", 3},
         {start + cloth + "contact-margin = 0.01\n", "", "`thickness`", 3},
         {start + cloth + "model = \"a.tremolo\"\n", "", "model", 3},
         {start + cloth + "integrator = \"newmark\"\n", "", "newmark", 3},

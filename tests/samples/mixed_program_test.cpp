@@ -248,8 +248,9 @@ TEST_F(MixedProgram, RefusesByNameWhatABodyOfTetrahedraCannotDo) {
   };
   const std::string block = tets("block", "position = [0, 0, 0.3]\n");
   for (const Refusal& refusal :
-       {Refusal{start + block + "[[hands]]\nbody = \"block\"\nat = \"0\"\nstiffness = 10\n", "",
-                "hand 1: body 'block'", 3},
+       {Refusal{
+            start + block + "[[hands]]\nbody = \"block\"\nat = \"vertex:99999\"\nstiffness = 10\n",
+            "", "hand 1: at = \"vertex:99999\"", 3},
         {start + block + "creep = 0.01\n", "", "without creep", 3},
         {"gravity = [[0, 0, 0, -9.81], [1, 0, 0, 0]]\n" + start + block, "", "gravity that changes",
          3},

@@ -13,7 +13,7 @@
 
 #include <Eigen/Core>
 
-#include "runtime/math/kernels/dense_lu.h"
+#include "runtime/math/dense/dense_lu.h"
 
 namespace tremolo {
 

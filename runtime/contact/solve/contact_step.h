@@ -23,7 +23,7 @@
 #include "runtime/contact/impact.h"
 #include "runtime/contact/solve/contact_equations.h"
 #include "runtime/integrator.h"
-#include "runtime/math/kernels/dense_lu.h"
+#include "runtime/math/dense/dense_lu.h"
 #include "runtime/parts.h"
 
 namespace tremolo {

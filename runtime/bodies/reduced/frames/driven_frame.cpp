@@ -3,7 +3,7 @@
 #include <array>
 #include <utility>
 
-#include "runtime/math/kernels/small_matrices.h"
+#include "runtime/math/dense/small_matrices.h"
 
 namespace tremolo {
 namespace {

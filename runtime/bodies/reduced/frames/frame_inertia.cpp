@@ -1,7 +1,7 @@
 #include "runtime/bodies/reduced/frames/frame_inertia.h"
 
 #include "common/packed_index.h"
-#include "runtime/math/kernels/small_matrices.h"
+#include "runtime/math/dense/small_matrices.h"
 
 namespace tremolo {
 namespace {

@@ -35,7 +35,7 @@ struct FrameInertia {
   Eigen::MatrixXd P_linear;      // r x 6: entries of A_i + A_i^T
   // Rows m r + i: (c_m)_ij, skew for each of the three components. Rows 3 r + e r + i after them:
   // the entry e of sym(B_ij), symmetric for each of the six; zeros below. One product with q gives
-  // all (runtime/math/kernels/small_matrices.h).
+  // all (runtime/math/dense/small_matrices.h).
   Eigen::MatrixXd pairs;  // tall_rows(9r) x r
 };
 

@@ -5,7 +5,7 @@
 
 #include <Eigen/LU>
 
-#include "runtime/math/kernels/small_matrices.h"
+#include "runtime/math/dense/small_matrices.h"
 
 namespace tremolo {
 namespace {

@@ -22,8 +22,8 @@
 
 #include "runtime/bodies/reduced/integrators/solve/damping.h"
 #include "runtime/integrator.h"
-#include "runtime/math/kernels/small_matrices.h"
-#include "runtime/math/kernels/tridiagonal.h"
+#include "runtime/math/dense/small_matrices.h"
+#include "runtime/math/dense/tridiagonal.h"
 
 namespace tremolo {
 

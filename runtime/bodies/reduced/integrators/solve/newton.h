@@ -17,7 +17,7 @@
 #include <Eigen/Core>
 
 #include "runtime/integrator.h"
-#include "runtime/math/kernels/small_matrices.h"
+#include "runtime/math/dense/small_matrices.h"
 
 namespace tremolo {
 

@@ -18,8 +18,8 @@
 #include <Eigen/Eigenvalues>
 
 #include "runtime/bodies/reduced/integrators/solve/damping.h"
+#include "runtime/math/dense/small_matrices.h"
 #include "runtime/math/kernels/potential.h"
-#include "runtime/math/kernels/small_matrices.h"
 #include "runtime/math/kernels/strain_matrix.h"
 #include "runtime/model.h"
 

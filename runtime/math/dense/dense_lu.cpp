@@ -1,4 +1,4 @@
-#include "runtime/math/kernels/dense_lu.h"
+#include "runtime/math/dense/dense_lu.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,7 +37,7 @@ struct LuArrays {
 }  // namespace
 }  // namespace tremolo
 
-#define TREMOLO_KERNEL "runtime/math/kernels/dense_lu.inc"
+#define TREMOLO_KERNEL "runtime/math/dense/dense_lu.inc"
 #include "runtime/math/kernels/every_instruction_set.inc"
 
 namespace tremolo {

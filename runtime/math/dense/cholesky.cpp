@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime/math/dense/small_matrices.h"
 #include "runtime/math/kernels/lanes.h"
-#include "runtime/math/kernels/small_matrices.h"
 
 namespace tremolo {
 namespace {
@@ -19,7 +19,7 @@ struct LdlArrays {
 }  // namespace
 }  // namespace tremolo
 
-#define TREMOLO_KERNEL "runtime/math/kernels/cholesky.inc"
+#define TREMOLO_KERNEL "runtime/math/dense/cholesky.inc"
 #include "runtime/math/kernels/every_instruction_set.inc"
 
 namespace tremolo {

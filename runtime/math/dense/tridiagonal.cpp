@@ -1,4 +1,4 @@
-#include "runtime/math/kernels/tridiagonal.h"
+#include "runtime/math/dense/tridiagonal.h"
 
 #include <algorithm>
 #include <cmath>
@@ -36,7 +36,7 @@ struct PoleFactors {
 }  // namespace
 }  // namespace tremolo
 
-#define TREMOLO_KERNEL "runtime/math/kernels/tridiagonal.inc"
+#define TREMOLO_KERNEL "runtime/math/dense/tridiagonal.inc"
 #include "runtime/math/kernels/every_instruction_set.inc"
 
 namespace tremolo {

@@ -1,5 +1,5 @@
+#include "runtime/math/dense/small_matrices.h"
 #include "runtime/math/kernels/lanes.h"
-#include "runtime/math/kernels/small_matrices.h"
 
 namespace tremolo {
 namespace {
@@ -15,7 +15,7 @@ struct TallRows {
 }  // namespace
 }  // namespace tremolo
 
-#define TREMOLO_KERNEL "runtime/math/kernels/tall_product.inc"
+#define TREMOLO_KERNEL "runtime/math/dense/tall_product.inc"
 #include "runtime/math/kernels/every_instruction_set.inc"
 
 namespace tremolo {
