@@ -243,7 +243,7 @@ TEST_F(WorldProgram, TellsWhichBodyBeginsInsideACollider) {
 TEST_F(WorldProgram, RunsTheScenesThatAreShipped) {
   for (const char* name :
        {"tumbling", "shaken-tower", "stopped-horse", "dropped-heart", "pulled-horse", "bells",
-        "walking-horse", "kicking-horse", "necklace", "stacked-baskets"}) {
+        "walking-horse", "necklace", "stacked-baskets"}) {
     const ProgramResult result = run(shipped_scene(name), "--json");
     ASSERT_EQ(result.code, 0) << name << result.err;
     const json report = json::parse(result.out);
