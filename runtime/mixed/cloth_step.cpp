@@ -182,13 +182,13 @@ void ClothStep::assemble(bool full, bool with_contact) {
     matrix_.diagonal(i).diagonal().setConstant(mu * model.mass()[static_cast<Index>(i)]);
   if (method_ == Method::kEnergy) {
     if (full)
-      model.add_full_step_tangent(body_->state().x, x1_, h, matrix_);
+      model.add_full_step_tangent(body_->state().x, x1_, h, 1.0, matrix_);
     else
       model.add_step_tangent(body_->state().x, x1_, h, matrix_);
   } else {
     const double theta = method_ == Method::kMidpoint ? 0.5 : 1.0;
     if (full)
-      model.add_full_tangent(middle_, speed_, ForcePart::kAll, theta, 1.0 / h, matrix_);
+      model.add_full_tangent(middle_, speed_, ForcePart::kAll, theta, 1.0 / h, 1.0, matrix_);
     else
       model.add_tangent(middle_, speed_, ForcePart::kAll, theta, 1.0 / h, matrix_);
   }

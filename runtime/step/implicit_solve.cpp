@@ -14,8 +14,10 @@ constexpr std::size_t kMostFactored = 60'000;
 // Time of an iteration of conjugate gradients per block, in multiplications of a factorisation (5
 // ns over 0.11 ns, measured on sheets of 2 500 and 10 000 nodes).
 constexpr double kIterationCost = 45.0;
-// Number of systems solved by the factor after one for which conjugate gradients took too long.
-constexpr int kFactored = 50;
+// Number of systems solved by the factor after one for which conjugate gradients took too long, at
+// first, and at most after several of those.
+constexpr int kFactored = 5;
+constexpr int kMostFactoredAgain = 50;
 constexpr int kLineHalvings = 10;
 // Fewer iterations than this are not worth a trial.
 constexpr int kLeastWorth = 20;
@@ -26,6 +28,14 @@ constexpr double kForcing = 0.1;
 
 // A full tangent that was indefinite is tried again at this fraction of that residual.
 constexpr double kFullAgain = 0.3;
+// For a minimum, a matrix lacks this fraction of what the one before lacked, or nothing below
+// kLeastLacked. Where that is indefinite it lacks kMoreLacked times as much.
+constexpr double kLessLacked = 0.5;
+constexpr double kLeastLacked = 0.03;
+constexpr double kMoreLacked = 4.0;
+// The first tolerance of a minimum with reactions, in loads, and its fraction after each revision.
+constexpr double kLoose = 1.0;
+constexpr double kTighter = 1.0 / 3.0;
 
 }  // namespace
 
@@ -92,22 +102,16 @@ double ImplicitSolve::residual(const ImplicitEquation& equation, const Eigen::Ve
   return std::sqrt(square);
 }
 
-void ImplicitSolve::assemble(const ImplicitEquation& equation, const Eigen::VectorXd& x1,
-                             bool full) {
+void ImplicitSolve::assemble(const ImplicitEquation& equation, const Eigen::VectorXd& x1) {
+  const double share = 1.0 - lacks_;
   const Eigen::VectorXd& mass = system_.mass();
   matrix_.set_zero();
   for (Eigen::Index i = 0; i < mass.size(); ++i)
     matrix_.diagonal(static_cast<std::size_t>(i)).diagonal().setConstant(equation.mu * mass[i]);
-  if (equation.h > 0.0) {
-    if (full)
-      system_.add_full_step_tangent(*equation.x0, x1, equation.h, matrix_);
-    else
-      system_.add_step_tangent(*equation.x0, x1, equation.h, matrix_);
-  } else if (full) {
-    system_.add_full_tangent(x_, v_, equation.part, equation.theta, equation.kappa, matrix_);
-  } else {
-    system_.add_tangent(x_, v_, equation.part, equation.theta, equation.kappa, matrix_);
-  }
+  if (equation.h > 0.0)
+    system_.add_full_step_tangent(*equation.x0, x1, equation.h, share, matrix_);
+  else
+    system_.add_full_tangent(x_, v_, equation.part, equation.theta, equation.kappa, share, matrix_);
   if (const NodalContact* contact = system_.contact()) contact->add_tangent(matrix_);
   matrix_.hold(system_.held());
 }
@@ -121,10 +125,12 @@ bool ImplicitSolve::solve_system(double target, bool once) {
     const double enough = once ? 0.1 * target : std::max(0.1 * target, kForcing * size);
     const CgReport solved =
         gradients_->solve(matrix_, r_, d_, std::min(enough, 0.5 * size), worth_);
-    if (full_ && !solved.positive) return false;
+    if (lacks_ < 1.0 && !solved.positive) return false;
     const bool good = solved.positive && d_.allFinite();
+    if (good && solved.converged) factored_again_ = 0;
     if (!factor_ || (good && solved.converged)) return good;
-    factored_ = kFactored;
+    factored_again_ = std::clamp(2 * factored_again_, kFactored, kMostFactoredAgain);
+    factored_ = factored_again_;
   }
   if (!factor_->factor(matrix_)) return false;
   d_ = r_;
@@ -132,19 +138,31 @@ bool ImplicitSolve::solve_system(double target, bool once) {
   return d_.allFinite();
 }
 
+void ImplicitSolve::begin_lacking(const ImplicitEquation& equation, double size, bool once) {
+  if (once)
+    lacks_ = 1.0;
+  else if (equation.minimum)
+    lacks_ = lacks_ < kLeastLacked ? 0.0 : kLessLacked * lacks_;
+  else
+    lacks_ = size <= full_limit_ ? 0.0 : 1.0;
+}
+
+void ImplicitSolve::lack_more(const ImplicitEquation& equation, double size) {
+  full_limit_ = kFullAgain * size;
+  lacks_ = equation.minimum ? std::min(1.0, kMoreLacked * std::max(kLeastLacked, lacks_)) : 1.0;
+}
+
 // d_ = A^-1 r_ at x1; false if that does not exist.
 bool ImplicitSolve::direction(const ImplicitEquation& equation, const Eigen::VectorXd& x1,
                               double target, bool once) {
   const double size = r_.norm();
-  full_ = !once && size <= full_limit_;
-  if (full_) {
-    assemble(equation, x1, true);
+  begin_lacking(equation, size, once);
+  for (;;) {
+    assemble(equation, x1);
     if (solve_system(target, once)) return true;
-    full_limit_ = kFullAgain * size;
-    full_ = false;
+    if (lacks_ == 1.0) return false;
+    lack_more(equation, size);
   }
-  assemble(equation, x1, false);
-  return solve_system(target, once);
 }
 
 // Rounding error of the residual from the positions, N.
@@ -161,7 +179,7 @@ std::optional<double> ImplicitSolve::search(const ImplicitEquation& equation,
   // The terms missing in Newton's matrix make its steps shrink slowly; the last steps show by how
   // much.
   const double slope = d_.dot(r_);
-  if (full_) {
+  if (lacks_ == 0.0 || equation.minimum) {
     steps_.clear();
   } else if (steps_.mix(x1, d_, trial_)) {
     trial_ += x1;
@@ -174,8 +192,10 @@ std::optional<double> ImplicitSolve::search(const ImplicitEquation& equation,
     const double next = residual(equation, trial_);
     if (next <= limit || next <= (1.0 - 1e-4 * share) * size) return next;
     // The residual may rise before a minimum where Newton's matrix lacks terms. Then its component
-    // along the direction may fall instead (Matthies and Strang 1979).
-    if (std::isfinite(next) && std::abs(d_.dot(r_)) <= 0.8 * std::abs(slope)) return next;
+    // along the direction may fall instead (Matthies and Strang 1979). On the way to a minimum it
+    // may also grow: the potential then falls faster.
+    const double along = equation.minimum ? -d_.dot(r_) : std::abs(d_.dot(r_));
+    if (std::isfinite(next) && along <= 0.8 * std::abs(slope)) return next;
   }
   return std::nullopt;
 }
@@ -189,10 +209,13 @@ bool ImplicitSolve::solve(const ImplicitEquation& equation, Eigen::VectorXd& x1,
                           NodalReport& report) {
   if (NodalContact* contact = system_.contact()) contact->start();
   if (once) return solve_once(equation, x1, report);
-  do {
-    if (!converge(equation, x1, report)) return false;
-  } while (revise(equation, x1));
-  return true;
+  const bool loose = equation.minimum && system_.contact() != nullptr;
+  for (double tolerance = loose ? std::max(kLoose, options_.tolerance) : options_.tolerance;;) {
+    if (!converge(equation, tolerance, x1, report)) return false;
+    const bool exact = tolerance <= options_.tolerance, revised = revise(equation, x1);
+    if (exact && !revised) return true;
+    tolerance = std::max(options_.tolerance, revised ? kTighter * tolerance : 0.0);
+  }
 }
 
 // Uses the same linearisation, at the guess, for all reactions.
@@ -211,13 +234,14 @@ bool ImplicitSolve::solve_once(const ImplicitEquation& equation, Eigen::VectorXd
   return true;
 }
 
-bool ImplicitSolve::converge(const ImplicitEquation& equation, Eigen::VectorXd& x1,
-                             NodalReport& report) {
+bool ImplicitSolve::converge(const ImplicitEquation& equation, double tolerance,
+                             Eigen::VectorXd& x1, NodalReport& report) {
   const double load = system_.load_size();
-  const double target = options_.tolerance * load;
+  const double target = tolerance * load;
   double size = residual(equation, x1), limit = target;
   steps_.clear();
   full_limit_ = std::numeric_limits<double>::infinity();
+  lacks_ = 0.0;
   for (int k = 0; k < options_.max_iterations; ++k) {
     report.residual = size / load;
     if (!std::isfinite(size)) return false;

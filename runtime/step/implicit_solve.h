@@ -8,7 +8,8 @@
 //
 // Newton's matrix is mu M + theta K + kappa D where that is positive definite, so that the last
 // steps converge quadratically; otherwise indefinite terms are left out. A line search corrects for
-// that.
+// that. Where x1 is sought as a minimum (ImplicitEquation), only so much of them is left out as
+// makes the matrix positive definite, and reactions are revised before their solve is exact.
 #pragma once
 
 #include <memory>
@@ -65,6 +66,9 @@ struct ImplicitEquation {
   double h = 0.0;  // of step_force, which is used if h is positive, s
   // Fraction of the impulse h f of a reaction f that the step uses (NodalContact).
   double share = 1.0;
+  // x1 is a minimum of mu/2 |x1 - x^|_M^2 + V(x1) but for forces without a potential: the search
+  // may go wherever that falls.
+  bool minimum = false;
 };
 
 class ImplicitSolve {
@@ -85,21 +89,25 @@ class ImplicitSolve {
   const StepWork& work() const { return work_; }
 
   // Saves or restores what the next solve depends on.
-  void carry(StateStream& stream) { stream(factored_); }
+  void carry(StateStream& stream) { stream(factored_, factored_again_); }
 
  private:
   static constexpr int kMostCgIterations = 5000;
 
   ImplicitSolve(const NodalSystem& system, const NodalOptions& options);
-  bool converge(const ImplicitEquation& equation, Eigen::VectorXd& x1, NodalReport& report);
+  bool converge(const ImplicitEquation& equation, double tolerance, Eigen::VectorXd& x1,
+                NodalReport& report);
   bool solve_once(const ImplicitEquation& equation, Eigen::VectorXd& x1, NodalReport& report);
   bool revise(const ImplicitEquation& equation, const Eigen::VectorXd& x1);
   double residual(const ImplicitEquation& equation, const Eigen::VectorXd& x1);
   bool direction(const ImplicitEquation& equation, const Eigen::VectorXd& x1, double target,
                  bool once);
-  void assemble(const ImplicitEquation& equation, const Eigen::VectorXd& x1, bool full);
+  void assemble(const ImplicitEquation& equation, const Eigen::VectorXd& x1);
   bool solve_system(double target, bool once);
   double rounding(const Eigen::VectorXd& x1) const;
+  // Sets lacks_ for the first matrix at a residual, and after one that was indefinite.
+  void begin_lacking(const ImplicitEquation& equation, double size, bool once);
+  void lack_more(const ImplicitEquation& equation, double size);
   // Searches from x1 with the residual `size`; sets trial_ and returns its residual. Empty: no part
   // of the step lowers the residual.
   std::optional<double> search(const ImplicitEquation& equation, const Eigen::VectorXd& x1,
@@ -114,9 +122,10 @@ class ImplicitSolve {
   int worth_ = kMostCgIterations;
   // Systems that the factor still solves before conjugate gradients are tried again.
   int factored_ = 0;
+  int factored_again_ = 0;  // their number after the last trial that took too long
   // Residual below which the full tangent is tried; it was indefinite at a larger one.
   double full_limit_ = 0.0;
-  bool full_ = false;  // the direction is that of the full tangent
+  double lacks_ = 1.0;  // fraction of the indefinite terms that the matrix lacks
   MixedSteps steps_;
   Eigen::VectorXd x_, v_, f_, r_, d_, trial_, base_;
   StepWork work_;

@@ -165,7 +165,8 @@ class ImplicitEuler : public ImplicitMethod {
                                     .kappa = 1.0 / h,
                                     .x0 = &state.x,
                                     .x_hat = &x_hat_,
-                                    .v_hat = &v_hat_};
+                                    .v_hat = &v_hat_,
+                                    .minimum = true};
     if (!solve_->solve(equation, x1_, once, report)) return false;
     v1_ = (x1_ - state.x) / h;
     return true;

@@ -91,13 +91,16 @@ class NodalSystem {
   virtual void add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
                                 BlockMatrix& a) const = 0;
 
-  // The same including indefinite terms, for trial steps; they are symmetric.
+  // The same with `share` (0 to 1) of the indefinite terms, for trial steps; they are symmetric.
   virtual void add_full_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
-                                double position, double velocity, BlockMatrix& a) const {
+                                double position, double velocity, double share,
+                                BlockMatrix& a) const {
+    (void)share;
     add_tangent(x, v, part, position, velocity, a);
   }
   virtual void add_full_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
-                                     BlockMatrix& a) const {
+                                     double share, BlockMatrix& a) const {
+    (void)share;
     add_step_tangent(x0, x1, h, a);
   }
 

@@ -126,8 +126,8 @@ TEST(ClothModel, FullTangentsWithTheMissingTermsAreTheSlopesOfTheForces) {
   const VectorXd x = 0.8 * x0 + testing::random_numbers(x0.size(), 0.02, 4);
   const VectorXd v = testing::random_numbers(x.size(), 2.0, 5);
   BlockMatrix still(model.pattern()), over_step(model.pattern());
-  model.add_full_tangent(x, v, ForcePart::kAll, 1.0, 0.0, still);
-  model.add_full_step_tangent(x0, x, kTime, over_step);
+  model.add_full_tangent(x, v, ForcePart::kAll, 1.0, 0.0, 1.0, still);
+  model.add_full_step_tangent(x0, x, kTime, 1.0, over_step);
   const auto step_force = [&](const VectorXd& x1) {
     VectorXd f(x1.size());
     model.step_force(x0, x1, kTime, f);

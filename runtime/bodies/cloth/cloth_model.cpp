@@ -207,13 +207,13 @@ void ClothModel::add_any_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd
 
 void ClothModel::add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
                              double position, double velocity, BlockMatrix& a) const {
-  add_any_tangent(x, v, part, {position, velocity, false}, a);
+  add_any_tangent(x, v, part, {position, velocity, 0.0}, a);
 }
 
 void ClothModel::add_full_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v,
-                                  ForcePart part, double position, double velocity,
+                                  ForcePart part, double position, double velocity, double share,
                                   BlockMatrix& a) const {
-  add_any_tangent(x, v, part, {position, velocity, true}, a);
+  add_any_tangent(x, v, part, {position, velocity, share}, a);
 }
 
 double ClothModel::elastic_energy(const Eigen::VectorXd& x) const {
@@ -248,14 +248,14 @@ StepWork ClothModel::step_force(const Eigen::VectorXd& x0, const Eigen::VectorXd
 void ClothModel::add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
                                   BlockMatrix& a) const {
   for (const SpringSet* set : {&structural_, &shear_, &bend_})
-    set->add_step_tangent(x0, x1, h, false, a);
+    set->add_step_tangent(x0, x1, h, 0.0, a);
   drag_.add_step_tangent(wind_, x0, x1, h, a);
 }
 
 void ClothModel::add_full_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1,
-                                       double h, BlockMatrix& a) const {
+                                       double h, double share, BlockMatrix& a) const {
   for (const SpringSet* set : {&structural_, &shear_, &bend_})
-    set->add_step_tangent(x0, x1, h, true, a);
+    set->add_step_tangent(x0, x1, h, share, a);
   drag_.add_step_tangent(wind_, x0, x1, h, a);
 }
 

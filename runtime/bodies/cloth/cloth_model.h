@@ -80,9 +80,10 @@ class ClothModel : public NodalSystem {
   void add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
                         BlockMatrix& a) const override;
   void add_full_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
-                        double position, double velocity, BlockMatrix& a) const override;
+                        double position, double velocity, double share,
+                        BlockMatrix& a) const override;
   void add_full_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
-                             BlockMatrix& a) const override;
+                             double share, BlockMatrix& a) const override;
   // y += the product with u of the springs' terms that the full tangents do not have, because they
   // are not symmetric (spring_set.h).
   void add_missing_product(const Eigen::VectorXd& x, const Eigen::VectorXd& v, double position,

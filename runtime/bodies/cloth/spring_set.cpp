@@ -300,7 +300,8 @@ void add_spring_tangents(const SpringView& s, const SpringPlaces& places, const 
   for (const SpringChunk& chunk : s.chunks) {
     spring_factors(s, chunk, x, v, r, across, squares);
     for (std::uint32_t i = 0; i < chunk.count; ++i) {
-      const double aside = weights.position * (weights.full || across[i] > 0.0 ? across[i] : 0.0);
+      const double aside =
+          weights.position * (across[i] > 0.0 ? across[i] : weights.share * across[i]);
       const double along = (weights.position * s.k + weights.velocity * s.d - aside) * squares[i];
       add_spring_block(places, chunk.first + i, spring_block(r.data() + 3 * i, aside, along),
                        blocks);
@@ -344,7 +345,7 @@ double SpringSet::damping_power(const Eigen::VectorXd& x, const Eigen::VectorXd&
 // damper's direction. The symmetric part of u e1^T is (1 + u.e1)/2 q q^T - (1 - u.e1)/2 p p^T, q
 // along u + e1.
 void SpringSet::add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
-                                 bool full, BlockMatrix& a) const {
+                                 double share, BlockMatrix& a) const {
   const double k = law_.stiffness, d = law_.damping;
   for (std::size_t i = 0; i < size(); ++i) {
     const Vector3d r0 = between(x0, i), r1 = between(x1, i);
@@ -355,11 +356,11 @@ void SpringSet::add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorX
     const Vector3d u = m / length, e1 = r1 / l1;
     const Vector3d q = u + e1;
     const double slack = 0.5 * k * (1.0 - 2.0 * rest_[i] / both);
-    const double across = full ? slack : std::max(slack, 0.0);
+    const double across = slack > 0.0 ? slack : share * slack;
     // (1 + u.e1)/2 = |q|^2/4, so that q need not be normalized.
     const double along = 0.25 * k * rest_[i] * length / (both * both);
     Matrix3d block = (along * q) * q.transpose();
-    if (full) block -= (along * (u - e1)) * (u - e1).transpose();
+    block -= (share * along * (u - e1)) * (u - e1).transpose();
     if (d != 0.0) block += (d / h * u) * u.transpose();
     block.diagonal().array() += across;
     add_block(i, block, a);

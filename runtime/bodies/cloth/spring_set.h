@@ -34,11 +34,10 @@ struct SpringChunk {
 
 // Weights of a tangent: a += position (-df/dx) + velocity (-df/dv). With P = I - e e^T,
 //   -df_a/dx_a = k [(1 - L/l) P + e e^T] + (d/l) [e (P w)^T + (w.e) P],   -df_a/dv_a = d e e^T
-// The part e (P w)^T, which is not symmetric, is left out. P is left out where its factor is
-// negative, except with `full`.
+// The part e (P w)^T, which is not symmetric, is left out. Where P's factor is negative, `share` of
+// it is kept, 0 to 1.
 struct SpringWeights {
-  double position, velocity;
-  bool full;
+  double position, velocity, share;
 };
 
 // Chunks from `chunk` on, up to the first that starts at `particle` or after it.
@@ -71,10 +70,10 @@ class SpringSet {
   // f += the force over a step; returns the energy that the dampers took, J.
   double add_step_force(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
                         Eigen::VectorXd& f) const;
-  // a += approximately -df/dx1 of that force: its symmetric part, without negative terms unless
-  // `full`.
-  void add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h, bool full,
-                        BlockMatrix& a) const;
+  // a += approximately -df/dx1 of that force: its symmetric part, with `share` of negative terms, 0
+  // to 1.
+  void add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
+                        double share, BlockMatrix& a) const;
 
   // y += the product with u of the terms that are missing in the two full tangents: position times
   // (d/l) e (P w)^T of a spring, and those of -df/dx1 of the force over a step. Vectors have three
