@@ -43,7 +43,9 @@ struct CurvePoint {
   bool stable = true;      // without options.stability: not known
   int unstable = 0;        // multipliers outside the unit circle
   double length = 0.0;     // along the curve from its first point, relative to the motion's size
-  Eigen::VectorXcd multipliers;  // 2r, the largest first; empty without options.stability
+  // 2r, the largest first; empty without options.stability. Far from the unit circle they are
+  // computed with half the steps: those of stiff coordinates may then be too large, never unstable.
+  Eigen::VectorXcd multipliers;
 
   Eigen::Index harmonics() const { return harmonics_of(motion); }
 };

@@ -274,7 +274,13 @@ Status check_stepping(const ResponseOptions& options, const VibratingSystem& sys
 }
 
 // The stable points of the curve by time stepping. The damping has been checked.
-Status step_points(const ResponseOptions& options, const PeriodicModel& made, CurveResult& result) {
+Status step_points(const ResponseOptions& options, const PeriodicModel& made,
+                   const VibratingSystem& system, CurveResult& result) {
+  // Few steps show stiff coordinates as slow to settle, which would make the other side wait.
+  Floquet floquet(system);
+  for (CurvePoint& point : result.curve.points)
+    point.multipliers =
+        floquet.multipliers(point.motion, point.omega, floquet_steps(point.harmonics()));
   SteppedLoad load{made.model, {}, result.load_scale * made.load, made.constant, made.probe_rows};
   load.damping.alpha = options.alpha;
   load.damping.beta = options.beta;
@@ -365,7 +371,8 @@ int response_command(const ResponseOptions& options) {
     set_ending(*made, system->damped(), fmt::format("{:g} Hz", options.to), *curve, *result);
     note_signal(interruption, *result);
     if (options.by_stepping && interruption.signal() == 0)
-      if (Status s = step_points(options, *made, *result); !s) return report_error(s.error());
+      if (Status s = step_points(options, *made, *system, *result); !s)
+        return report_error(s.error());
     results.push_back(std::move(*result));
     if (interruption.signal() != 0) break;
     if (results.size() > 1) continue;
