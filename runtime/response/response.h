@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -71,6 +72,17 @@ struct MotionCurve {
   CurveEnd end = CurveEnd::kDone;
   double largest_share = 0.0;  // of the two highest harmonics, over all points
 };
+
+// One harmonic of a load in time: scale sin(number omega t + phase).
+struct LoadHarmonic {
+  int number = 1;  // 1 to 99
+  double scale = 1.0;
+  double phase = 0.0;  // rad
+};
+
+// The sum of the harmonics as a series of one row, without a constant part; sin omega t if there
+// are none. Errors: kContent for a number out of range, a value that is not finite, or no load.
+Result<FourierSeries> load_course(std::span<const LoadHarmonic> parts);
 
 // A response curve's force and range.
 struct ResponseRequest {

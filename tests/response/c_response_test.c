@@ -83,6 +83,7 @@ int tremolo_c_response_refusals(const tremolo_model* model) {
   tremolo_curve* curve = NULL;
   tremolo_curve_point point;
   tremolo_bifurcation bifurcation;
+  tremolo_load_harmonic harmonic = {0, 0, 0.0, 0.0};
   double number = 0.0;
   tremolo_curve_options_init(&options);
   options.damping_ratio = "2%";
@@ -126,8 +127,28 @@ int tremolo_c_response_refusals(const tremolo_model* model) {
   REQUIRE(refused(tremolo_backbone(model, &options, 0.1, &curve), TREMOLO_CONTENT, "mode"));
   options.mode = 1;
   REQUIRE(refused(tremolo_backbone(model, &options, -0.1, &curve), TREMOLO_CONTENT, "amplitude"));
+  REQUIRE(refused(tremolo_damped_backbone(model, &options, 0.1, &curve), TREMOLO_CONTENT,
+                  "damping_ratio"));
   options.damping_ratio = "2%";
   REQUIRE(refused(tremolo_backbone(model, &options, 0.1, &curve), TREMOLO_CONTENT, "damping"));
+  REQUIRE(
+      refused(tremolo_damped_backbone(model, &options, NAN, &curve), TREMOLO_CONTENT, "amplitude"));
+  options.load_harmonics = &harmonic;
+  REQUIRE(refused(tremolo_response(model, &options, 0.5, 1.0, &curve), TREMOLO_USAGE,
+                  "load_harmonic_count"));
+  options.load_harmonic_count = 1;
+  REQUIRE(refused(tremolo_damped_backbone(model, &options, 0.1, &curve), TREMOLO_USAGE,
+                  "load_harmonics"));
+  REQUIRE(refused(tremolo_response(model, &options, 0.5, 1.0, &curve), TREMOLO_CONTENT, "1 to 99"));
+  harmonic.number = 1;
+  REQUIRE(refused(tremolo_response(model, &options, 0.5, 1.0, &curve), TREMOLO_CONTENT, "no load"));
+  harmonic.scale = NAN;
+  REQUIRE(refused(tremolo_response(model, &options, 0.5, 1.0, &curve), TREMOLO_CONTENT, "finite"));
+  harmonic.number = 16;
+  harmonic.scale = 1.0;
+  REQUIRE(
+      refused(tremolo_response(model, &options, 0.5, 1.0, &curve), TREMOLO_CONTENT, "harmonic 16"));
+  REQUIRE(refused(tremolo_fold_curve(NULL, 0, 2.0, &curve), TREMOLO_USAGE, "response"));
   options.size = 0;
   REQUIRE(refused(tremolo_backbone(model, &options, 0.1, &curve), TREMOLO_USAGE, "_init"));
   /* An older program knows the first fields alone: the others keep their defaults. */
@@ -138,6 +159,9 @@ int tremolo_c_response_refusals(const tremolo_model* model) {
   REQUIRE(curve == NULL);
   REQUIRE(tremolo_backbone(model, &options, 0.1, &curve) == TREMOLO_OK);
   REQUIRE(tremolo_curve_point_at(curve, 0, &point) == TREMOLO_OK && point.harmonics == 3);
+  REQUIRE(point.load_scale == 0.0);
+  REQUIRE(refused(tremolo_fold_curve(curve, 0, 2.0, &curve), TREMOLO_USAGE, "tremolo_response"));
+  REQUIRE(refused(tremolo_branch_curve(curve, 0, 1, &curve), TREMOLO_USAGE, "tremolo_response"));
   REQUIRE(refused(tremolo_curve_point_at(curve, tremolo_curve_points(curve), &point), TREMOLO_USAGE,
                   "no point"));
   REQUIRE(refused(tremolo_curve_bifurcation_at(curve, 0, &bifurcation), TREMOLO_USAGE,
