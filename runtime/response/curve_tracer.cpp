@@ -83,14 +83,15 @@ class Tracer {
     point.stable = point.unstable == 0;
   }
 
-  // A point of the curve. Half the steps suffice to see that its multipliers are far from the unit
-  // circle. Otherwise this point and some after it take all steps. Half the steps show the stiffest
-  // coordinates as less damped than they are, which only asks for all steps too often.
+  // A point of the curve. Half the steps suffice to see that the multipliers of a motion of few
+  // harmonics are far from the unit circle. Otherwise this point and some after it take all steps.
+  // Half the steps show the stiffest coordinates as less damped than they are, which only asks for
+  // all steps too often.
   CurvePoint next_point_of(const Eigen::VectorXd& y) {
     if (!options_.stability || conservative_) return point_of(y);
     CurvePoint point = measured_point(y);
     const int steps = floquet_steps(point.harmonics());
-    if (points_near_circle_ == 0) {
+    if (points_near_circle_ == 0 && few_harmonics(point, steps / 2)) {
       set_multipliers(point, steps / 2);
       if (far_inside(point)) return point;
     }
@@ -98,10 +99,19 @@ class Tracer {
     points_near_circle_ = far_inside(point) ? std::max(points_near_circle_ - 1, 0) : kPointsNear;
     return point;
   }
+  // exp(-this) is the largest multiplier of the linear body.
+  double least_decay(const CurvePoint& point) const {
+    return 0.5 * system_.damping.minCoeff() * 2.0 * std::numbers::pi / point.omega;
+  }
+  // True if there are four steps to each harmonic that holds enough to excite another mode.
+  bool few_harmonics(const CurvePoint& point, int steps) const {
+    const Eigen::Index H = point.harmonics(), resolved = std::min<Eigen::Index>(H, steps / 4);
+    const double rest = point.motion.rightCols(2 * (H - resolved)).norm();
+    return rest < 0.01 * least_decay(point) * point.motion.rightCols(2 * H).norm();
+  }
   // True if all multipliers decay by a quarter of the least decay of the linear body, or more.
   bool far_inside(const CurvePoint& point) const {
-    const double least = 0.5 * system_.damping.minCoeff() * 2.0 * std::numbers::pi / point.omega;
-    return std::abs(point.multipliers[0]) < std::exp(-0.25 * least);
+    return std::abs(point.multipliers[0]) < std::exp(-0.25 * least_decay(point));
   }
 
   void add_point(CurvePoint point) {
