@@ -19,6 +19,7 @@
 
 extern "C" int tremolo_c_backbone_round(const tremolo_model* model, double omega, double gamma);
 extern "C" int tremolo_c_response_refusals(const tremolo_model* model);
+extern "C" int tremolo_c_load_refusals(const tremolo_model* model);
 
 namespace tremolo {
 namespace {
@@ -58,6 +59,8 @@ TEST_F(CCurve, ABackboneOfOneCoordinateIsThatOfTheEllipticIntegral) {
 TEST_F(CCurve, WrongInputIsRefusedWithTheReason) {
   load(duffing_basis(2.0, 3.0));
   EXPECT_EQ(tremolo_c_response_refusals(model_), 0)
+      << "line of c_response_test.c; " << tremolo_last_error();
+  EXPECT_EQ(tremolo_c_load_refusals(model_), 0)
       << "line of c_response_test.c; " << tremolo_last_error();
 }
 
