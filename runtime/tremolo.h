@@ -625,7 +625,8 @@ tremolo_status tremolo_world_surface(const tremolo_world* world, uint32_t body,
  * tremolo_response follows the periodic motions of a fixed body under a load sin(2 pi f t) over the
  * frequency f, through folds; tremolo_backbone follows the free motions of one mode, without load
  * and damping, over the amplitude. Both solve by harmonic balance, usually within a second, and
- * give a curve: points, and bifurcations with folds among them. docs/response.md explains the
+ * give a curve: points, and bifurcations with folds among them. tremolo_damped_backbone,
+ * tremolo_fold_curve and tremolo_branch_curve give further curves. docs/response.md explains the
  * terms.
  *
  *   tremolo_curve_options_init(&options);
@@ -638,6 +639,14 @@ typedef struct tremolo_curve tremolo_curve;
 
 /* Instead of a vertex: the one that moves most in the mode. */
 #define TREMOLO_ANY_VERTEX UINT32_MAX
+
+/* One harmonic of a load in time: scale sin(number 2 pi f t + degrees). */
+typedef struct tremolo_load_harmonic {
+  int32_t number;   /* 1 to 99, not above most_harmonics */
+  int32_t reserved; /* 0 */
+  double scale;
+  double degrees;
+} tremolo_load_harmonic;
 
 /* Fill with tremolo_curve_options_init. `size` as in tremolo_body_options. */
 typedef struct tremolo_curve_options {
@@ -654,8 +663,9 @@ typedef struct tremolo_curve_options {
   double longest_step;      /* between two points, relative to the motion, in (0, 1]; 0.1 */
   double largest_amplitude; /* m, a curve ends there as unbounded; 0: the body's size */
   double gravity[3];        /* a constant acceleration, m/s^2; 0 */
-  /* Of responses alone: the load is load_scale times the forces (x, y, z of each vertex, N) on
-   * load_count vertices, or times the model's default load if load_vertices is NULL. */
+  /* Of responses and damped backbones: the load is load_scale times the forces (x, y, z of each
+   * vertex, N) on load_count vertices, or times the model's default load if load_vertices is NULL.
+   */
   double load_scale;   /* not 0; 1 */
   double static_scale; /* the same forces also act constantly, times this; 0 */
   const uint32_t* load_vertices;
@@ -663,7 +673,12 @@ typedef struct tremolo_curve_options {
   size_t load_count;
   double alpha;              /* damping as in tremolo_body_options; 0 */
   double beta;               /* 0 */
-  const char* damping_ratio; /* NULL: alpha and beta */
+  const char* damping_ratio; /* as "2%", by mode "2%,1%", or a table in Hz "1:2%,10:1%,30:5%"; NULL:
+                              * alpha and beta */
+  /* Of responses alone: the sum of load_harmonic_count harmonics is the load's course in time;
+   * NULL: sin(2 pi f t). */
+  const tremolo_load_harmonic* load_harmonics;
+  size_t load_harmonic_count;
 } tremolo_curve_options;
 
 void tremolo_curve_options_init(tremolo_curve_options* options);
@@ -686,6 +701,8 @@ typedef struct tremolo_curve_point {
   double amplitude;  /* largest distance of the probe from its place at rest over a period, m */
   double energy;     /* mean over the period, J; of a free motion constant */
   double last_share; /* of the two highest harmonics in the motion, 0 to 1 */
+  double load_scale; /* of the load in this motion: changes along damped backbones and fold curves,
+                      * else that of the options; 0 of a free backbone */
   int32_t stable;    /* 1: stable, 0: unstable, -1: not computed */
   int32_t harmonics; /* H */
 } tremolo_curve_point;
@@ -720,6 +737,30 @@ tremolo_status tremolo_response(const tremolo_model* model, const tremolo_curve_
  * mode does not exist, or the options have a damping. */
 tremolo_status tremolo_backbone(const tremolo_model* model, const tremolo_curve_options* options,
                                 double to_amplitude, tremolo_curve** curve);
+
+/* Phase resonance, to an amplitude, m: the damped motions under a load load_scale cos(2 pi f t)
+ * whose displacement along the load lags it by 90 degrees. load_scale of each point is the load
+ * that keeps it. These are the ridge of the response curves. Errors as for both curves above; also
+ * TREMOLO_USAGE: the options have load_harmonics; TREMOLO_CONTENT: no damping, or the load does not
+ * move the mode. */
+tremolo_status tremolo_damped_backbone(const tremolo_model* model,
+                                       const tremolo_curve_options* options, double to_amplitude,
+                                       tremolo_curve** curve);
+
+/* Follows a fold of a response (a number of tremolo_curve_bifurcation_at) over the load, to
+ * to_load_scale, or through a cusp, where two folds meet, back to the response's load_scale. The
+ * cusps are the new curve's bifurcations. Its points have no stability. The response may be
+ * destroyed first. TREMOLO_USAGE: the curve is not one of tremolo_response, or there is no such
+ * fold. TREMOLO_CONTENT: to_load_scale is 0 or of the other sign. TREMOLO_SOLVER: nothing was found
+ * there. */
+tremolo_status tremolo_fold_curve(const tremolo_curve* response, size_t bifurcation,
+                                  double to_load_scale, tremolo_curve** curve);
+
+/* Follows the branch that crosses a response at a branch point, in the direction 1 or -1, until it
+ * meets the response again or leaves its range. Errors as for tremolo_fold_curve; TREMOLO_USAGE:
+ * another direction. */
+tremolo_status tremolo_branch_curve(const tremolo_curve* response, size_t bifurcation,
+                                    int32_t direction, tremolo_curve** curve);
 
 void tremolo_curve_destroy(tremolo_curve* curve);
 

@@ -1,4 +1,4 @@
-// tremolo_response, tremolo_backbone and tremolo_curve_*: periodic motion from C.
+// tremolo_response, tremolo_backbone and the curves that follow from one: periodic motion from C.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -9,21 +9,10 @@
 
 #include "common/text.h"
 #include "runtime/bodies/reduced/integrators/solve/damping.h"
-#include "runtime/c/c_api.h"
+#include "runtime/c/c_api_curve.h"
 #include "runtime/response/backbone.h"
-#include "runtime/response/orbit.h"
+#include "runtime/response/branches.h"
 #include "runtime/response/probe.h"
-#include "runtime/response/response.h"
-
-// NOLINTBEGIN(readability-identifier-naming): the name of the C header
-struct tremolo_curve {
-  tremolo::MotionCurve curve;
-  std::vector<tremolo_curve_point> points;
-  std::vector<tremolo_bifurcation> bifurcations;
-  tremolo::VertexId probe = 0;
-  std::string reason;  // empty: as requested
-};
-// NOLINTEND(readability-identifier-naming)
 
 namespace {
 
@@ -31,9 +20,11 @@ using tremolo::content_error;
 using tremolo::CurveEnd;
 using tremolo::CurveOptions;
 using tremolo::CurvePoint;
+using tremolo::FourierSeries;
 using tremolo::Model;
 using tremolo::MotionCurve;
 using tremolo::Probe;
+using tremolo::ResponseRequest;
 using tremolo::Result;
 using tremolo::Status;
 using tremolo::Success;
@@ -44,7 +35,6 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 
 // The common parts of both curves.
 struct Vibration {
-  const Model& model;
   VibratingSystem system;
   CurveOptions options;
   Probe probe;
@@ -157,19 +147,18 @@ Result<Vibration> vibration_of(const Model& model, const tremolo_curve_options& 
   options.amplitude = amplitude_of(*probe);
   options.largest_amplitude =
       given.largest_amplitude > 0.0 ? given.largest_amplitude : extent_of(model);
-  return Vibration{model,
-                   std::move(*system),
-                   std::move(options),
-                   std::move(*probe),
-                   given.load_scale * *load,
-                   std::move(*constant)};
+  return Vibration{std::move(*system), std::move(options), std::move(*probe),
+                   given.load_scale * *load, std::move(*constant)};
 }
 
-tremolo_curve_point to_point(const CurvePoint& point, const VibratingSystem& system) {
+// load_scale: that of a point whose factor of the load is 1.
+tremolo_curve_point to_point(const CurvePoint& point, const VibratingSystem& system,
+                             double load_scale) {
   return {.frequency_hz = point.omega / kTurn,
           .amplitude = point.amplitude,
           .energy = mean_energy(system, point.motion, point.omega),
           .last_share = point.share,
+          .load_scale = load_scale * point.load,
           .stable = point.multipliers.size() == 0 ? -1
                     : point.stable                ? 1
                                                   : 0,
@@ -193,22 +182,58 @@ const char* reason_of(CurveEnd end) {
   }
 }
 
-// Stores the curve behind a new handle.
-Status store(const Vibration& vibration, Result<MotionCurve> found, tremolo_curve** curve) {
+// Stores the curve behind a new handle, which also has all parts of `made`.
+Status store(tremolo_curve made, Result<MotionCurve> found, tremolo_curve** curve) {
   if (!found) return found.error();
-  auto made = std::make_unique<tremolo_curve>();
-  made->probe = vibration.probe.vertex;
-  made->reason = reason_of(found->end);
+  auto stored = std::make_unique<tremolo_curve>(std::move(made));
+  stored->reason = reason_of(found->end);
   for (const CurvePoint& point : found->points)
-    made->points.push_back(to_point(point, vibration.system));
+    stored->points.push_back(to_point(point, stored->system, stored->load_scale));
   for (const tremolo::Bifurcation& one : found->bifurcations)
-    made->bifurcations.push_back({.kind = static_cast<int32_t>(one.kind),
-                                  .reserved = 0,
-                                  .multiplier = {one.multiplier.real(), one.multiplier.imag()},
-                                  .point = to_point(one.point, vibration.system)});
-  made->curve = std::move(*found);
-  *curve = made.release();
+    stored->bifurcations.push_back(
+        {.kind = static_cast<int32_t>(one.kind),
+         .reserved = 0,
+         .multiplier = {one.multiplier.real(), one.multiplier.imag()},
+         .point = to_point(one.point, stored->system, stored->load_scale)});
+  stored->curve = std::move(*found);
+  *curve = stored.release();
   return Success{};
+}
+
+// A curve of this vibration, without its points.
+tremolo_curve begin_curve(const Model::Pointer& model, const Vibration& vibration,
+                          double load_scale) {
+  return {.model = model,
+          .system = vibration.system,
+          .options = vibration.options,
+          .request = {},
+          .load_scale = load_scale,
+          .probe = vibration.probe.vertex};
+}
+
+// The load's course in time, 1 x (2K + 1).
+Result<FourierSeries> course_of(const tremolo_curve_options& given) {
+  if (given.load_harmonics == nullptr) return tremolo::load_course({});
+  if (given.load_harmonic_count == 0)
+    return usage_error("load_harmonics needs a load_harmonic_count above 0");
+  std::vector<tremolo::LoadHarmonic> parts;
+  for (std::size_t i = 0; i < given.load_harmonic_count; ++i) {
+    const tremolo_load_harmonic& part = given.load_harmonics[i];
+    parts.push_back({part.number, part.scale, part.degrees * kTurn / 360.0});
+  }
+  return tremolo::load_course(parts);
+}
+
+Status need_load(const Vibration& vibration, const tremolo_curve_options& given) {
+  if (!vibration.load.isZero(0.0)) return Success{};
+  return content_error(given.load_vertices == nullptr
+                           ? "the model has no default load that moves it: give load_vertices"
+                           : "the load is zero, or acts on fixed vertices alone");
+}
+
+Status check_amplitude(double to_amplitude) {
+  if (to_amplitude > 0.0 && std::isfinite(to_amplitude)) return Success{};
+  return content_error("the amplitude must be positive and finite");
 }
 
 // Runs action(model, complete options) -> Status.
@@ -216,20 +241,12 @@ template <class Action>
 tremolo_status make_curve(const tremolo_model* model, const tremolo_curve_options* options,
                           tremolo_curve** curve, const Action& action) {
   return tremolo::c_api::with(
-      model, {{curve, "the place for the curve"}}, [&](const Model& known) -> Status {
+      model, {{curve, "the place for the curve"}}, [&](const Model&) -> Status {
         const Result<tremolo_curve_options> full = tremolo::c_api::complete(
             options, tremolo_curve_options_init, "tremolo_curve_options_init");
         if (!full) return full.error();
-        return action(known, *full);
+        return action(model->pointer, *full);
       });
-}
-
-// Runs action(number `index` of the list) -> Status.
-template <class List, class Action>
-Status at_index(const List& list, std::size_t index, const char* what, const Action& action) {
-  if (index < list.size()) return action(list[index]);
-  return usage_error("the curve has no " + std::string(what) + " " + std::to_string(index) +
-                     ": it has " + std::to_string(list.size()));
 }
 
 }  // namespace
@@ -260,114 +277,127 @@ void tremolo_curve_options_init(tremolo_curve_options* options) {
               .load_count = 0,
               .alpha = 0.0,
               .beta = 0.0,
-              .damping_ratio = nullptr};
+              .damping_ratio = nullptr,
+              .load_harmonics = nullptr,
+              .load_harmonic_count = 0};
 }
 
 tremolo_status tremolo_response(const tremolo_model* model, const tremolo_curve_options* options,
                                 double from_hz, double to_hz, tremolo_curve** curve) {
-  return make_curve(
-      model, options, curve, [&](const Model& known, const tremolo_curve_options& full) -> Status {
-        Result<Vibration> made = vibration_of(known, full);
-        if (!made) return made.error();
-        if (made->load.isZero(0.0))
-          return content_error(
-              full.load_vertices == nullptr
-                  ? "the model has no default load that moves it: give load_vertices"
-                  : "the load is zero, or acts on fixed vertices alone");
-        if (!made->system.damped()) limit_undamped(made->options);
-        tremolo::ResponseRequest request;
-        request.force = tremolo::FourierSeries::Zero(known.modes(), 3);
-        request.force.col(0) = made->constant;
-        request.force.col(tremolo::sine_column(1)) = made->load;
-        request.omega_from = kTurn * from_hz;
-        request.omega_to = kTurn * to_hz;
-        return store(*made, response_curve(made->system, request, made->options), curve);
-      });
+  return make_curve(model, options, curve,
+                    [&](const Model::Pointer& known, const tremolo_curve_options& full) -> Status {
+                      Result<Vibration> made = vibration_of(*known, full);
+                      if (!made) return made.error();
+                      if (Status s = need_load(*made, full); !s) return s;
+                      const Result<FourierSeries> course = course_of(full);
+                      if (!course) return course.error();
+                      if (!made->system.damped()) limit_undamped(made->options);
+                      ResponseRequest request{made->load * *course, kTurn * from_hz, kTurn * to_hz};
+                      request.force.col(0) = made->constant;
+                      Result<MotionCurve> found =
+                          response_curve(made->system, request, made->options);
+                      tremolo_curve begun = begin_curve(known, *made, full.load_scale);
+                      begun.request = std::move(request);
+                      return store(std::move(begun), std::move(found), curve);
+                    });
 }
 
 tremolo_status tremolo_backbone(const tremolo_model* model, const tremolo_curve_options* options,
                                 double to_amplitude, tremolo_curve** curve) {
   return make_curve(
-      model, options, curve, [&](const Model& known, const tremolo_curve_options& full) -> Status {
+      model, options, curve,
+      [&](const Model::Pointer& known, const tremolo_curve_options& full) -> Status {
         if (full.alpha != 0.0 || full.beta != 0.0 || full.damping_ratio != nullptr)
-          return content_error("a backbone is the free motion without damping: leave it out");
-        if (!(to_amplitude > 0.0) || !std::isfinite(to_amplitude))
-          return content_error("the amplitude must be positive and finite");
-        Result<Vibration> made = vibration_of(known, full);
+          return content_error(
+              "a backbone is the free motion without damping: leave it out, or use "
+              "tremolo_damped_backbone");
+        if (Status s = check_amplitude(to_amplitude); !s) return s;
+        Result<Vibration> made = vibration_of(*known, full);
         if (!made) return made.error();
         made->options.largest_amplitude =
             std::max(made->options.largest_amplitude, 1.01 * to_amplitude);
-        return store(*made,
+        return store(begin_curve(known, *made, 0.0),
                      backbone_curve(made->system, {full.mode - 1, made->constant, to_amplitude},
                                     made->options),
                      curve);
       });
 }
 
-void tremolo_curve_destroy(tremolo_curve* curve) {
-  delete curve;
-}
-
-size_t tremolo_curve_points(const tremolo_curve* curve) {
-  return curve == nullptr ? 0 : curve->points.size();
-}
-
-size_t tremolo_curve_bifurcations(const tremolo_curve* curve) {
-  return curve == nullptr ? 0 : curve->bifurcations.size();
-}
-
-uint32_t tremolo_curve_probe(const tremolo_curve* curve) {
-  return curve == nullptr ? TREMOLO_ANY_VERTEX : static_cast<uint32_t>(curve->probe);
-}
-
-tremolo_curve_end tremolo_curve_reached(const tremolo_curve* curve) {
-  return curve == nullptr ? TREMOLO_CURVE_STUCK : static_cast<tremolo_curve_end>(curve->curve.end);
-}
-
-const char* tremolo_curve_reason(const tremolo_curve* curve) {
-  return curve == nullptr ? "the curve is NULL" : curve->reason.c_str();
-}
-
-tremolo_status tremolo_curve_point_at(const tremolo_curve* curve, size_t index,
-                                      tremolo_curve_point* point) {
-  return tremolo::c_api::with_all({{curve, "the curve"}, {point, "the place for the point"}}, [&] {
-    return at_index(curve->points, index, "point", [&](const tremolo_curve_point& at) -> Status {
-      *point = at;
-      return Success{};
-    });
-  });
-}
-
-tremolo_status tremolo_curve_bifurcation_at(const tremolo_curve* curve, size_t index,
-                                            tremolo_bifurcation* bifurcation) {
-  return tremolo::c_api::with_all(
-      {{curve, "the curve"}, {bifurcation, "the place for the bifurcation"}}, [&] {
-        return at_index(curve->bifurcations, index, "bifurcation",
-                        [&](const tremolo_bifurcation& at) -> Status {
-                          *bifurcation = at;
-                          return Success{};
-                        });
+tremolo_status tremolo_damped_backbone(const tremolo_model* model,
+                                       const tremolo_curve_options* options, double to_amplitude,
+                                       tremolo_curve** curve) {
+  return make_curve(
+      model, options, curve,
+      [&](const Model::Pointer& known, const tremolo_curve_options& full) -> Status {
+        if (full.load_harmonics != nullptr)
+          return usage_error("a damped backbone has a load of one harmonic: no load_harmonics");
+        if (Status s = check_amplitude(to_amplitude); !s) return s;
+        Result<Vibration> made = vibration_of(*known, full);
+        if (!made) return made.error();
+        if (!made->system.damped())
+          return content_error("a damped backbone needs a damping, such as damping_ratio \"2%\"");
+        if (Status s = need_load(*made, full); !s) return s;
+        made->options.largest_amplitude =
+            std::max(made->options.largest_amplitude, 1.01 * to_amplitude);
+        return store(begin_curve(known, *made, full.load_scale),
+                     damped_backbone_curve(
+                         made->system, {full.mode - 1, made->constant, made->load, to_amplitude},
+                         made->options),
+                     curve);
       });
 }
 
-tremolo_status tremolo_curve_motion(const tremolo_curve* curve, size_t index, double* out,
-                                    size_t length) {
-  return tremolo::c_api::with_all({{curve, "the curve"}, {out, "the buffer"}}, [&] {
-    return at_index(curve->curve.points, index, "point", [&](const CurvePoint& at) -> Status {
-      const auto needed = static_cast<std::size_t>(at.motion.size());
-      if (Status s = tremolo::c_api::need_buffer(out, length, needed); !s) return s;
-      std::copy_n(at.motion.data(), needed, out);
-      return Success{};
-    });
-  });
+namespace {
+
+// Runs action(bifurcation) -> Result<MotionCurve> for one of that kind on a response curve, and
+// stores the new curve.
+template <class Action>
+tremolo_status follow(const tremolo_curve* response, std::size_t index,
+                      tremolo::BifurcationKind kind, tremolo_curve** curve, const Action& action) {
+  return tremolo::c_api::with_all(
+      {{response, "the response"}, {curve, "the place for the curve"}}, [&]() -> Status {
+        if (!response->request)
+          return usage_error("the curve is not one of tremolo_response: it has no load to change");
+        return tremolo::c_api::at_index(
+            response->curve.bifurcations, index, "bifurcation",
+            [&](const tremolo::Bifurcation& at) -> Status {
+              if (at.kind != kind)
+                return usage_error("bifurcation " + std::to_string(index) + " is a " +
+                                   name_of(at.kind) + ", not a " + name_of(kind));
+              tremolo_curve begun{.model = response->model,
+                                  .system = response->system,
+                                  .options = response->options,
+                                  .request = {},
+                                  .load_scale = response->load_scale,
+                                  .probe = response->probe};
+              return store(std::move(begun), action(at), curve);
+            });
+      });
 }
 
-tremolo_status tremolo_curve_state(const tremolo_curve* curve, size_t index, double fraction,
-                                   double* q, double* p, size_t length) {
-  return tremolo::c_api::with_all({{curve, "the curve"}, {q, "the buffer"}}, [&] {
-    return at_index(curve->curve.points, index, "point", [&](const CurvePoint& at) -> Status {
-      if (!std::isfinite(fraction)) return usage_error("the fraction of the period is not finite");
-      return tremolo::c_api::copy_state(orbit_state(at, kTurn * fraction), q, p, length);
-    });
-  });
+}  // namespace
+
+tremolo_status tremolo_fold_curve(const tremolo_curve* response, size_t bifurcation,
+                                  double to_load_scale, tremolo_curve** curve) {
+  return follow(response, bifurcation, tremolo::BifurcationKind::kFold, curve,
+                [&](const tremolo::Bifurcation& fold) -> Result<MotionCurve> {
+                  const double factor = to_load_scale / response->load_scale;
+                  if (!(factor > 0.0) || !std::isfinite(factor))
+                    return content_error(
+                        "to_load_scale must be finite, not zero, and have the sign of the "
+                        "response's load_scale");
+                  return fold_curve(response->system, *response->request, fold.point, factor,
+                                    response->options);
+                });
+}
+
+tremolo_status tremolo_branch_curve(const tremolo_curve* response, size_t bifurcation,
+                                    int32_t direction, tremolo_curve** curve) {
+  return follow(response, bifurcation, tremolo::BifurcationKind::kBranch, curve,
+                [&](const tremolo::Bifurcation& branch) -> Result<MotionCurve> {
+                  if (direction != 1 && direction != -1)
+                    return usage_error("the direction of a branch is 1 or -1");
+                  return crossing_branch(response->system, *response->request, response->curve,
+                                         branch.point, direction, response->options);
+                });
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace tremolo {
@@ -17,6 +18,8 @@ constexpr double kFarBelow = 0.2;  // of both limits, before harmonics are taken
 constexpr int kFewFactorizations = 2, kManyFactorizations = 3;
 // Distance of a multiplier from the unit circle that counts: above the errors of its computation.
 constexpr double kOutside = 1e-7, kOutsideConservative = 1e-5;
+// So many points take all steps after one whose multipliers are near the unit circle.
+constexpr int kPointsNear = 8;
 
 double tangent_cosine(const CurveState& a, const CurveState& b) {
   return (a.weights.array().square() * a.tangent.array() * b.tangent.array()).sum() /
@@ -29,6 +32,7 @@ class Tracer {
          bool conservative, const CurveOptions& options)
       : equations_(equations),
         system_(system),
+        floquet_(system),
         goal_(goal),
         conservative_(conservative),
         options_(options),
@@ -39,7 +43,7 @@ class Tracer {
     if (!state) return state.error();
     state_ = std::move(*state);
     if (!adapt_harmonics()) return Error{ErrorKind::kSolver, "more harmonics give no motion"};
-    add_point(point_of(state_.y));
+    add_point(next_point_of(state_.y));
     while (!ended()) {
       if (!advance_once()) curve_.end = CurveEnd::kStuck, finished_ = true;
     }
@@ -59,18 +63,55 @@ class Tracer {
   }
   double circle() const { return 1.0 + (conservative_ ? kOutsideConservative : kOutside); }
 
-  CurvePoint point_of(const Eigen::VectorXd& y) const {
+  CurvePoint point_of(const Eigen::VectorXd& y) {
+    CurvePoint point = measured_point(y);
+    if (options_.stability) set_multipliers(point, floquet_steps(point.harmonics()));
+    return point;
+  }
+  CurvePoint measured_point(const Eigen::VectorXd& y) {
     CurvePoint point = bare_point(y);
     point.share = last_share(point.motion);
     point.missing = equations_.missing_share(y);
     point.length = length_;
-    if (!options_.stability) return point;
-    point.multipliers =
-        floquet_multipliers(system_, point.motion, point.omega, floquet_steps(point.harmonics()));
+    return point;
+  }
+  void set_multipliers(CurvePoint& point, int steps) {
+    point.multipliers = floquet_.multipliers(point.motion, point.omega, steps);
+    point.unstable = 0;
     for (const auto& multiplier : deciding(point.multipliers))
       if (!(std::abs(multiplier) <= circle())) ++point.unstable;
     point.stable = point.unstable == 0;
+  }
+
+  // A point of the curve. Half the steps suffice to see that the multipliers of a motion of few
+  // harmonics are far from the unit circle. Otherwise this point and some after it take all steps.
+  // Half the steps show the stiffest coordinates as less damped than they are, which only asks for
+  // all steps too often.
+  CurvePoint next_point_of(const Eigen::VectorXd& y) {
+    if (!options_.stability || conservative_) return point_of(y);
+    CurvePoint point = measured_point(y);
+    const int steps = floquet_steps(point.harmonics());
+    if (points_near_circle_ == 0 && few_harmonics(point, steps / 2)) {
+      set_multipliers(point, steps / 2);
+      if (far_inside(point)) return point;
+    }
+    set_multipliers(point, steps);
+    points_near_circle_ = far_inside(point) ? std::max(points_near_circle_ - 1, 0) : kPointsNear;
     return point;
+  }
+  // exp(-this) is the largest multiplier of the linear body.
+  double least_decay(const CurvePoint& point) const {
+    return 0.5 * system_.damping.minCoeff() * 2.0 * std::numbers::pi / point.omega;
+  }
+  // True if there are four steps to each harmonic that holds enough to excite another mode.
+  bool few_harmonics(const CurvePoint& point, int steps) const {
+    const Eigen::Index H = point.harmonics(), resolved = std::min<Eigen::Index>(H, steps / 4);
+    const double rest = point.motion.rightCols(2 * (H - resolved)).norm();
+    return rest < 0.01 * least_decay(point) * point.motion.rightCols(2 * H).norm();
+  }
+  // True if all multipliers decay by a quarter of the least decay of the linear body, or more.
+  bool far_inside(const CurvePoint& point) const {
+    return std::abs(point.multipliers[0]) < std::exp(-0.25 * least_decay(point));
   }
 
   void add_point(CurvePoint point) {
@@ -159,14 +200,14 @@ class Tracer {
 
   bool accept(CurveState& next, const CorrectorReport& report) {
     length_ += ds_;
-    CurvePoint point = point_of(next.y);
+    CurvePoint point = next_point_of(next.y);
     if (goal_.ends_at_half_period && meets_half_period(next)) return join(next);
     if (goal_.beyond(point) >= 0.0) return arrive(point);
     find_events(next, point);
     state_ = std::move(next);
     const Eigen::Index before = equations_.harmonics();
     if (!adapt_harmonics()) return add_point(std::move(point)), false;
-    if (equations_.harmonics() != before) point = point_of(state_.y);
+    if (equations_.harmonics() != before) point = next_point_of(state_.y);
     add_point(std::move(point));
     // The coupling of soft and stiff coordinates makes old factors contract slowly, at steps that
     // Newton's method itself takes easily: factorizations are what limits a step.
@@ -210,7 +251,7 @@ class Tracer {
     if (!last) return false;
     const Result<CurveState> end = curve_state(equations_, *last, onwards());
     if (!end) return false;
-    CurvePoint point = point_of(end->y);
+    CurvePoint point = next_point_of(end->y);
     find_events(*end, point);
     add_point(std::move(point));
     return finished_ = true;
@@ -275,11 +316,13 @@ class Tracer {
 
   MotionEquations& equations_;
   const VibratingSystem& system_;
+  Floquet floquet_;
   const CurveGoal& goal_;
   bool conservative_;
   const CurveOptions& options_;
   double ds_;
   double length_ = 0.0;
+  int points_near_circle_ = 1;  // so many points from here on take all steps
   CurveState state_;
   MotionCurve curve_;
   bool finished_ = false;

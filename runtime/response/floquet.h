@@ -6,10 +6,12 @@
 // The multipliers are its eigenvalues: the motion is stable if all are inside the unit circle.
 #pragma once
 
+#include <complex>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "runtime/math/dense/dense_lu.h"
 #include "runtime/response/fourier_series.h"
 #include "runtime/response/vibrating_system.h"
 
@@ -18,13 +20,37 @@ namespace tremolo {
 // The usual number of steps a period for a motion with so many harmonics.
 int floquet_steps(Eigen::Index harmonics);
 
-// Of the deviation (d, d'/omega) over one period from t = 0, 2r x 2r.
-Eigen::MatrixXd monodromy(const VibratingSystem& system, const FourierSeries& motion, double omega,
-                          int steps);
+// The multipliers of motions of one system. K and R along a motion are trigonometric polynomials of
+// degree 2H, so that 4H + 2 samples give them at all stages.
+class Floquet {
+ public:
+  // The system must outlive the object.
+  explicit Floquet(const VibratingSystem& system);
 
-// The multipliers in the order of their size, the largest first, 2r.
-Eigen::VectorXcd floquet_multipliers(const VibratingSystem& system, const FourierSeries& motion,
-                                     double omega, int steps);
+  // Of the deviation (d, d'/omega) over one period from t = 0, 2r x 2r.
+  Eigen::MatrixXd monodromy(const FourierSeries& motion, double omega, int steps);
+  // The multipliers in the order of their size, the largest first, 2r.
+  Eigen::VectorXcd multipliers(const FourierSeries& motion, double omega, int steps);
+
+ private:
+  // From the samples to the stages of all steps (samples x 3 steps).
+  struct Weights {
+    Eigen::Index harmonics;
+    int steps;
+    PaddedMatrix weights;
+  };
+  const PaddedMatrix& weights_of(Eigen::Index harmonics, int steps);
+  void sample(const FourierSeries& motion, double omega);
+
+  const VibratingSystem& system_;
+  PotentialWorkspace workspace_;
+  Evaluation evaluation_;
+  StrainRateForce strain_rates_;
+  std::vector<Weights> weights_;
+  Eigen::VectorXd q_;
+  PaddedMatrix samples_, rate_samples_;     // r^2 x samples
+  PaddedMatrix at_nodes_, rates_at_nodes_;  // r^2 x 3 steps: h^2 K / omega^2, h R / omega
+};
 
 // Kinds of loss of stability. kFold: the curve turns back, a multiplier at +1. kBranch: another
 // curve crosses, a multiplier at +1. kPeriodDoubling: at -1. kNeimarkSacker: a pair on the circle.

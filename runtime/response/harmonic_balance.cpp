@@ -1,6 +1,7 @@
 #include "runtime/response/harmonic_balance.h"
 
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 
 namespace tremolo {
@@ -14,8 +15,7 @@ HarmonicBalance::HarmonicBalance(const VibratingSystem& system, Eigen::Index har
       to_samples_(columns_, samples_),
       slope_to_samples_(columns_, samples_),
       to_coefficients_(samples_, columns_),
-      block_weights_(samples_, columns_ * columns_),
-      slope_block_weights_(samples_, columns_ * columns_),
+      spectrum_weights_(samples_, 4 * harmonics + 1),
       q_(size_, samples_),
       v_(size_, samples_),
       forces_(size_, samples_),
@@ -32,15 +32,10 @@ HarmonicBalance::HarmonicBalance(const VibratingSystem& system, Eigen::Index har
   }
   to_coefficients_ = (2.0 / N) * to_samples_.transpose();
   to_coefficients_.col(0) *= 0.5;
-  PaddedMatrix::Map weights = block_weights_.matrix();
-  PaddedMatrix::Map slope_weights = slope_block_weights_.matrix();
-  for (Eigen::Index l = 0; l < columns_; ++l)
-    for (Eigen::Index k = 0; k < columns_; ++k) {
-      const auto projected = to_coefficients_.col(k).array();
-      weights.col(k + columns_ * l) = projected * to_samples_.row(l).transpose().array();
-      slope_weights.col(k + columns_ * l) =
-          projected * slope_to_samples_.row(l).transpose().array();
-    }
+  for (Eigen::Index n = 0; n < samples_; ++n) {
+    const double theta = 2.0 * std::numbers::pi * static_cast<double>(n) / N;
+    spectrum_weights_.matrix().row(n) = -1.0 / N * fourier_row(2 * harmonics_, theta).transpose();
+  }
 }
 
 void HarmonicBalance::sample(const FourierSeries& motion, double omega) {
@@ -132,15 +127,39 @@ void HarmonicBalance::sample_tangents() {
   }
 }
 
-// out += factor * samples * weights, block by block.
-void HarmonicBalance::add_blocks(const PaddedMatrix& weights, const PaddedMatrix& samples,
-                                 double factor, Eigen::Ref<Eigen::MatrixXd> out) {
-  blocks_.resize(size_ * size_, columns_ * columns_);
-  blocks_.subtract_product(samples, weights);
-  for (Eigen::Index l = 0; l < columns_; ++l)
-    for (Eigen::Index k = 0; k < columns_; ++k)
-      out.block(k * size_, l * size_, size_, size_) -=
-          factor * blocks_.matrix().col(k + columns_ * l).reshaped(size_, size_);
+// The block of rows cos k and columns cos l is C_(k-l) + C_(k+l), and so on, with the means C_m,
+// S_m of the samples times cos m theta, sin m theta: the columns of the spectrum.
+void HarmonicBalance::add_blocks(const PaddedMatrix& samples, bool slope, double factor,
+                                 Eigen::Ref<Eigen::MatrixXd> out) {
+  spectrum_.resize(size_ * size_, 4 * harmonics_ + 1);
+  spectrum_.subtract_product(samples, spectrum_weights_);
+  const auto C = [&](Eigen::Index m) {
+    return spectrum_.matrix().col(m == 0 ? 0 : cosine_column(m)).reshaped(size_, size_);
+  };
+  const auto S = [&](Eigen::Index m) {
+    return spectrum_.matrix().col(sine_column(m)).reshaped(size_, size_);
+  };
+  const auto at = [&](Eigen::Index k, Eigen::Index l) {
+    return out.block(k * size_, l * size_, size_, size_);
+  };
+  for (Eigen::Index l = slope ? 1 : 0; l <= harmonics_; ++l)
+    for (Eigen::Index k = 0; k <= harmonics_; ++k) {
+      // Row 0 has half the weight of the others. S_0 is zero, and its column another one's.
+      const double weight = (k == 0 ? 0.5 : 1.0) * factor;
+      const double order = slope ? weight * static_cast<double>(l) : weight;
+      const double odd = k > l ? 1.0 : k < l ? -1.0 : 0.0;
+      const Eigen::Index less = std::abs(k - l), more = k + l;
+      const Eigen::Index row = k == 0 ? 0 : cosine_column(k),
+                         column = l == 0 ? 0 : cosine_column(l);
+      // With `slope` the columns are those of the derivatives -l sin and l cos.
+      const Eigen::Index cosines = slope ? column + 1 : column, sines = slope ? column : column + 1;
+      const double sign = slope ? -order : order;
+      at(row, cosines) += order * (C(less) + C(more));
+      if (k > 0) at(row + 1, cosines) += order * (S(more) + odd * S(less));
+      if (l == 0) continue;
+      at(row, sines) += sign * (S(more) - odd * S(less));
+      if (k > 0) at(row + 1, sines) += sign * (C(less) - C(more));
+    }
 }
 
 void HarmonicBalance::jacobian(const FourierSeries& motion, double omega, double xi,
@@ -151,10 +170,10 @@ void HarmonicBalance::jacobian(const FourierSeries& motion, double omega, double
   const Eigen::Index n = unknowns();
   auto J = out.topLeftCorner(n, n);
   J.setZero();
-  add_blocks(block_weights_, tangents_, 1.0, J);
+  add_blocks(tangents_, false, 1.0, J);
   by_omega.head(n).setZero();
   if (!strain_rates_.none()) {
-    add_blocks(slope_block_weights_, by_rate_, omega, J);
+    add_blocks(by_rate_, true, omega, J);
     // The force is linear in the velocity, which is linear in omega.
     by_omega.head(n) = (damping_forces_ * to_coefficients_ / omega).reshaped();
   }

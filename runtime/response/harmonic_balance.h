@@ -52,7 +52,8 @@ class HarmonicBalance {
   void sample(const FourierSeries& motion, double omega);
   void sample_forces();
   void sample_tangents();
-  void add_blocks(const PaddedMatrix& weights, const PaddedMatrix& samples, double factor,
+  // out += factor P blockdiag(samples) Gamma, with `slope` Gamma's derivative by theta.
+  void add_blocks(const PaddedMatrix& samples, bool slope, double factor,
                   Eigen::Ref<Eigen::MatrixXd> out);
 
   const VibratingSystem& system_;
@@ -63,13 +64,12 @@ class HarmonicBalance {
   Eigen::MatrixXd to_samples_;        // Gamma^T, (2H + 1) x N
   Eigen::MatrixXd slope_to_samples_;  // of the derivative by theta
   Eigen::MatrixXd to_coefficients_;   // P^T, N x (2H + 1)
-  // N x (2H + 1)^2: the weight of sample n in the block (k, l), column k + (2H + 1) l.
-  PaddedMatrix block_weights_, slope_block_weights_;
-  Eigen::MatrixXd q_, v_;            // samples of the motion and its derivative, r x N
-  Eigen::MatrixXd forces_;           // of grad V, r x N
-  Eigen::MatrixXd damping_forces_;   // of beta M(q) q', r x N
-  PaddedMatrix tangents_, by_rate_;  // r^2 x N
-  PaddedMatrix blocks_;              // r^2 x (2H + 1)^2
+  PaddedMatrix spectrum_weights_;     // N x (4H + 1), with a minus sign for subtract_product()
+  Eigen::MatrixXd q_, v_;             // samples of the motion and its derivative, r x N
+  Eigen::MatrixXd forces_;            // of grad V, r x N
+  Eigen::MatrixXd damping_forces_;    // of beta M(q) q', r x N
+  PaddedMatrix tangents_, by_rate_;   // r^2 x N
+  PaddedMatrix spectrum_;             // r^2 x (4H + 1)
   PotentialWorkspace workspace_;
   Evaluation evaluation_;
   StrainRateForce strain_rates_;

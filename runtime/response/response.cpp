@@ -96,6 +96,27 @@ Result<FourierSeries> linear_motion(const VibratingSystem& system, const Eigen::
   return motion;
 }
 
+Result<FourierSeries> load_course(std::span<const LoadHarmonic> parts) {
+  constexpr LoadHarmonic kSine;
+  if (parts.empty()) parts = {&kSine, 1};
+  int most = 1;
+  for (const LoadHarmonic& part : parts) {
+    if (part.number < 1 || part.number > 99)
+      return content_error("a harmonic of the load has the number " + std::to_string(part.number) +
+                           ": it must be from 1 to 99");
+    if (!std::isfinite(part.scale) || !std::isfinite(part.phase))
+      return content_error("the scale and the phase of a load's harmonic must be finite");
+    most = std::max(most, part.number);
+  }
+  FourierSeries course = FourierSeries::Zero(1, 2 * most + 1);
+  for (const LoadHarmonic& part : parts) {
+    course(0, cosine_column(part.number)) += part.scale * std::sin(part.phase);
+    course(0, sine_column(part.number)) += part.scale * std::cos(part.phase);
+  }
+  if (course.isZero(0.0)) return content_error("the harmonics of the load add up to no load");
+  return course;
+}
+
 Result<MotionCurve> response_curve(const VibratingSystem& system, const ResponseRequest& request,
                                    const CurveOptions& options) {
   if (Status s = check(system, request, options); !s) return s.error();

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,7 +44,9 @@ struct CurvePoint {
   bool stable = true;      // without options.stability: not known
   int unstable = 0;        // multipliers outside the unit circle
   double length = 0.0;     // along the curve from its first point, relative to the motion's size
-  Eigen::VectorXcd multipliers;  // 2r, the largest first; empty without options.stability
+  // 2r, the largest first; empty without options.stability. Far from the unit circle they are
+  // computed with half the steps: those of stiff coordinates may then be too large, never unstable.
+  Eigen::VectorXcd multipliers;
 
   Eigen::Index harmonics() const { return harmonics_of(motion); }
 };
@@ -69,6 +72,17 @@ struct MotionCurve {
   CurveEnd end = CurveEnd::kDone;
   double largest_share = 0.0;  // of the two highest harmonics, over all points
 };
+
+// One harmonic of a load in time: scale sin(number omega t + phase).
+struct LoadHarmonic {
+  int number = 1;  // 1 to 99
+  double scale = 1.0;
+  double phase = 0.0;  // rad
+};
+
+// The sum of the harmonics as a series of one row, without a constant part; sin omega t if there
+// are none. Errors: kContent for a number out of range, a value that is not finite, or no load.
+Result<FourierSeries> load_course(std::span<const LoadHarmonic> parts);
 
 // A response curve's force and range.
 struct ResponseRequest {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/basis/basis_writer.h"
+#include "runtime/tremolo.h"
 #include "tests/support/programs.h"
 #include "tests/support/sample_basis.h"
 
@@ -233,6 +234,64 @@ TEST_F(PeriodicProgram, WrongOrbitsAreNamed) {
   refused(kResponse + " --by-stepping --no-stability", 2, "--no-stability");
   refused(kResponse + " --by-stepping --load-harmonic 2:1", 2, "--load-harmonic");
   refused("response small.tremolo --from 0.6 --to 0.8 --by-stepping", 2, "damping");
+}
+
+// The curve of the C interface has the points of the report.
+void same_points(const tremolo_curve* curve, const Json& report) {
+  ASSERT_EQ(tremolo_curve_points(curve), report["points"].size());
+  std::size_t i = 0;
+  for (const Json& expected : report["points"]) {
+    tremolo_curve_point point;
+    ASSERT_EQ(tremolo_curve_point_at(curve, i++, &point), TREMOLO_OK);
+    EXPECT_EQ(point.frequency_hz, expected["frequency_hz"].get<double>());
+    EXPECT_EQ(point.amplitude, expected["amplitude"].get<double>());
+    EXPECT_EQ(point.energy, expected["energy"].get<double>());
+    const Json stable = point.stable < 0 ? Json(nullptr) : Json(point.stable == 1);
+    EXPECT_EQ(stable, expected["stable"]);
+    if (expected.contains("load_scale")) {
+      EXPECT_EQ(point.load_scale, expected["load_scale"].get<double>());
+    }
+  }
+}
+
+TEST_F(PeriodicProgram, TheCInterfaceGivesTheSameCurves) {
+  const std::string span = " --damping-ratio 1% --from 0.6 --to 1.5 --load-scale 1.6";
+  tremolo_model* model = nullptr;
+  ASSERT_EQ(tremolo_model_load((folder_ + "/small.tremolo").c_str(), 0, &model), TREMOLO_OK);
+  tremolo_curve_options options;
+  tremolo_curve_options_init(&options);
+  options.damping_ratio = "1%";
+  options.mode = 2;
+  tremolo_curve *ridge = nullptr, *response = nullptr, *folds = nullptr;
+  const Json damped =
+      json_of("backbone small.tremolo --mode 2 --damped --damping-ratio 1% --to-amplitude 5%");
+  const double amplitude = 0.05 * damped["size"].get<double>();
+  ASSERT_EQ(tremolo_damped_backbone(model, &options, amplitude, &ridge), TREMOLO_OK);
+  same_points(ridge, damped);
+
+  options.mode = 1;
+  options.load_scale = 1.6;
+  const tremolo_load_harmonic course[] = {{1, 0, 1.0, 0.0}, {2, 0, 0.2, 90.0}};
+  options.load_harmonics = course;
+  options.load_harmonic_count = 2;
+  const Json forced = json_of("response small.tremolo" + span +
+                              " --load-harmonic 1:1 --load-harmonic 2:0.2:90 --folds-to 2");
+  ASSERT_EQ(tremolo_response(model, &options, 0.6, 1.5, &response), TREMOLO_OK);
+  same_points(response, forced);
+  ASSERT_FALSE(forced["fold_curves"].empty());
+  std::size_t known = 0;
+  for (std::size_t i = 0; i < tremolo_curve_bifurcations(response); ++i) {
+    tremolo_bifurcation at;
+    ASSERT_EQ(tremolo_curve_bifurcation_at(response, i, &at), TREMOLO_OK);
+    if (at.kind != TREMOLO_FOLD) continue;
+    ASSERT_EQ(tremolo_fold_curve(response, i, 2.0, &folds), TREMOLO_OK) << tremolo_last_error();
+    same_points(folds, forced["fold_curves"][known++]);
+    tremolo_curve_destroy(folds);
+  }
+  EXPECT_EQ(known, forced["fold_curves"].size());
+  tremolo_curve_destroy(response);
+  tremolo_curve_destroy(ridge);
+  tremolo_model_release(model);
 }
 
 TEST_F(PeriodicProgram, WrongInputIsNamed) {

@@ -84,6 +84,57 @@ class Responses(unittest.TestCase):
         np.testing.assert_allclose(one["amplitude"], other["amplitude"], rtol=1e-9)
 
 
+    def test_harmonics_of_a_load_have_the_transfer_function_each(self):
+        model = support.clamped_bar()
+        ids, forces = model.default_load
+        force = sum(model.reduced_force(int(i), f) for i, f in zip(ids, forces))
+        span = (0.3 * model.frequencies[0], 0.6 * model.frequencies[0])
+        course = [(1, 1.0), (2, 0.5, 40.0)]
+        curve = model.response(span, damping_ratio="2%", load_scale=1e-7, load_harmonics=course, harmonics=2)
+        rates = 2 * 0.02 * np.sqrt(model.Lambda)
+        for f, motion in zip(curve["frequency_hz"], curve["motion"]):
+            for k, factor in [(1, 1.0), (2, 0.5 * np.exp(1j * np.radians(40.0)))]:
+                w = 2 * np.pi * f * k
+                z = 1e-7 * factor * force / (model.Lambda - w**2 + 1j * w * rates)
+                exact = np.array([z.imag, z.real]).T
+                found = motion[:, 2 * k - 1 : 2 * k + 1]
+                self.assertLess(np.linalg.norm(found - exact), 1e-5 * np.linalg.norm(exact))
+        self.assertEqual(set(curve["load_scale"]), {1e-7})
+
+    def test_in_phase_resonance_the_load_balances_the_damping(self):
+        model = tremolo.load_bytes(support.clamped_bar().file_bytes(), modes=1)
+        ids, forces = model.default_load
+        force = sum(model.reduced_force(int(i), f) for i, f in zip(ids, forces))[0]
+        curve = model.damped_backbone(1, 0.05, damping_ratio="2%", harmonics=9)
+        self.assertEqual(curve["end"], "done")
+        rate = 2 * 0.02 * np.sqrt(model.Lambda[0])
+        for f, scale, motion in zip(curve["frequency_hz"], curve["load_scale"], curve["motion"]):
+            # Work of F cos over a period, and that of damping.
+            squares = sum(k * k * np.sum(motion[0, 2 * k - 1 : 2 * k + 1] ** 2) for k in range(1, 10))
+            taken = rate * 2 * np.pi * f * squares
+            self.assertLess(abs(scale * force * motion[0, 2] - taken), 1e-8 * taken)
+
+    def test_folds_are_followed_over_the_load(self):
+        model = tremolo.load_bytes(support.clamped_bar().file_bytes(), modes=1)
+        ridge = model.damped_backbone(1, 0.08, damping_ratio="0.5%")
+        scale = ridge["load_scale"][-1]
+        span = (0.9 * model.frequencies[0], 1.1 * ridge["frequency_hz"][-1])
+        curve = model.response(span, damping_ratio="0.5%", load_scale=scale, folds_to=0.01 * scale)
+        folds = [found for found in curve["bifurcations"] if found["kind"] == "fold"]
+        self.assertEqual([len(folds), len(curve["fold_curves"])], [2, 2])
+        for one, fold in zip(curve["fold_curves"], folds):
+            self.assertNotIn("stable", one)
+            self.assertAlmostEqual(one["frequency_hz"][0], fold["frequency_hz"], delta=1e-8)
+            # Through the cusp it returns to the first load on the other fold.
+            self.assertEqual([found["kind"] for found in one["bifurcations"]], ["fold"])
+            self.assertGreaterEqual(one["load_scale"][-1] / scale, 1.0)
+        # Both meet in one cusp, of 5 or 7 harmonics.
+        cusps = [one["bifurcations"][0] for one in curve["fold_curves"]]
+        for key in ("frequency_hz", "load_scale"):
+            self.assertLess(abs(cusps[0][key] / cusps[1][key] - 1), 1e-8)
+        self.assertLess(cusps[0]["load_scale"] / scale, 0.05)
+
+
 class BadInput(unittest.TestCase):
     def test_is_an_exception_with_the_engines_words(self):
         model = support.clamped_bar()
@@ -96,6 +147,10 @@ class BadInput(unittest.TestCase):
             (lambda: model.response(span, damping_ratio="1%", load=np.zeros(3)), ValueError, "load"),
             (lambda: model.response(span, damping_ratio="1%", load_scale=np.nan), tremolo.ContentError, "load"),
             (lambda: model.response(span, damping_ratio="1%", probe="x<0.001"), tremolo.ContentError, "fixed"),
+            (lambda: model.response(span, damping_ratio="1%", load_harmonics=[(0, 1)]), tremolo.ContentError, "1 to 99"),
+            (lambda: model.response(span, damping_ratio="1%", load_harmonics=[(1,)]), tremolo.UsageError, "degrees"),
+            (lambda: model.response(span, damping_ratio="1%", folds_to=-2), tremolo.ContentError, "folds_to"),
+            (lambda: model.damped_backbone(1, 0.01), tremolo.ContentError, "damping_ratio"),
             (lambda: model.backbone(99, 0.01), tremolo.ContentError, "mode 99"),
             (lambda: model.backbone(1, -1.0), tremolo.ContentError, "amplitude"),
         ]:

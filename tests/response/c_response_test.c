@@ -10,6 +10,7 @@
 
 int tremolo_c_backbone_round(const tremolo_model* model, double omega, double gamma);
 int tremolo_c_response_refusals(const tremolo_model* model);
+int tremolo_c_load_refusals(const tremolo_model* model);
 
 /* The angular frequency of x'' + omega^2 x + gamma x^3 = 0 at an amplitude: with m = gamma A^2 / (2
  * s^2) and s^2 = omega^2 + gamma A^2 it is pi s / (2 K(m)), K by the arithmetic-geometric mean. */
@@ -138,6 +139,9 @@ int tremolo_c_response_refusals(const tremolo_model* model) {
   REQUIRE(curve == NULL);
   REQUIRE(tremolo_backbone(model, &options, 0.1, &curve) == TREMOLO_OK);
   REQUIRE(tremolo_curve_point_at(curve, 0, &point) == TREMOLO_OK && point.harmonics == 3);
+  REQUIRE(point.load_scale == 0.0);
+  REQUIRE(refused(tremolo_fold_curve(curve, 0, 2.0, &curve), TREMOLO_USAGE, "tremolo_response"));
+  REQUIRE(refused(tremolo_branch_curve(curve, 0, 1, &curve), TREMOLO_USAGE, "tremolo_response"));
   REQUIRE(refused(tremolo_curve_point_at(curve, tremolo_curve_points(curve), &point), TREMOLO_USAGE,
                   "no point"));
   REQUIRE(refused(tremolo_curve_bifurcation_at(curve, 0, &bifurcation), TREMOLO_USAGE,
@@ -149,6 +153,39 @@ int tremolo_c_response_refusals(const tremolo_model* model) {
   REQUIRE(refused(tremolo_curve_state(curve, 0, NAN, &number, NULL, 1), TREMOLO_USAGE, "finite"));
   REQUIRE(tremolo_curve_points(NULL) == 0 && tremolo_curve_bifurcations(NULL) == 0);
   tremolo_curve_destroy(NULL);
+
+done:
+  tremolo_curve_destroy(curve);
+  return line;
+}
+
+int tremolo_c_load_refusals(const tremolo_model* model) {
+  int line = 0;
+  tremolo_load_harmonic harmonic = {0, 0, 0.0, 0.0};
+  tremolo_curve_options options;
+  tremolo_curve* curve = NULL;
+  tremolo_curve_options_init(&options);
+  REQUIRE(refused(tremolo_damped_backbone(model, &options, 0.1, &curve), TREMOLO_CONTENT,
+                  "damping_ratio"));
+  options.damping_ratio = "2%";
+  REQUIRE(
+      refused(tremolo_damped_backbone(model, &options, NAN, &curve), TREMOLO_CONTENT, "amplitude"));
+  options.load_harmonics = &harmonic;
+  REQUIRE(refused(tremolo_response(model, &options, 0.5, 1.0, &curve), TREMOLO_USAGE,
+                  "load_harmonic_count"));
+  options.load_harmonic_count = 1;
+  REQUIRE(refused(tremolo_damped_backbone(model, &options, 0.1, &curve), TREMOLO_USAGE,
+                  "load_harmonics"));
+  REQUIRE(refused(tremolo_response(model, &options, 0.5, 1.0, &curve), TREMOLO_CONTENT, "1 to 99"));
+  harmonic.number = 1;
+  REQUIRE(refused(tremolo_response(model, &options, 0.5, 1.0, &curve), TREMOLO_CONTENT, "no load"));
+  harmonic.scale = NAN;
+  REQUIRE(refused(tremolo_response(model, &options, 0.5, 1.0, &curve), TREMOLO_CONTENT, "finite"));
+  harmonic.number = 16;
+  harmonic.scale = 1.0;
+  REQUIRE(
+      refused(tremolo_response(model, &options, 0.5, 1.0, &curve), TREMOLO_CONTENT, "harmonic 16"));
+  REQUIRE(refused(tremolo_fold_curve(NULL, 0, 2.0, &curve), TREMOLO_USAGE, "response"));
 
 done:
   tremolo_curve_destroy(curve);

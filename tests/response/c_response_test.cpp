@@ -1,5 +1,9 @@
 // Periodic motion through the C interface; the parts in C are in c_response_test.c.
+#include <cmath>
+#include <complex>
 #include <cstring>
+#include <numbers>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -15,6 +19,7 @@
 
 extern "C" int tremolo_c_backbone_round(const tremolo_model* model, double omega, double gamma);
 extern "C" int tremolo_c_response_refusals(const tremolo_model* model);
+extern "C" int tremolo_c_load_refusals(const tremolo_model* model);
 
 namespace tremolo {
 namespace {
@@ -54,6 +59,8 @@ TEST_F(CCurve, ABackboneOfOneCoordinateIsThatOfTheEllipticIntegral) {
 TEST_F(CCurve, WrongInputIsRefusedWithTheReason) {
   load(duffing_basis(2.0, 3.0));
   EXPECT_EQ(tremolo_c_response_refusals(model_), 0)
+      << "line of c_response_test.c; " << tremolo_last_error();
+  EXPECT_EQ(tremolo_c_load_refusals(model_), 0)
       << "line of c_response_test.c; " << tremolo_last_error();
 }
 
@@ -129,6 +136,186 @@ TEST_F(CCurve, ACurveThatEndsEarlyKeepsItsPointsAndSaysWhy) {
   tremolo_curve_point point;
   ASSERT_EQ(tremolo_curve_point_at(curve_, 6, &point), TREMOLO_OK);
   EXPECT_EQ(point.stable, -1);  // without damping
+}
+
+// The oscillator x'' + 2 zeta w x' + w^2 x + gamma x^3 with a load at vertex 3, from C.
+struct COscillator {
+  double omega = 2.0, gamma = 3.0, zeta = 0.02;
+  std::uint32_t vertex = 3;
+  double forces[3] = {0.0, 0.0, 1.0};
+  double reduced = 0.0;  // of the forces
+  tremolo_curve_options options = {};
+
+  COscillator() {
+    const Model::Pointer model = *Model::from_data(duffing_basis(omega, gamma));
+    reduced = (*reduce_force(*model, 3, {0.0, 0.0, 1.0}))[0];
+    tremolo_curve_options_init(&options);
+    options.damping_ratio = "2%";
+    options.load_vertices = &vertex;
+    options.load_forces = forces;
+    options.load_count = 1;
+    options.largest_amplitude = 1e3;
+  }
+  double rate() const { return 2.0 * zeta * omega; }
+  void harmonics(int count) { options.harmonics = options.most_harmonics = count; }
+  // Of a point's motion: c_0, a_1, b_1, ...
+  std::vector<double> motion(const tremolo_curve* curve, std::size_t index) const {
+    std::vector<double> out(static_cast<std::size_t>(2 * options.harmonics + 1));
+    EXPECT_EQ(tremolo_curve_motion(curve, index, out.data(), out.size()), TREMOLO_OK);
+    return out;
+  }
+};
+
+tremolo_curve_point point_of(const tremolo_curve* curve, std::size_t index) {
+  tremolo_curve_point point = {};
+  EXPECT_EQ(tremolo_curve_point_at(curve, index, &point), TREMOLO_OK);
+  return point;
+}
+
+TEST_F(CCurve, HarmonicsOfALoadHaveTheTransferFunctionOfTheLinearBody) {
+  COscillator made;
+  load(duffing_basis(made.omega, 0.0));
+  made.harmonics(3);
+  made.options.load_scale = 0.1;
+  const double turn = 2.0 * std::numbers::pi;
+  const tremolo_load_harmonic course[] = {{1, 0, 0.7, 30.0}, {3, 0, -0.4, 70.0}, {1, 0, 0.3, 30.0}};
+  made.options.load_harmonics = course;
+  made.options.load_harmonic_count = 3;
+  ASSERT_EQ(tremolo_response(model_, &made.options, 0.2, 0.6, &curve_), TREMOLO_OK)
+      << tremolo_last_error();
+  for (std::size_t i = 0; i < tremolo_curve_points(curve_); ++i) {
+    const std::vector<double> motion = made.motion(curve_, i);
+    const tremolo_curve_point point = point_of(curve_, i);
+    EXPECT_EQ(point.load_scale, 0.1);
+    for (const auto& [k, scale, degrees] : {std::tuple(1, 1.0, 30.0), {3, -0.4, 70.0}}) {
+      // The imaginary part of z exp(i k omega t).
+      const double speed = k * turn * point.frequency_hz;
+      const std::complex<double> z =
+          0.1 * made.reduced * std::polar(1.0, degrees * turn / 360.0) * scale /
+          std::complex<double>(made.omega * made.omega - speed * speed, made.rate() * speed);
+      const auto at = static_cast<std::size_t>(2 * k - 1);
+      EXPECT_NEAR(motion[at], z.imag(), 1e-8 * std::abs(z)) << k;
+      EXPECT_NEAR(motion[at + 1], z.real(), 1e-8 * std::abs(z)) << k;
+    }
+  }
+}
+
+TEST_F(CCurve, ADampedBackboneOfOneHarmonicIsInClosedForm) {
+  COscillator made;
+  load(duffing_basis(made.omega, made.gamma));
+  made.harmonics(1);
+  made.options.load_scale = -0.5;
+  ASSERT_EQ(tremolo_damped_backbone(model_, &made.options, 0.5, &curve_), TREMOLO_OK)
+      << tremolo_last_error();
+  EXPECT_EQ(tremolo_curve_reached(curve_), TREMOLO_CURVE_DONE);
+  ASSERT_GT(tremolo_curve_points(curve_), 10U);
+  for (std::size_t i = 0; i < tremolo_curve_points(curve_); ++i) {
+    const std::vector<double> motion = made.motion(curve_, i);
+    const tremolo_curve_point point = point_of(curve_, i);
+    const double speed = 2.0 * std::numbers::pi * point.frequency_hz, b = motion[2];
+    const double exact = made.omega * made.omega + 0.75 * made.gamma * b * b;
+    EXPECT_NEAR(speed * speed, exact, 1e-8 * exact);
+    // x = b sin under F cos: the force balances the damping.
+    EXPECT_NEAR(point.load_scale * made.reduced, made.rate() * speed * b,
+                1e-8 * std::abs(made.rate() * speed * b));
+  }
+  EXPECT_NEAR(point_of(curve_, tremolo_curve_points(curve_) - 1).amplitude, 0.5, 1e-9);
+}
+
+TEST_F(CCurve, FoldsOverTheLoadAreThoseOfTheAmplitudesQuadraticAndMeetInItsCusp) {
+  COscillator made;
+  load(duffing_basis(made.omega, made.gamma));
+  made.harmonics(1);
+  const double scale = made.rate() * made.omega * 0.5 / std::abs(made.reduced);
+  made.options.load_scale = scale;
+  made.options.stability = 0;  // of one harmonic it changes near the folds, not at them
+  tremolo_curve* response = nullptr;
+  ASSERT_EQ(tremolo_response(model_, &made.options, 0.2, 0.6, &response), TREMOLO_OK);
+  ASSERT_EQ(tremolo_curve_bifurcations(response), 2U);
+  ASSERT_EQ(tremolo_fold_curve(response, 0, 0.01 * scale, &curve_), TREMOLO_OK)
+      << tremolo_last_error();
+  tremolo_curve_destroy(response);
+  EXPECT_EQ(tremolo_curve_reached(curve_), TREMOLO_CURVE_DONE);
+  const double c = 0.75 * made.gamma;
+  // a = A^2: G(a) = a ((w0^2 - w^2 + c a)^2 + d^2 w^2) = F^2 and G'(a) = 0.
+  for (std::size_t i = 0; i < tremolo_curve_points(curve_); ++i) {
+    const std::vector<double> motion = made.motion(curve_, i);
+    const tremolo_curve_point point = point_of(curve_, i);
+    EXPECT_EQ(point.stable, -1);
+    const double speed = 2.0 * std::numbers::pi * point.frequency_hz;
+    const double a = motion[1] * motion[1] + motion[2] * motion[2];
+    const double off = made.omega * made.omega - speed * speed + c * a;
+    const double damping = std::pow(made.rate() * speed, 2);
+    const double force = std::pow(point.load_scale * made.reduced, 2);
+    EXPECT_NEAR(a * (off * off + damping), force, 1e-8 * force);
+    EXPECT_NEAR(off * off + damping + 2.0 * a * c * off, 0.0, 1e-8 * std::pow(c * a, 2));
+  }
+  ASSERT_EQ(tremolo_curve_bifurcations(curve_), 1U);
+  tremolo_bifurcation cusp;
+  ASSERT_EQ(tremolo_curve_bifurcation_at(curve_, 0, &cusp), TREMOLO_OK);
+  EXPECT_EQ(cusp.kind, TREMOLO_FOLD);
+  // There G'' = 0 too: c a = 2 d w / sqrt 3 and w^2 = w0^2 + 3/2 c a.
+  const double h = made.rate() * std::sqrt(3.0);
+  const double speed = 0.5 * (h + std::sqrt(h * h + 4.0 * made.omega * made.omega));
+  EXPECT_NEAR(2.0 * std::numbers::pi * cusp.point.frequency_hz, speed, 1e-8 * speed);
+  const double a = 2.0 * made.rate() * speed / std::sqrt(3.0) / c;
+  const double force = std::sqrt(a * (std::pow(c * a / 2.0, 2) + std::pow(made.rate() * speed, 2)));
+  EXPECT_NEAR(cusp.point.load_scale * std::abs(made.reduced), force, 1e-8 * force);
+}
+
+// q2 is linear and forced, V has g q1^2 q2^2: near 1:1 the motion of q2 makes q1 unstable.
+TEST_F(CCurve, ABranchBreaksTheSymmetryAndMeetsTheResponseAgain) {
+  const Eigen::Vector2d omega(std::sqrt(0.8), 1.0);
+  BasisData data =
+      testing::sample_basis({omega, {Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()}});
+  data.cubic.assign(4, 0.0);
+  data.quartic = {0.02, 0.0, 0.2 / 6.0, 0.0, 0.0};
+  data.strain_gram.clear();
+  load(data);
+  // A force that moves the second coordinate alone.
+  const Model::Pointer model = *Model::from_data(data);
+  const Eigen::MatrixXd rows = model->vertex(3)->rows;
+  Eigen::Vector3d force =
+      rows.col(1) - rows.col(0).dot(rows.col(1)) / rows.col(0).squaredNorm() * rows.col(0);
+  force *= 0.1 / force.dot(rows.col(1));
+  const std::uint32_t vertex = 3;
+  tremolo_curve_options options;
+  tremolo_curve_options_init(&options);
+  options.harmonics = options.most_harmonics = 7;
+  options.damping_ratio = "0.01118033988749895,0.05";
+  options.load_vertices = &vertex;
+  options.load_forces = force.data();
+  options.load_count = 1;
+  options.largest_amplitude = 1e3;
+  tremolo_curve* response = nullptr;
+  const double turn = 2.0 * std::numbers::pi;
+  ASSERT_EQ(tremolo_response(model_, &options, 0.7 / turn, 1.4 / turn, &response), TREMOLO_OK);
+  ASSERT_EQ(tremolo_curve_bifurcations(response), 2U);
+  tremolo_bifurcation other;
+  ASSERT_EQ(tremolo_curve_bifurcation_at(response, 1, &other), TREMOLO_OK);
+  EXPECT_EQ(other.kind, TREMOLO_BRANCH);
+  EXPECT_EQ(tremolo_fold_curve(response, 0, 2.0, &curve_), TREMOLO_USAGE);
+  EXPECT_NE(std::strstr(tremolo_last_error(), "not a fold"), nullptr) << tremolo_last_error();
+  for (const int direction : {1, -1}) {
+    ASSERT_EQ(tremolo_branch_curve(response, 0, direction, &curve_), TREMOLO_OK)
+        << tremolo_last_error();
+    EXPECT_EQ(tremolo_curve_reached(curve_), TREMOLO_CURVE_DONE);
+    const std::size_t count = tremolo_curve_points(curve_);
+    double most = 0.0, last = 0.0;
+    for (std::size_t i = 0; i < count; ++i) {
+      Eigen::MatrixXd motion(2, 15);
+      ASSERT_EQ(tremolo_curve_motion(curve_, i, motion.data(), 30), TREMOLO_OK);
+      last = motion.row(0).norm();
+      most = std::max(most, last);
+    }
+    EXPECT_GT(most, 0.1);
+    EXPECT_LT(last, 0.2 * most);
+    EXPECT_NEAR(point_of(curve_, count - 1).frequency_hz, other.point.frequency_hz, 0.002 / turn);
+    tremolo_curve_destroy(curve_);
+    curve_ = nullptr;
+  }
+  EXPECT_EQ(tremolo_branch_curve(response, 0, 2, &curve_), TREMOLO_USAGE);
+  tremolo_curve_destroy(response);
 }
 
 }  // namespace

@@ -132,6 +132,30 @@ TEST(Duffing, ItsMultipliersAreThoseOfShooting) {
   }
 }
 
+TEST(Duffing, HalfTheStepsAreTakenFarFromTheUnitCircleAlone) {
+  const VibratingSystem system = system_of({1.0, 1.0, 0.02});
+  const FourierSeries force = cosine_force(Eigen::VectorXd::Constant(1, 0.1));
+  const Result<MotionCurve> curve = response_curve(system, {force, 0.6, 2.5}, plain_options(9));
+  ASSERT_TRUE(curve);
+  Floquet floquet(system);
+  int with_half = 0;
+  for (const CurvePoint& point : curve->points) {
+    const auto largest = [&](int steps) {
+      return floquet.multipliers(point.motion, point.omega, steps)[0];
+    };
+    const int steps = floquet_steps(point.harmonics());
+    const bool half = point.multipliers[0] == largest(steps / 2);
+    EXPECT_TRUE(half || point.multipliers[0] == largest(steps)) << point.omega;
+    // A fold is at 1; the linear oscillator decays by exp(-2 pi zeta / omega) in a period.
+    const double decay = 2.0 * std::numbers::pi * 0.02 / point.omega;
+    EXPECT_FALSE(half && std::abs(point.multipliers[0]) > std::exp(-0.25 * decay)) << point.omega;
+    // 512 steps: an error of 1e-12.
+    EXPECT_EQ(point.stable, std::abs(largest(512)) < 1.0) << point.omega;
+    with_half += half ? 1 : 0;
+  }
+  EXPECT_GT(with_half, static_cast<int>(curve->points.size()) / 3);
+}
+
 TEST(Duffing, HarmonicsGrowWhereTheLastHoldTooMuch) {
   const VibratingSystem system = system_of({1.0, 1.0, 0.02});
   const FourierSeries force = cosine_force(Eigen::VectorXd::Constant(1, 2.0));

@@ -151,12 +151,6 @@ int finish(const PeriodicOptions& options, const PeriodicFiles& files, const std
   return flushed(code);
 }
 
-struct LoadHarmonic {
-  int number = 1;
-  double scale = 1.0;
-  double phase = 0.0;  // rad
-};
-
 Result<LoadHarmonic> parse_load_harmonic(const std::string& text) {
   const Error wrong = usage_error("--load-harmonic " + text +
                                   ": expected K:SCALE or K:SCALE:DEGREES, as in 3:0.1:90");
@@ -179,23 +173,14 @@ Result<LoadHarmonic> parse_load_harmonic(const std::string& text) {
   return LoadHarmonic{static_cast<int>(numbers[0]), numbers[1], degrees * std::numbers::pi / 180.0};
 }
 
-// The load in time: columns of a series of one row, without the constant part.
-Result<FourierSeries> load_course(const ResponseOptions& options) {
+Result<FourierSeries> course_of(const ResponseOptions& options) {
   std::vector<LoadHarmonic> parts;
   for (const std::string& text : options.load_harmonics) {
     const Result<LoadHarmonic> part = parse_load_harmonic(text);
     if (!part) return part.error();
     parts.push_back(*part);
   }
-  if (parts.empty()) parts.push_back({});
-  int most = 1;
-  for (const LoadHarmonic& part : parts) most = std::max(most, part.number);
-  FourierSeries course = FourierSeries::Zero(1, 2 * most + 1);
-  for (const LoadHarmonic& part : parts) {
-    course(0, cosine_column(part.number)) += part.scale * std::sin(part.phase);
-    course(0, sine_column(part.number)) += part.scale * std::cos(part.phase);
-  }
-  return course;
+  return load_course(parts);
 }
 
 Status check_frequencies(const ResponseOptions& options) {
@@ -274,7 +259,13 @@ Status check_stepping(const ResponseOptions& options, const VibratingSystem& sys
 }
 
 // The stable points of the curve by time stepping. The damping has been checked.
-Status step_points(const ResponseOptions& options, const PeriodicModel& made, CurveResult& result) {
+Status step_points(const ResponseOptions& options, const PeriodicModel& made,
+                   const VibratingSystem& system, CurveResult& result) {
+  // Few steps show stiff coordinates as slow to settle, which would make the other side wait.
+  Floquet floquet(system);
+  for (CurvePoint& point : result.curve.points)
+    point.multipliers =
+        floquet.multipliers(point.motion, point.omega, floquet_steps(point.harmonics()));
   SteppedLoad load{made.model, {}, result.load_scale * made.load, made.constant, made.probe_rows};
   load.damping.alpha = options.alpha;
   load.damping.beta = options.beta;
@@ -329,7 +320,7 @@ void note_signal(const Interruption& interruption, CurveResult& result) {
 
 int response_command(const ResponseOptions& options) {
   if (Status s = check_frequencies(options); !s) return report_error(s.error());
-  const Result<FourierSeries> course = load_course(options);
+  const Result<FourierSeries> course = course_of(options);
   if (!course) return report_error(course.error());
   const PeriodicFiles files(options, "response");
   const std::vector<NamedFile> inputs = inputs_of(options);
@@ -365,7 +356,8 @@ int response_command(const ResponseOptions& options) {
     set_ending(*made, system->damped(), fmt::format("{:g} Hz", options.to), *curve, *result);
     note_signal(interruption, *result);
     if (options.by_stepping && interruption.signal() == 0)
-      if (Status s = step_points(options, *made, *result); !s) return report_error(s.error());
+      if (Status s = step_points(options, *made, *system, *result); !s)
+        return report_error(s.error());
     results.push_back(std::move(*result));
     if (interruption.signal() != 0) break;
     if (results.size() > 1) continue;
