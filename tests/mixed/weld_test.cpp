@@ -318,7 +318,12 @@ TEST_F(Welds, AreRestoredToTheBit) {
       body_text("three", "tets", "odd.tets", kTets + "position = [0.2, 0, 0]\n") + kEnds +
       "until = 0.06\n" +
       "[[joints]]\nkind = \"weld\"\nbody = \"two\"\nat = \"x>0.399\"\nto = \"three\"\nto-at = "
-      "\"x<0.201\"\nuntil = 0.08\n";
+      "\"x<0.201\"\nuntil = 0.08\n"
+      "[[joints]]\nbody = \"three\"\nat = \"near:0.4,0,0.02\"\nto = \"world\"\npoint = [0.6, 0, "
+      "0.2]\n"
+      "stiffness = 50\nlength = 0.1\nuntil = 0.07\n"
+      "[[joints]]\nkind = \"weld\"\nbody = \"two\"\nat = \"x>0.399\"\nto = \"world\"\nuntil = "
+      "0.05\n";
   for (const int before : {0, 10, 35, 45}) {
     SCOPED_TRACE(before);
     Result<WeldWorld> whole = world_of(text), other = world_of(text);
@@ -353,7 +358,14 @@ TEST_F(Welds, ThatCannotBeAreToldWithTheirLine) {
       {weld + "body = \"four\"\nat = \"x<0.1\"\nto = \"three\"\ngap = 1\n", "more than `gap`"},
       {weld + "body = \"one\"\nat = 1\nto = \"two\"\nlength = 0.1\n", "a weld has no `length`"},
       {weld + "body = \"one\"\nat = 1\nto = \"two\"\ngap = -1\n", "'gap' must not be negative"},
-      {"[[joints]]\nbody = \"one\"\nat = 1\nto = \"two\"\ngap = 1\n", "has a `gap`"}};
+      {"[[joints]]\nbody = \"one\"\nat = 1\nto = \"two\"\ngap = 1\n", "has a `gap`"},
+      {"[[joints]]\nbody = \"two\"\nat = 1\nto = \"world\"\nlength = 1\n", "needs a `point`"},
+      {"[[joints]]\nbody = \"two\"\nat = 1\nto = \"world\"\nto-at = 1\n", "no vertices"},
+      {"[[joints]]\nbody = \"two\"\nat = 1\nto = \"world\"\npoint = [9, 0, 0]\n",
+       "apart at the start"},
+      {"[[joints]]\nbody = \"two\"\nat = 1\nto = \"one\"\npoint = [9, 0, 0]\n",
+       "only a joint to the world"},
+      {weld + "body = \"three\"\nat = 1\nto = \"world\"\ngap = 1\n", "has none"}};
   for (const auto& [text, told] : wrong) {
     SCOPED_TRACE(text);
     const Result<WeldWorld> made = world_of(bodies + text);
