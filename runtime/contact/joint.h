@@ -46,6 +46,15 @@ struct Joint {
   void carry(StateStream& stream) { stream(force, energy, damped); }
 };
 
+// Adds a joint of a weld to its sums, which have no positions.
+inline void add_joint(Joint& sum, const Joint& joint) {
+  sum.stiffness += joint.stiffness;
+  sum.damping += joint.damping;
+  sum.force += joint.force;
+  sum.energy += joint.energy;
+  sum.damped += joint.damped;
+}
+
 // Forces and energies of a joint in a step, for separations s0 and s1 at its ends, m, world.
 struct JointForce {
   // On the first point, N; its opposite acts on the second.

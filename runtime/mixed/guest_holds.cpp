@@ -118,7 +118,8 @@ double MixedGuests::pull_of(std::size_t guest) const {
       way += std::min(most, (held.hand.end - step.start_of(held.hand.point)).norm());
   for (const Link& link : joined_) {
     const GuestJoint& joint = link.joint;
-    if (link.used && (joint.guest == guest || (joint.to_guest && joint.other == guest)))
+    if (link.used && !joint.further &&
+        (joint.guest == guest || (joint.to_guest && joint.other == guest)))
       way += most;
   }
   return way;

@@ -4,16 +4,25 @@ namespace tremolo {
 
 using Eigen::Vector3d;
 
-void HandPull::set(GuestStep& body, const GuestHand& hand, double from, double to, double h) {
-  body_ = &body;
+void SpringPull::set_part(double from, double to, double h) {
   shared = &own_;
+  h_ = h * (to - from);
+  from_ = from;
+  to_ = to;
+}
+
+Vector3d SpringPull::mean_with(const Vector3d& mean, const Vector3d& now) const {
+  const double share = to_ - from_;
+  return from_ == 0.0 ? Vector3d(share * now) : Vector3d(mean + share * now);
+}
+
+void HandPull::set(GuestStep& body, const GuestHand& hand, double from, double to, double h) {
+  set_part(from, to, h);
+  body_ = &body;
   hand_ = hand;
   const Vector3d way = hand.end - hand.start;
   hand_.start = hand.start + from * way;
   hand_.end = to == 1.0 ? hand.end : Vector3d(hand.start + to * way);
-  h_ = h * (to - from);
-  from_ = from;
-  to_ = to;
 }
 
 void HandPull::begin() {
@@ -34,19 +43,6 @@ void HandPull::make_slopes(bool follows) {
   body_->add_slope(hand_.point, slope * Eigen::Matrix3d::Identity(), force_);
 }
 
-void HandPull::add_growth(StepBody::In first_x, StepBody::In second_x) {
-  (void)first_x;
-  (void)second_x;
-}
-
-void HandPull::multiply(StepBody::In first_x, StepBody::In second_x, StepBody::Out first_rows,
-                        StepBody::Out second_rows) const {
-  (void)first_x;
-  (void)second_x;
-  (void)first_rows;
-  (void)second_rows;
-}
-
 void HandPull::settle(ContactAccount& first_account, ContactAccount& second_account,
                       double& first_start, double& second_start) const {
   (void)second_account;
@@ -58,23 +54,23 @@ void HandPull::settle(ContactAccount& first_account, ContactAccount& second_acco
 }
 
 void HandPull::remember() {
-  const double share = to_ - from_;
-  mean_ = from_ == 0.0 ? Vector3d(share * force_) : Vector3d(mean_ + share * force_);
+  mean_ = mean_with(mean_, force_);
 }
 
 void JointPull::set(const GuestJoint& wanted, Joint& joint, GuestStep& guest, GuestStep* other,
                     ReducedStep* body, double from, double to, double h) {
+  set_part(from, to, h);
   joint_ = &joint;
   guest_ = &guest;
   other_ = other;
   body_ = body;
   point_ = wanted.point;
-  other_point_ = wanted.other_point;
+  place_ = wanted.place;
+  if (place_.count == 0) {
+    place_.count = 1;
+    place_.points[0] = {wanted.other_point, 1.0};
+  }
   along_ = wanted.along;
-  shared = &own_;
-  h_ = h * (to - from);
-  from_ = from;
-  to_ = to;
 }
 
 void JointPull::begin() {
@@ -86,31 +82,56 @@ void JointPull::begin() {
     body_->contact().hold_at(joint_->second, 2.0 * slope);
 }
 
-void JointPull::press(const ContactRenewal& renewal) {
-  (void)renewal;
-  motion_ = guest_->motion(point_);
-  if (other_ != nullptr) {
-    other_motion_ = other_->motion(other_point_);
-  } else {
+// The rotation of a free body: the damper's torque on both acts on it alone, as a guest has none.
+Vector3d JointPull::turn_of_body() const {
+  if (body_ == nullptr || !body_->equations().turns()) return Vector3d::Zero();
+  return body_->equations().motion.turn_in_step();
+}
+
+// The motion of the place on the other body.
+void JointPull::find_other() {
+  if (other_ == nullptr) {
     touch_ = body_->equations().straight_touch_at(joint_->second);
     other_motion_.start = touch_.x0;
     other_motion_.end = touch_.x1;
+    return;
   }
+  other_motion_.start = other_motion_.end = Vector3d::Zero();
+  for (const WeldPlace::Point& one : place_.used()) {
+    const SiteMotion motion = other_->motion(one.number);
+    other_motion_.start += one.weight * motion.start;
+    other_motion_.end += one.weight * motion.end;
+  }
+}
+
+void JointPull::press(const ContactRenewal& renewal) {
+  (void)renewal;
+  motion_ = guest_->motion(point_);
+  find_other();
   now_ = along_ ? joint_force_along(*joint_, motion_.start - other_motion_.start,
                                     motion_.end - other_motion_.end, h_)
                 : joint_force(*joint_, motion_.start - other_motion_.start,
-                              motion_.end - other_motion_.end, Vector3d::Zero(), h_);
+                              motion_.end - other_motion_.end, turn_of_body(), h_);
   const Vector3d& force = now_.force;
   guest_->add_force(point_, force);
-  if (other_ != nullptr) return other_->add_force(other_point_, -force);
+  if (other_ != nullptr) {
+    for (const WeldPlace::Point& one : place_.used())
+      other_->add_force(one.number, -one.weight * force);
+    return;
+  }
   ContactEquations& eq = body_->equations();
   eq.push(-force, -eq.motion.straight_bend(force), touch_, place_rows(joint_->second));
+  eq.push_turn(2.0 * now_.torque);
 }
 
 void JointPull::make_slopes(bool follows) {
   (void)follows;
   guest_->add_slope(point_, now_.slope, now_.force);
-  if (other_ != nullptr) return other_->add_slope(other_point_, now_.slope, -now_.force);
+  if (other_ != nullptr) {
+    for (const WeldPlace::Point& one : place_.used())
+      other_->add_slope(one.number, one.weight * one.weight * now_.slope, -one.weight * now_.force);
+    return;
+  }
   ContactEquations& eq = body_->equations();
   const PlaceRows rows = place_rows(joint_->second);
   eq.lever.make(eq.motion, touch_, rows);
@@ -122,18 +143,22 @@ void JointPull::make_slopes(bool follows) {
   way_ = eq.lever.way();
 }
 
-void JointPull::add_growth(StepBody::In first_x, StepBody::In second_x) {
-  (void)first_x;
-  (void)second_x;
-}
-
-// The force on either point rises with the end of the other one.
+// The force on either point rises with the end of the other one, and that on one of a place with
+// those of the others.
 void JointPull::multiply(StepBody::In first_x, StepBody::In second_x, StepBody::Out first_rows,
                          StepBody::Out second_rows) const {
   const Vector3d change = guest_->change_at(point_, first_x);
   if (other_ != nullptr) {
-    guest_->add_image(point_, -now_.slope * other_->change_at(other_point_, second_x), first_rows);
-    other_->add_image(other_point_, -now_.slope * change, second_rows);
+    Vector3d there = Vector3d::Zero();
+    for (const WeldPlace::Point& one : place_.used())
+      there += one.weight * other_->change_at(one.number, second_x);
+    guest_->add_image(point_, -now_.slope * there, first_rows);
+    for (const WeldPlace::Point& one : place_.used()) {
+      Vector3d fall = -now_.slope * change;
+      if (place_.count > 1)
+        fall += now_.slope * (there - one.weight * other_->change_at(one.number, second_x));
+      other_->add_image(one.number, one.weight * fall, second_rows);
+    }
     return;
   }
   guest_->add_image(point_, -now_.slope * (way_ * second_x), first_rows);
@@ -144,7 +169,7 @@ void JointPull::multiply(StepBody::In first_x, StepBody::In second_x, StepBody::
 double JointPull::work_on_body() const {
   const ContactEquations& eq = body_->equations();
   const Vector3d force = -now_.force;
-  if (eq.turns()) return force.dot(touch_.x1 - touch_.x0);
+  if (eq.turns()) return force.dot(touch_.x1 - touch_.x0) + 2.0 * now_.torque.dot(turn_of_body());
   return eq.motion.straight_bend(force).dot(eq.bend_under(eq.motion, place_rows(joint_->second)));
 }
 
@@ -158,9 +183,7 @@ void JointPull::settle(ContactAccount& first_account, ContactAccount& second_acc
 }
 
 void JointPull::remember() {
-  const double share = to_ - from_;
-  joint_->force =
-      from_ == 0.0 ? Vector3d(share * now_.force) : Vector3d(joint_->force + share * now_.force);
+  joint_->force = mean_with(joint_->force, now_.force);
   joint_->energy = now_.energy;
   joint_->damped += now_.damped;
 }

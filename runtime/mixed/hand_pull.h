@@ -12,13 +12,15 @@
 //
 // A guest has no rotation of its own. The damper of a joint with a given stiffness therefore acts
 // along the line alone, so that both momenta are conserved. A joint as stiff as a pin has no length
-// to speak of: its damper acts in all directions, and the torque of its force on the arm s~ between
-// the points, which is of the order of h^3, is left out.
+// to speak of: its damper acts in all directions. The torque of its force on the arm s~ between the
+// points acts on the other body if that is free; between two guests, where it is of the order of
+// h^3, it is left out.
 #pragma once
 
 #include "common/state_stream.h"
 #include "runtime/contact/joint.h"
 #include "runtime/contact/solve/contact_equations.h"
+#include "runtime/contact/weld.h"
 #include "runtime/mixed/guest_step.h"
 #include "runtime/mixed/pair_forces.h"
 #include "runtime/mixed/reduced_step.h"
@@ -36,48 +38,63 @@ struct GuestHand {
   void carry(StateStream& stream) { stream(guest, point, stiffness, damping, start, end, force); }
 };
 
-class HandPull final : public PairForces {
+// What springs of hands and joints have in common: they act all the time, and there is no distance
+// to find.
+class SpringPull : public PairForces {
+ public:
+  void approach() override {}
+  void add_growth(StepBody::In, StepBody::In) override {}
+  bool add_missed() override { return false; }
+  std::size_t acting() const override { return 1; }
+
+ protected:
+  // The spring acts in a part of a step of h seconds, between fractions of the step.
+  void set_part(double from, double to, double h);
+  // The mean of a value over the parts of the step that were solved, from its start on, with this
+  // part's.
+  Eigen::Vector3d mean_with(const Eigen::Vector3d& mean, const Eigen::Vector3d& now) const;
+
+  SharedRate own_;                // nothing is added to it
+  double h_ = 0.0;                // length of the part, s
+  double from_ = 0.0, to_ = 1.0;  // its ends, fractions of the step
+};
+
+class HandPull final : public SpringPull {
  public:
   // The body is held in a step, or a part of one between fractions of the step of h seconds.
   void set(GuestStep& body, const GuestHand& hand, double from, double to, double h);
-  const Eigen::Vector3d& force() const { return force_; }  // on the body, N
   // The mean over the parts of the step that were solved, from its start on, N.
   const Eigen::Vector3d& mean_force() const { return mean_; }
 
   void begin() override;
-  void approach() override {}
   void press(const ContactRenewal& renewal) override;
   void make_slopes(bool follows) override;
-  void add_growth(StepBody::In first_x, StepBody::In second_x) override;
-  void multiply(StepBody::In first_x, StepBody::In second_x, StepBody::Out first_rows,
-                StepBody::Out second_rows) const override;
-  bool add_missed() override { return false; }
+  void multiply(StepBody::In, StepBody::In, StepBody::Out, StepBody::Out) const override {}
   void settle(ContactAccount& first_account, ContactAccount& second_account, double& first_start,
               double& second_start) const override;
   void remember() override;
-  std::size_t acting() const override { return 1; }
 
  private:
   GuestStep* body_ = nullptr;
-  SharedRate own_;                // nothing is added to it
-  GuestHand hand_;                // start and end are those of the part
-  double h_ = 0.0;                // length of the part, s
-  double from_ = 0.0, to_ = 1.0;  // its ends, fractions of the step
+  GuestHand hand_;  // start and end are those of the part
   SiteMotion motion_;
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero(), mean_ = force_;
 };
 
-// guest, point: as in GuestHand. other: another guest, held at other_point; or a body of the group,
-// held at joint.second. joint.first is not used; joint.force is that on the guest's point. along:
-// the damper acts along the joint alone.
+// A joint of a guest.
 struct GuestJoint {
-  std::size_t guest = 0, point = 0;
-  bool to_guest = false, along = false;
+  std::size_t guest = 0, point = 0;  // as in GuestHand
+  // other: another guest, held at other_point, or at the place if it has points; or a body of the
+  // group, held at joint.second.
+  bool to_guest = false;
   std::size_t other = 0, other_point = 0;
-  Joint joint;
+  WeldPlace place;
+  bool along = false;    // the damper acts along the joint alone
+  bool further = false;  // one of a weld, after its first
+  Joint joint;           // joint.first is not used; joint.force is that on the guest's point
 };
 
-class JointPull final : public PairForces {
+class JointPull final : public SpringPull {
  public:
   // The bodies are joined in a step, or a part of one between fractions of the step of h seconds.
   // joint: receives its force and energies. Of the other body one is given.
@@ -85,29 +102,25 @@ class JointPull final : public PairForces {
            ReducedStep* body, double from, double to, double h);
 
   void begin() override;
-  void approach() override {}
   void press(const ContactRenewal& renewal) override;
   void make_slopes(bool follows) override;
-  void add_growth(StepBody::In first_x, StepBody::In second_x) override;
   void multiply(StepBody::In first_x, StepBody::In second_x, StepBody::Out first_rows,
                 StepBody::Out second_rows) const override;
-  bool add_missed() override { return false; }
   void settle(ContactAccount& first_account, ContactAccount& second_account, double& first_start,
               double& second_start) const override;
   void remember() override;
-  std::size_t acting() const override { return 1; }
 
  private:
+  void find_other();
+  Eigen::Vector3d turn_of_body() const;
   double work_on_body() const;
 
   Joint* joint_ = nullptr;
   GuestStep *guest_ = nullptr, *other_ = nullptr;
   ReducedStep* body_ = nullptr;  // instead of other_
-  std::size_t point_ = 0, other_point_ = 0;
+  std::size_t point_ = 0;
+  WeldPlace place_;  // of other_
   bool along_ = false;
-  SharedRate own_;                // nothing is added to it
-  double h_ = 0.0;                // length of the part, s
-  double from_ = 0.0, to_ = 1.0;  // its ends, fractions of the step
   SiteMotion motion_, other_motion_;
   ContactTouch touch_;  // of the body
   JointForce now_;

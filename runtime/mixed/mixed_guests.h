@@ -103,7 +103,8 @@ class MixedGuests final : public IslandGuests {
     return guests_[i]->step->number_of(point);
   }
 
-  // Contact points: the one nearest to a place, and the place of one, m.
+  // Contact points: their number, the one nearest to a place, and the place of one, m.
+  std::size_t points(std::size_t i) const { return guests_[i]->step->points(); }
   std::size_t point_near(std::size_t i, const Eigen::Vector3d& place) const;
   Eigen::Vector3d point_at(std::size_t i, std::size_t point) const {
     return guests_[i]->step->start_of(point);

@@ -90,6 +90,17 @@ std::optional<std::size_t> TetStep::point_of(VertexId vertex) const {
   return std::nullopt;
 }
 
+std::vector<std::size_t> TetStep::points_on(const std::vector<VertexId>& vertices) const {
+  std::vector<bool> chosen(body_->model().nodes(), false);
+  for (const VertexId vertex : vertices) chosen[static_cast<std::size_t>(vertex)] = true;
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < points(); ++i) {
+    const TetPoint& point = points_->points[i];
+    if (chosen[point.nodes[0]] && (point.count == 1 || chosen[point.nodes[1]])) found.push_back(i);
+  }
+  return found;
+}
+
 // A point between vertices has the first of them.
 int TetStep::number_of(std::size_t point) const {
   return static_cast<int>(points_->points[point].nodes[0]);

@@ -54,6 +54,8 @@ class TetStep final : public GuestStep {
   bool is_fixed(std::size_t point) const override;
   // The contact point that is a vertex of the mesh; empty: the vertex is inside.
   std::optional<std::size_t> point_of(VertexId vertex) const;
+  // Those that are one of these vertices, or the middle of an edge between two of them.
+  std::vector<std::size_t> points_on(const std::vector<VertexId>& vertices) const;
   double mass_at(std::size_t point) const override { return points_->masses[point]; }
 
   // The body as an obstacle (hull_contact.h). follow_hull(): positions are needed in this step.

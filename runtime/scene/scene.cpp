@@ -227,9 +227,25 @@ Status check_hand(const SceneHand& hand, const std::set<std::string>& bodies) {
   return Success{};
 }
 
+// Of a joint, to the world or not.
+Status check_world_end(const SceneJoint& joint) {
+  if (!joint.to.empty())
+    return joint.point ? Status(content_error("point: only a joint to the world has one"))
+                       : Status(Success{});
+  if (!joint.to_at.empty()) return content_error("to-at: the world has no vertices: say `point`");
+  if (joint.gap) return content_error("gap: a weld to the world has none");
+  if (joint.weld && joint.point)
+    return content_error("point: a weld to the world holds its vertices where they are");
+  if (joint.point && !joint.point->allFinite()) return content_error("point is not finite");
+  if (!joint.point && joint.options.length != 0.0)
+    return content_error("a joint to the world with a length needs a `point`");
+  return Success{};
+}
+
 Status check_joint(const SceneJoint& joint, const std::set<std::string>& bodies) {
+  const bool to_world = joint.to.empty();
   for (const auto& [key, name] : {std::pair{"body", &joint.body}, std::pair{"to", &joint.to}})
-    if (!bodies.contains(*name))
+    if (!bodies.contains(*name) && !(to_world && name == &joint.to))
       return content_error(std::string(key) + ": there is no body '" + *name + "'");
   if (joint.body == joint.to) return content_error("to: it joins '" + joint.to + "' to itself");
   if (joint.at.empty()) return content_error("at: it is empty: give a vertex");
@@ -240,6 +256,11 @@ Status check_joint(const SceneJoint& joint, const std::set<std::string>& bodies)
     return content_error("damping must be finite and not negative (N s/m)");
   if (!(options.length >= 0.0) || !std::isfinite(options.length))
     return content_error("length must be finite and not negative (m)");
+  if (Status s = check_world_end(joint); !s) return s;
+  if (joint.weld && options.length != 0.0) return content_error("a weld has no length");
+  if (joint.gap && !joint.weld) return content_error("gap: only a weld has one");
+  if (joint.gap && (!(*joint.gap >= 0.0) || !std::isfinite(*joint.gap)))
+    return content_error("gap must be finite and not negative (m)");
   if (!(joint.until > 0.0)) return content_error("until must be positive (s)");
   return Success{};
 }

@@ -143,15 +143,24 @@ struct SceneHand {
   int line = 0;             // of a scene file, for errors; 0: none
 };
 
-// A joint between vertices of two bodies (runtime/contact/joint.h).
+// A joint between vertices of two bodies (runtime/contact/joint.h), or a weld of selections of them
+// (runtime/scene/welds.h).
 struct SceneJoint {
-  std::string body, at;  // name; a vertex's id, or a selector of one vertex
-  std::string to;        // name of the other body
+  bool weld = false;
+  std::string body, at;  // name; a vertex's id, or a selector of one vertex, of a weld of several
+  std::string to;        // name of the other body; empty: the world, which does not move
   std::string to_at;     // its vertex; empty: the point of it at the first vertex at t = 0
-  JointOptions options;
+  JointOptions options;  // of a weld: stiffness and damping of all its joints together; no length
+  // m, of a joint to the world: its end there. Empty: where the vertex is at t = 0.
+  std::optional<Eigen::Vector3d> point;
+  // m, of a weld: the longest offset between the two. Empty: the contact margin of the first body.
+  std::optional<double> gap;
   double until = kForEver;  // s; it holds until then
   int line = 0;             // of a scene file, for errors; 0: none
 };
+
+// The name of the world as the other body of a joint.
+inline constexpr const char* kWorldName = "world";
 
 // An error with what a scene lists: "line 12: hand 1: ...". i: from 0.
 template <class Listed>

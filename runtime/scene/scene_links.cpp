@@ -1,5 +1,6 @@
 #include "runtime/scene/scene_links.h"
 
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,6 +9,8 @@
 #include "runtime/contact/solve/body_group.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/scene/selection.h"
+#include "runtime/scene/welds.h"
+#include "runtime/scene/world_anchor.h"
 
 namespace tremolo {
 
@@ -90,44 +93,91 @@ Result<VertexId> joint_vertex(const char* key, const std::string& text, const Co
   return vertices->front();
 }
 
+Result<std::vector<VertexId>> weld_vertices(const char* key, const std::string& text,
+                                            const ContactBody& body) {
+  Result<std::vector<VertexId>> vertices = vertices_of(text, body.model());
+  const std::string what = std::string(key) + " = \"" + text + "\"";
+  if (!vertices) return content_error(what + ": " + vertices.error().message);
+  if (vertices->empty()) return content_error(what + " is no vertex: a weld needs some");
+  return vertices;
+}
+
+namespace {
+
+Result<std::vector<Joint>> weld_of(const SceneJoint& wanted, const ContactBody& first,
+                                   const ContactBody& second) {
+  const Result<std::vector<VertexId>> at = weld_vertices("at", wanted.at, first);
+  if (!at) return at.error();
+  std::vector<VertexId> to;
+  if (!wanted.to_at.empty())
+    if (Status s = take(to, weld_vertices("to-at", wanted.to_at, second)); !s) return s.error();
+  // The world has no surface.
+  const double gap = wanted.to.empty() ? std::numeric_limits<double>::infinity()
+                                       : wanted.gap.value_or(first.contact()->surface().law.margin);
+  Result<std::vector<Joint>> joints = make_weld(first, *at, second, to, wanted.options, gap);
+  if (!joints) return content_error(joints.error().message);
+  return joints;
+}
+
+}  // namespace
+
 Result<HeldJoint> HeldJoint::create(const SceneJoint& wanted, const ContactBody& first,
                                     const ContactBody& second) {
+  if (wanted.weld) {
+    Result<std::vector<Joint>> joints = weld_of(wanted, first, second);
+    if (!joints) return joints.error();
+    return HeldJoint(std::move(*joints));
+  }
   const Result<VertexId> at = joint_vertex("at", wanted.at, first);
   if (!at) return at.error();
-  if (wanted.to_at.empty()) {
+  if (wanted.to_at.empty() && !wanted.point) {
     Result<Joint> joint = make_joint(first, *at, second, wanted.options);
     if (!joint) return content_error(joint.error().message);
-    return HeldJoint(std::move(*joint));
+    return HeldJoint({std::move(*joint)});
   }
-  const Result<VertexId> to = joint_vertex("to-at", wanted.to_at, second);
-  if (!to) return to.error();
-  Result<Joint> joint = make_joint(first, *at, second, *to, wanted.options);
+  VertexRows there = wanted.point ? world_place(*wanted.point, second) : VertexRows{};
+  if (!wanted.point) {
+    const Result<VertexId> to = joint_vertex("to-at", wanted.to_at, second);
+    if (!to) return to.error();
+    if (Status s = take(there, second.model().vertex(*to)); !s)
+      return content_error(s.error().message);
+  }
+  Result<Joint> joint = make_joint(first, *at, second, std::move(there), wanted.options);
   if (!joint) return content_error(joint.error().message);
   // A stiff joint would pull them together suddenly.
   const double apart = joint_distance(*joint, first, second);
   const double limit = first.contact()->surface().law.margin;
   if (!wanted.options.stiffness && std::abs(apart - joint->length) > limit)
-    return content_error("its places are " + number_text(apart) + " m apart at the start, not " +
-                         number_text(joint->length) + " m: say `length`, a `stiffness`, put a " +
-                         "body elsewhere, or leave `to-at` out to join them where they are");
-  return HeldJoint(std::move(*joint));
+    return content_error(
+        "its places are " + number_text(apart) + " m apart at the start, not " +
+        number_text(joint->length) + " m: say `length`, a `stiffness`, put a " +
+        "body elsewhere, or leave `to-at` or `point` out to join them where they are");
+  return HeldJoint({std::move(*joint)});
 }
 
 void HeldJoint::begin(BodyGroup& group, std::size_t a, std::size_t b) {
-  number_ = group.join(a, b, made_);
+  for (const Joint& joint : made_) numbers_.push_back(group.join(a, b, joint));
 }
 
 void HeldJoint::let_go(BodyGroup& group) {
-  if (number_) group.separate(*number_);
-  number_.reset();
+  for (const std::size_t number : numbers_) group.separate(number);
+  numbers_.clear();
+}
+
+const Joint* HeldJoint::find(const BodyGroup& group) const {
+  if (numbers_.empty()) return nullptr;
+  if (numbers_.size() == 1) return group.joint(numbers_.front());
+  sums_ = {};
+  for (const std::size_t number : numbers_) add_joint(sums_, *group.joint(number));
+  return &sums_;
 }
 
 void HeldJoint::before_step(const SceneJoint& wanted, double t, double step, BodyGroup& group) {
-  if (number_ && t + kSameTime * step >= wanted.until) let_go(group);
+  if (!numbers_.empty() && t + kSameTime * step >= wanted.until) let_go(group);
 }
 
 void HeldJoint::carry(StateStream& stream, BodyGroup& group, std::size_t a, std::size_t b) {
-  bool holds = number_.has_value();
+  bool holds = !numbers_.empty();
   stream(holds);
   if (stream.reads() && stream.good() && holds) begin(group, a, b);
 }

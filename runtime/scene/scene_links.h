@@ -4,7 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -78,11 +80,16 @@ class MovingHand : public HandCourse {
 // selector that is not one vertex.
 Result<VertexId> joint_vertex(const char* key, const std::string& text, const ContactBody& body);
 
+// The vertices that a weld's `at` or `to-at` names. kContent: none, or not a selector.
+Result<std::vector<VertexId>> weld_vertices(const char* key, const std::string& text,
+                                            const ContactBody& body);
+
 // The joints of a scene: each holds two bodies together until its time is over.
 class HeldJoint {
  public:
   // kContent: a selector that is not one vertex, or points that are apart at the start although the
-  // joint is stiff and has no length; else as for make_joint.
+  // joint is stiff and has no length; else as for make_joint. Of a weld: a selector of no vertex;
+  // else as for make_weld. second: of a joint to the world make_world_anchor().
   static Result<HeldJoint> create(const SceneJoint& wanted, const ContactBody& first,
                                   const ContactBody& second);
 
@@ -90,10 +97,9 @@ class HeldJoint {
   void begin(BodyGroup& group, std::size_t a, std::size_t b);
   void before_step(const SceneJoint& wanted, double t, double step, BodyGroup& group);
 
-  // Null: it is over.
-  const Joint* find(const BodyGroup& group) const {
-    return number_ ? group.joint(*number_) : nullptr;
-  }
+  // Null: it is over. Of a weld the sums of its joints, valid until the next call.
+  const Joint* find(const BodyGroup& group) const;
+  std::size_t points() const { return made_.size(); }  // number of its joints: 1 without a weld
 
   // carry() saves or restores whether the joint holds; when restoring, call let_go() for all joints
   // first, then carry() for each, in their order.
@@ -101,10 +107,11 @@ class HeldJoint {
   void carry(StateStream& stream, BodyGroup& group, std::size_t a, std::size_t b);
 
  private:
-  explicit HeldJoint(Joint joint) : made_(std::move(joint)) {}
+  explicit HeldJoint(std::vector<Joint> joints) : made_(std::move(joints)) {}
 
-  Joint made_;
-  std::optional<std::size_t> number_;
+  std::vector<Joint> made_;
+  std::vector<std::size_t> numbers_;  // of each in the group; empty: it is over
+  mutable Joint sums_;
 };
 
 // Hands and joints of a scene on its bodies of other kinds, and joints between those and its other
@@ -124,6 +131,7 @@ class GuestLinks {
   virtual Eigen::Vector3d hand_vertex(std::size_t i) const = 0;
   // Null: its time is over, or it is between other bodies.
   virtual const Joint* joint(std::size_t i) const = 0;
+  virtual std::size_t joint_points(std::size_t i) const = 0;  // as HeldJoint::points()
 };
 
 }  // namespace tremolo

@@ -123,6 +123,8 @@ std::uint64_t hash_of(const SceneJoint& joint) {
   const JointOptions& options = joint.options;
   identity.add(joint.body, joint.at, joint.to, joint.to_at, joint.until, options.touch);
   identity.add(options.stiffness.value_or(0.0), options.damping, options.length);
+  if (joint.weld) identity.add(joint.weld, joint.gap);
+  if (joint.point) identity.add(joint.point);
   return identity.hash();
 }
 

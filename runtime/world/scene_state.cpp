@@ -102,8 +102,8 @@ void SceneWorld::carry(StateStream& stream) {
   if (stream.reads())
     for (JointOf& joint : joints_) joint.joint.let_go(*group_);
   for (JointOf& joint : joints_) joint.joint.carry(stream, *group_, joint.a, joint.b);
-  group_->carry(stream, size());
-  if (guests_) guests_->carry(stream, size());
+  group_->carry(stream, stepped_.size());
+  if (guests_) guests_->carry(stream, stepped_.size());
   if (links_) links_->carry(stream);
   if (!stream.reads()) return;
   failures_.clear();

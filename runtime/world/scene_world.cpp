@@ -17,6 +17,7 @@
 #include "runtime/contact/collider.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/scene/scene_start.h"
+#include "runtime/scene/world_anchor.h"
 #include "runtime/world/near_balls.h"
 
 namespace tremolo {
@@ -113,8 +114,9 @@ Result<SceneWorld> SceneWorld::create(const Scene& scene, const ModelSource& sou
             [&world](std::size_t a, std::size_t b) { return world.name(a) < world.name(b); });
   world.place_.resize(world.size());
   for (std::size_t k = 0; k < world.size(); ++k) world.place_[world.order_[k]] = k;
-  world.stepped_.resize(world.size());
-  world.reports_.resize(world.size());
+  if (Status s = world.add_anchors(); !s) return s.error();
+  world.stepped_.resize(world.size() + world.anchors_.size());
+  world.reports_.resize(world.stepped_.size());
   world.failures_.reserve(world.actors_.size());
   if (Status s = world.add_joints(); !s) return s.error();
   return world;
@@ -260,18 +262,31 @@ Status SceneWorld::add_hands() {
   return Success{};
 }
 
+Status SceneWorld::add_anchors() {
+  anchor_of_.resize(scene_.joints.size());
+  for (std::size_t i = 0; i < scene_.joints.size(); ++i) {
+    if (!scene_.joints[i].to.empty()) continue;
+    Result<ContactBody> anchor = make_world_anchor(scene_.step);
+    if (!anchor) return anchor.error();
+    anchor_of_[i] = anchors_.size();
+    anchors_.push_back(std::move(*anchor));
+  }
+  return Success{};
+}
+
 // Those of a pair in the scene's order.
 Status SceneWorld::add_joints() {
   own_joints_.resize(scene_.joints.size());
   for (std::size_t i = 0; i < scene_.joints.size(); ++i) {
     const std::optional<std::size_t> a = find(scene_.joints[i].body), b = find(scene_.joints[i].to);
-    if (!a || !b) continue;
-    Result<HeldJoint> joint =
-        HeldJoint::create(scene_.joints[i], actors_[*a].body, actors_[*b].body);
+    if (!a || (!b && !anchor_of_[i])) continue;
+    const ContactBody& other = b ? actors_[*b].body : anchor(i);
+    const std::size_t there = b ? place_[*b] : anchor_number(i);
+    Result<HeldJoint> joint = HeldJoint::create(scene_.joints[i], actors_[*a].body, other);
     if (!joint) return error_of_listed("joint", i, scene_.joints[i], joint.error());
-    joint->begin(*group_, place_[*a], place_[*b]);
+    joint->begin(*group_, place_[*a], there);
     own_joints_[i] = joints_.size();
-    joints_.push_back({std::move(*joint), place_[*a], place_[*b], i});
+    joints_.push_back({std::move(*joint), place_[*a], there, i});
   }
   return Success{};
 }
@@ -381,6 +396,8 @@ Status SceneWorld::set_step(double step) {
       return error_of_body(scene_.bodies[i], s.error());
     }
   }
+  for (ContactBody& anchor : anchors_)
+    if (Status s = anchor.set_method(anchor.integrator().name(), step); !s) return s;
   steps_ = std::llround(time() / step);
   scene_.step = step;
   return Success{};
@@ -420,6 +437,7 @@ std::span<const SceneWorld::Failure> SceneWorld::step() {
     if (!scene_.bodies[i].alphas.empty() || !scene_.bodies[i].betas.empty()) (void)damp(i);
     move_frame(actor);
   }
+  for (std::size_t k = 0; k < anchors_.size(); ++k) stepped_[size() + k] = &anchors_[k];
   group_->step(stepped_, colliders_.placed(), reports_);
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     if (actors_[i].failed) continue;

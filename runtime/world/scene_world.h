@@ -152,6 +152,9 @@ class SceneWorld {
   std::optional<std::size_t> find(std::string_view name) const;
   // The number of body i in the group that steps it.
   std::size_t group_number(std::size_t i) const { return place_[i]; }
+  // Of the i-th joint, one to the world: the body that stands for it, and its number in the group.
+  const ContactBody& anchor(std::size_t i) const { return anchors_[*anchor_of_[i]]; }
+  std::size_t anchor_number(std::size_t i) const { return size() + *anchor_of_[i]; }
   // True if a joint between the two bodies switches their contact off.
   bool passes_through(std::size_t a, std::size_t b) const;
 
@@ -225,9 +228,14 @@ class SceneWorld {
     return links_->hand_vertex(i);
   }
 
-  // In the scene's order; null: its time is over.
+  // In the scene's order; null: its time is over. Of a weld the sums of its joints, without their
+  // positions, valid until the next call for it.
   const Joint* joint(std::size_t i) const {
     return own_joints_[i] ? joints_[*own_joints_[i]].joint.find(*group_) : links_->joint(i);
+  }
+  // The number of its joints between points, which joint() sums up: above 1 for a weld.
+  std::size_t joint_points(std::size_t i) const {
+    return own_joints_[i] ? joints_[*own_joints_[i]].joint.points() : links_->joint_points(i);
   }
 
   // Saves the state between steps, as the bytes of a file (formats/saved/saved_file.h) or as a
@@ -305,6 +313,7 @@ class SceneWorld {
   Status begin(const SceneBody& wanted, Actor& actor) const;
   Status begin_contact(std::size_t i, bool needed);
   Status add_hands();
+  Status add_anchors();
   Status add_joints();
   Status damp(std::size_t i);
   void list_passing();
@@ -328,6 +337,10 @@ class SceneWorld {
   SceneColliders colliders_;
   std::vector<Hand> hands_;
   std::vector<JointOf> joints_;
+  // One for each joint to the world, so that it joins no islands; they follow the bodies in the
+  // group. anchor_of_: for each joint of the scene; empty: it is not one to the world.
+  std::vector<ContactBody> anchors_;
+  std::vector<std::optional<std::size_t>> anchor_of_;
   // For each of the scene its index in hands_ or joints_; empty: it is in links_.
   std::vector<std::optional<std::size_t>> own_hands_, own_joints_;
   std::vector<Touching> touching_;  // bodies x colliders

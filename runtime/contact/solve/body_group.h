@@ -195,6 +195,13 @@ Result<Joint> make_joint(const ContactBody& first, VertexId at, const ContactBod
 // The point of the body that is at a position now, m, world, and moves with the nearest vertex of
 // its boundary.
 VertexRows place_at(const ContactBody& body, const Eigen::Vector3d& where);
+// Joins a vertex of the first body to a point of the second.
+Result<Joint> make_joint(const ContactBody& first, VertexId at, const ContactBody& second,
+                         VertexRows to, const JointOptions& options);
+// Errors (kUsage): a body of several bones, or without Body::set_contact(), takes no joint.
+Status check_joinable(const ContactBody& body);
+// Present position of a point of the body, m, world.
+Eigen::Vector3d place_now(const ContactBody& body, const VertexRows& place);
 // Present distance of the joint's two points, m.
 double joint_distance(const Joint& joint, const ContactBody& first, const ContactBody& second);
 

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "runtime/contact/contact_values.h"
 #include "runtime/contact/solve/body_group.h"
@@ -10,10 +11,6 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-Vector3d place_now(const ContactBody& body, const VertexRows& place) {
-  return body.pose() * Vector3d(place.rest + place.rows * body.state().q);
-}
 
 Status set_springs(Joint& joint, const ContactBody& first, const ContactBody& second,
                    const JointOptions& options) {
@@ -35,16 +32,25 @@ Status set_springs(Joint& joint, const ContactBody& first, const ContactBody& se
 
 Status check_bodies(const ContactBody& first, const ContactBody& second) {
   if (&first == &second) return usage_error("a joint needs two bodies");
-  if (first.contact() == nullptr || second.contact() == nullptr)
-    return usage_error("joints need set_contact() of both bodies first");
-  if (first.bones() > 1 || second.bones() > 1)
-    return usage_error("a body on several bones takes no joint");
+  for (const ContactBody* body : {&first, &second})
+    if (Status s = check_joinable(*body); !s) return s;
   if (first.options().step != second.options().step)
     return usage_error("bodies that are joined have one step size");
   return Success{};
 }
 
 }  // namespace
+
+Status check_joinable(const ContactBody& body) {
+  if (body.contact() == nullptr)
+    return usage_error("joints need set_contact() of both bodies first");
+  if (body.bones() > 1) return usage_error("a body on several bones takes no joint");
+  return Success{};
+}
+
+Vector3d place_now(const ContactBody& body, const VertexRows& place) {
+  return body.pose() * Vector3d(place.rest + place.rows * body.state().q);
+}
 
 double joint_distance(const Joint& joint, const ContactBody& first, const ContactBody& second) {
   return (place_now(first, joint.first) - place_now(second, joint.second)).norm();
@@ -70,9 +76,17 @@ VertexRows place_at(const ContactBody& body, const Vector3d& where) {
 Result<Joint> make_joint(const ContactBody& first, VertexId at, const ContactBody& second,
                          VertexId to, const JointOptions& options) {
   if (Status s = check_bodies(first, second); !s) return s.error();
+  VertexRows place;
+  if (Status s = take(place, second.model().vertex(to)); !s) return s.error();
+  return make_joint(first, at, second, std::move(place), options);
+}
+
+Result<Joint> make_joint(const ContactBody& first, VertexId at, const ContactBody& second,
+                         VertexRows to, const JointOptions& options) {
+  if (Status s = check_bodies(first, second); !s) return s.error();
   Joint joint;
+  joint.second = std::move(to);
   if (Status s = take(joint.first, first.model().vertex(at)); !s) return s.error();
-  if (Status s = take(joint.second, second.model().vertex(to)); !s) return s.error();
   if (Status s = set_springs(joint, first, second, options); !s) return s.error();
   return joint;
 }

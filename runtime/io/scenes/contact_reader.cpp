@@ -149,11 +149,13 @@ Result<SceneJoint> read_joint(const toml::table& table, std::size_t number,
   SceneJoint joint;
   joint.line = line_of(table);
   TomlKeys keys(table, path, "joint " + std::to_string(number));
+  joint.weld = keys.read_word("kind", {"point", "weld"}, 0) == 1;
   for (const char* key : {"body", "at", "to"}) need(keys, key);
   keys.read("body", joint.body);
   keys.read_text_or_number("at", joint.at);
   keys.read("to", joint.to);
   keys.read_text_or_number("to-at", joint.to_at);
+  if (keys.has("point")) keys.read("point", joint.point.emplace());
   if (keys.has("stiffness")) keys.read("stiffness", joint.options.stiffness.emplace());
   if (joint.options.stiffness && !(*joint.options.stiffness > 0.0))
     keys.fail("stiffness", "'stiffness' must be positive (N/m)");
@@ -164,6 +166,11 @@ Result<SceneJoint> read_joint(const toml::table& table, std::size_t number,
     keys.fail("damping", "without a `stiffness` both are as large as masses and step allow");
   keys.read("length", joint.options.length);
   if (!(joint.options.length >= 0.0)) keys.fail("length", "'length' must not be negative (m)");
+  if (joint.weld && keys.has("length"))
+    keys.fail("length", "a weld has no `length`: it keeps its vertices where they are");
+  if (keys.has("gap")) keys.read("gap", joint.gap.emplace());
+  if (joint.gap && !joint.weld) keys.fail("gap", "only a joint of `kind = \"weld\"` has a `gap`");
+  if (joint.gap && !(*joint.gap >= 0.0)) keys.fail("gap", "'gap' must not be negative (m)");
   keys.read("touch", joint.options.touch);
   keys.read("until", joint.until);
   if (Status s = keys.finish(); !s) return s.error();

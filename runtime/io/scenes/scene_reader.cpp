@@ -301,10 +301,12 @@ Result<SceneFile> parse_world(std::string_view text, const std::string& path, Ot
   for (const toml::table* entry : keys.read_tables("joints")) {
     Result<SceneJoint> joint = read_joint(*entry, ++number, path);
     if (!joint) return joint.error();
-    if (Status s =
-            check_held(*entry, path, "joint " + std::to_string(number), {"body", "to"}, file.scene);
-        !s)
-      return s.error();
+    const std::string what = "joint " + std::to_string(number);
+    if (Status s = check_held(*entry, path, what, {"body"}, file.scene); !s) return s.error();
+    // A body may have the world's name.
+    const Status other = check_held(*entry, path, what, {"to"}, file.scene);
+    if (!other && joint->to != kWorldName) return other.error();
+    if (!other) joint->to.clear();
     file.scene.joints.push_back(std::move(*joint));
   }
   if (Status s = keys.finish(); !s) return s.error();

@@ -338,7 +338,9 @@ py::list joints(const PyWorld& self) {
     const Joint* joint = world.joint(i);
     py::dict dict;
     dict["body"] = wanted.body;
-    dict["to"] = wanted.to;
+    dict["to"] = wanted.to.empty() ? kWorldName : wanted.to;
+    dict["kind"] = wanted.weld ? "weld" : "point";
+    dict["points"] = world.joint_points(i);
     dict["holds"] = joint != nullptr;
     dict["force"] = joint ? array_of<3>(joint->force) : array_of<3>(Eigen::Vector3d::Zero());
     dict["energy"] = joint ? joint->energy : 0.0;
@@ -487,8 +489,9 @@ void add_queries(WorldClass& c) {
         "of dicts: vertex, position (m), normal, impulse (N s), on_body.");
   c.def_property_readonly("colliders", &colliders,
                           "A list of dicts: name, shape, position (3,), rotation (4,).");
-  c.def_property_readonly("joints", &joints,
-                          "A list of dicts: body, to, holds, force (3,), N, energy, J.");
+  c.def_property_readonly(
+      "joints", &joints,
+      "A list of dicts: body, to, kind, points, holds, force (3,), N, energy, J.");
   c.def_property_readonly("hands", &hands,
                           "A list of dicts: body, vertex, holds, force on the body (3,), N.");
   c.def("pick", &pick, py::arg("origin"), py::arg("direction"),

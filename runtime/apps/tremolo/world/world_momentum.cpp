@@ -66,7 +66,7 @@ void WorldMomentum::add(Known& known, const Vector3d& momentum, bool asleep,
   rest_ += change - weight - impulses.hands - impulses.of_colliders;
 }
 
-// The two forces of a joint between two free bodies cancel.
+// The two forces of a joint between two free bodies cancel. The world takes the one on it.
 void WorldMomentum::add_joints(const SceneWorld& world, const MixedGuests* guests) {
   const std::vector<SceneJoint>& joints = world.scene().joints;
   const auto find = [&](const std::string& name) {
@@ -78,12 +78,13 @@ void WorldMomentum::add_joints(const SceneWorld& world, const MixedGuests* guest
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const Joint* joint = world.joint(i);
     const auto first = find(joints[i].body), second = find(joints[i].to);
-    if (joint == nullptr || !first || !second) continue;
+    const bool to_world = joints[i].to.empty();
+    if (joint == nullptr || !first || (!second && !to_world)) continue;
     if (*first < world.size() && world.asleep(*first)) continue;
     const Vector3d impulse = step_ * joint->force;
     exchanged_ += impulse.norm();
     if (!known_[*first].free) rest_ += impulse;
-    if (!known_[*second].free) rest_ -= impulse;
+    if (to_world || !known_[*second].free) rest_ -= impulse;
   }
 }
 

@@ -70,11 +70,13 @@ Json body_json(const SceneBody& body, const SceneBodyReport& report) {
   return json;
 }
 
-// joint: null where its time is over.
-Json joint_json(const SceneJoint& wanted, const Joint* joint) {
+// joint: null where its time is over. points: the number of its joints between points.
+Json joint_json(const SceneJoint& wanted, const Joint* joint, std::size_t points) {
   const Joint now = joint == nullptr ? Joint{} : *joint;
   return {{"body", wanted.body},
-          {"to", wanted.to},
+          {"to", wanted.to.empty() ? kWorldName : wanted.to},
+          {"kind", wanted.weld ? "weld" : "point"},
+          {"points", points},
           {"holds", joint != nullptr},
           {"stiffness", joint == nullptr ? Json(nullptr) : Json(now.stiffness)},
           {"damping", joint == nullptr ? Json(nullptr) : Json(now.damping)},
@@ -95,7 +97,7 @@ Json hand_json(const SceneHand& wanted, const HandCourse& hand, const Eigen::Vec
 // Springs that mass and step do not allow.
 void add_spring_warnings(const Scene& scene, const SceneWorld& world, Warnings& warnings) {
   const auto warn = [&warnings](const std::string& whose, double asked, double used) {
-    if (used < asked)
+    if (used < asked * (1.0 - 1e-12))  // a weld's are divided and summed
       warnings.push_back(fmt::format(
           "{}: its stiffness of {:.4g} N/m is more than mass and step allow, {:.4g} N/m is used: "
           "a shorter step allows more, as one over its square",
@@ -110,7 +112,8 @@ void add_spring_warnings(const Scene& scene, const SceneWorld& world, Warnings& 
   for (std::size_t i = 0; i < scene.joints.size(); ++i) {
     const SceneJoint& wanted = scene.joints[i];
     if (world.joint(i) != nullptr && wanted.options.stiffness)
-      warn(fmt::format("joint {} (body '{}', to '{}')", i + 1, wanted.body, wanted.to),
+      warn(fmt::format("joint {} (body '{}', to '{}')", i + 1, wanted.body,
+                       wanted.to.empty() ? kWorldName : wanted.to),
            *wanted.options.stiffness, world.joint(i)->stiffness);
   }
 }
@@ -183,7 +186,8 @@ Json world_json(const SceneFile& file, const SceneWorld& world, const std::vecto
   for (const Json& guest : guests) json["bodies"].push_back(guest);
   json["joints"] = Json::array();
   for (std::size_t i = 0; i < file.scene.joints.size(); ++i)
-    json["joints"].push_back(joint_json(file.scene.joints[i], world.joint(i)));
+    json["joints"].push_back(
+        joint_json(file.scene.joints[i], world.joint(i), world.joint_points(i)));
   json["hands"] = Json::array();
   for (std::size_t i = 0; i < file.scene.hands.size(); ++i)
     json["hands"].push_back(hand_json(file.scene.hands[i], world.hand(i), world.hand_force(i)));
