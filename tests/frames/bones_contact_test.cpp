@@ -58,11 +58,17 @@ ContactOptions contact_of(std::optional<Collider> shape = {}) {
   return {.points = 60, .shape = std::move(shape), .friction = 0.4, .restitution = 0.6};
 }
 
+Model::Pointer rigid_model(const Collider& shape, double mass) {
+  RigidSolid solid;
+  solid.shape = shape;
+  solid.mass = mass;
+  return *make_rigid_model(solid);
+}
+
 ContactBody ball_at(const Vector3d& place, double step, double mass = 0.5, double radius = 0.04) {
   const Collider sphere = SphereShape{radius};
-  const Result<Model::Pointer> model = make_rigid_model({.shape = sphere, .mass = mass});
-  ContactBody ball =
-      std::move(*ContactBody::create(*model, "ep4", options_of(step), FrameKind::kFree));
+  ContactBody ball = std::move(
+      *ContactBody::create(rigid_model(sphere, mass), "ep4", options_of(step), FrameKind::kFree));
   EXPECT_TRUE(ball.set_contact(contact_of(sphere)));
   EXPECT_TRUE(ball.set_pose({place, Eigen::Quaterniond::Identity()}));
   return ball;
@@ -70,9 +76,8 @@ ContactBody ball_at(const Vector3d& place, double step, double mass = 0.5, doubl
 
 ContactBody block_at(const Vector3d& place, double friction) {
   const Collider box = BoxShape{{0.03, 0.02, 0.01}};
-  const Result<Model::Pointer> model = make_rigid_model({.shape = box, .mass = 0.1});
-  ContactBody block =
-      std::move(*ContactBody::create(*model, "ep4", options_of(1e-3), FrameKind::kFree));
+  ContactBody block = std::move(
+      *ContactBody::create(rigid_model(box, 0.1), "ep4", options_of(1e-3), FrameKind::kFree));
   ContactOptions contact = contact_of(box);
   contact.friction = friction;
   EXPECT_TRUE(block.set_contact(contact));

@@ -112,9 +112,9 @@ TEST(RigidTops, TumbleAboutTheirMiddleAxis) {
       return Vector3d(momentum.cross(w).cwiseQuotient(moments));
     };
     Vector3d w = top.spin;
-    constexpr int kSteps = 60'000;
-    const double h = 1.2 / kSteps;
-    for (int k = 0; k < kSteps; ++k) {
+    constexpr int kFine = 60'000;
+    const double h = 1.2 / kFine;
+    for (int k = 0; k < kFine; ++k) {
       const Vector3d a = slope(w), b = slope(w + 0.5 * h * a), c = slope(w + 0.5 * h * b),
                      d = slope(w + h * c);
       w += h / 6.0 * (a + 2.0 * b + 2.0 * c + d);
