@@ -15,6 +15,12 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
+// After a matrix with a factor the next one lacks this fraction of what that one lacked, or nothing
+// below kLeastLacked. Where it has no factor it lacks kMoreLacked times as much.
+constexpr double kLessLacked = 0.5;
+constexpr double kLeastLacked = 0.03;
+constexpr double kMoreLacked = 4.0;
+
 PointAreas areas_of(const ClothBody& body) {
   PointAreas areas;
   const VectorXd& mass = body.model().mass();
@@ -69,7 +75,7 @@ ClothStep::ClothStep(ClothBody& body, const ContactOptions& options)
   slopes_.reserve(points() + 1);  // a hand may hold a particle in contact
   if (!factor_) inverse_.resize(points());
   middle_ = x1_ = body.state().x;
-  assemble(false, false);
+  assemble(false);
   for (std::size_t i = 0; i < points(); ++i)
     stiffest_ = std::max(stiffest_, matrix_.diagonal(i).diagonal().maxCoeff());
 }
@@ -113,6 +119,7 @@ void ClothStep::begin() {
   x1_ = x + h * v;
   put_held_nodes(body_->model(), end_time(), h, x, x1_, v1_);
   way_ = x1_ - x;
+  lacks_ = 0.0;
   known_ = false;
   clear_holds();
 }
@@ -173,24 +180,19 @@ double ClothStep::enough() const {
          rounding + held_rounding(x1_.lpNorm<Eigen::Infinity>());
 }
 
-// full: with the indefinite terms of springs under compression.
-void ClothStep::assemble(bool full, bool with_contact) {
+// Without the fraction lacks_ of the indefinite terms of springs under compression.
+void ClothStep::assemble(bool with_contact) {
   const ClothModel& model = body_->model();
   const double h = step_size(), mu = (1.0 + heavier_) * mass_factor();
   matrix_.set_zero();
   for (std::size_t i = 0; i < points(); ++i)
     matrix_.diagonal(i).diagonal().setConstant(mu * model.mass()[static_cast<Index>(i)]);
+  const double kept = 1.0 - lacks_;
   if (method_ == Method::kEnergy) {
-    if (full)
-      model.add_full_step_tangent(body_->state().x, x1_, h, 1.0, matrix_);
-    else
-      model.add_step_tangent(body_->state().x, x1_, h, matrix_);
+    model.add_full_step_tangent(body_->state().x, x1_, h, kept, matrix_);
   } else {
     const double theta = method_ == Method::kMidpoint ? 0.5 : 1.0;
-    if (full)
-      model.add_full_tangent(middle_, speed_, ForcePart::kAll, theta, 1.0 / h, 1.0, matrix_);
-    else
-      model.add_tangent(middle_, speed_, ForcePart::kAll, theta, 1.0 / h, matrix_);
+    model.add_full_tangent(middle_, speed_, ForcePart::kAll, theta, 1.0 / h, kept, matrix_);
   }
   contact_in_matrix_ = with_contact;
   if (with_contact)
@@ -217,24 +219,33 @@ void ClothStep::invert_diagonal() {
   }
 }
 
-// The derivative with all terms is tried first; where it is not positive, indefinite terms of the
-// springs are left out, which makes the move one of descent.
+// As much of the indefinite terms of the springs is kept as a factor allows, which makes the move
+// one of descent.
 bool ClothStep::factor(bool fresh) {
   if (!factor_) {
-    assemble(false, true);
+    lacks_ = 1.0;
+    assemble(true);
     invert_diagonal();
     exact_ = false;
     return true;
   }
-  assemble(true, true);
-  if (!fresh && full_) return true;
-  full_ = static_cast<bool>(factor_->factor(matrix_));
-  if (full_) return true;
-  exact_ = false;
-  assemble(false, true);
-  if (factor_->factor(matrix_)) return true;
-  assemble(false, false);
-  return static_cast<bool>(factor_->factor(matrix_));
+  if (!fresh && lacks_ == 0.0) {
+    assemble(true);
+    return true;
+  }
+  lacks_ = lacks_ < kLeastLacked ? 0.0 : kLessLacked * lacks_;
+  for (;;) {
+    assemble(true);
+    if (factor_->factor(matrix_)) break;
+    if (lacks_ == 1.0) {
+      exact_ = false;
+      assemble(false);
+      return static_cast<bool>(factor_->factor(matrix_));
+    }
+    lacks_ = std::min(1.0, kMoreLacked * std::max(kLeastLacked, lacks_));
+  }
+  exact_ = exact_ && lacks_ == 0.0;
+  return true;
 }
 
 // Adds the terms that are not symmetric to the product out_ of the matrix and in_. Fixed particles

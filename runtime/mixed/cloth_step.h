@@ -99,7 +99,7 @@ class ClothStep final : public GuestStep {
   // At the end of the present part, s. Moved particles follow their own path through the step.
   double end_time() const { return body_->time() + part().to * body_->options().step; }
   double mass_factor() const;
-  void assemble(bool full, bool with_contact);
+  void assemble(bool with_contact);
   void invert_diagonal();
   void add_missing_terms() const;
 
@@ -113,7 +113,7 @@ class ClothStep final : public GuestStep {
   std::vector<Eigen::Matrix3d> inverse_;  // of the diagonal's blocks, without a factor
   StepLedger ledger_;
   double heavier_ = 0.0;
-  bool full_ = false;                // the last factor is that of the derivative with all its terms
+  double lacks_ = 1.0;               // fraction of the indefinite terms that the matrix lacks
   bool exact_ = false;               // products have the terms that are not symmetric
   bool contact_in_matrix_ = false;   // the symmetric part of contact is in the matrix
   bool known_ = false;               // forces are those at known_way_
