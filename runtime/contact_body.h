@@ -141,6 +141,9 @@ class ContactBody : public Body {
   // for a point that cannot move. A coordinate of the frequency omega has the resistance 1 + (h
   // omega)^2/4.
   double mass_at(const VertexRows& place) const;
+  // Of a body on several bones, for places of joints.
+  using Body::bone_maps;
+  using Body::weights_of;
 
  private:
   // The parts of a step, for groups of bodies that touch each other.

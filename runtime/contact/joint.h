@@ -12,6 +12,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -30,10 +31,16 @@ struct JointOptions {
   bool touch = false;    // contact between the two bodies continues
 };
 
+// A point of a body that a joint holds.
+struct JointPlace : VertexRows {
+  // Of a body on several bones: how much each of them moves the point, with sum 1; else empty.
+  std::vector<double> bones;
+};
+
 // A joint, with its force and energy.
 struct Joint {
   // The joined points, each in the mesh's coordinates of its body.
-  VertexRows first, second;
+  JointPlace first, second;
   double stiffness = 0.0;  // k, N/m
   double damping = 0.0;    // N s/m
   double length = 0.0;     // L, m

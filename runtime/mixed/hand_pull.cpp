@@ -80,6 +80,11 @@ void JointPull::begin() {
     other_->hold_at(slope);
   else
     body_->contact().hold_at(joint_->second, 2.0 * slope);
+  boned_ = body_ != nullptr && body_->equations().follow_bones(joint_->second, on_bones_);
+}
+
+const StepMotion& JointPull::motion_of_place() const {
+  return boned_ ? on_bones_ : body_->equations().motion;
 }
 
 // The rotation of a free body: the damper's torque on both acts on it alone, as a guest has none.
@@ -91,7 +96,7 @@ Vector3d JointPull::turn_of_body() const {
 // The motion of the place on the other body.
 void JointPull::find_other() {
   if (other_ == nullptr) {
-    touch_ = body_->equations().straight_touch_at(joint_->second);
+    touch_ = body_->equations().straight_touch_at(motion_of_place(), joint_->second);
     other_motion_.start = touch_.x0;
     other_motion_.end = touch_.x1;
     return;
@@ -120,7 +125,8 @@ void JointPull::press(const ContactRenewal& renewal) {
     return;
   }
   ContactEquations& eq = body_->equations();
-  eq.push(-force, -eq.motion.straight_bend(force), touch_, place_rows(joint_->second));
+  const StepMotion& at = motion_of_place();
+  eq.push(at, -force, -at.straight_bend(force), touch_, place_rows(joint_->second));
   eq.push_turn(2.0 * now_.torque);
 }
 
@@ -134,11 +140,12 @@ void JointPull::make_slopes(bool follows) {
   }
   ContactEquations& eq = body_->equations();
   const PlaceRows rows = place_rows(joint_->second);
-  eq.lever.make(eq.motion, touch_, rows);
+  const StepMotion& at = motion_of_place();
+  eq.lever.make(at, touch_, rows);
   eq.lever.add_tangent(now_.slope, eq.jacobian);
-  eq.lever.make_straight_swing(eq.motion);
+  eq.lever.make_straight_swing(at);
   const Vector3d force = -now_.force;
-  eq.add_geometry(force, eq.motion.straight_bend(force), touch_, rows);
+  eq.add_geometry(force, at.straight_bend(force), touch_, rows);
   push_ = eq.lever.push();
   way_ = eq.lever.way();
 }
@@ -170,7 +177,8 @@ double JointPull::work_on_body() const {
   const ContactEquations& eq = body_->equations();
   const Vector3d force = -now_.force;
   if (eq.turns()) return force.dot(touch_.x1 - touch_.x0) + 2.0 * now_.torque.dot(turn_of_body());
-  return eq.motion.straight_bend(force).dot(eq.bend_under(eq.motion, place_rows(joint_->second)));
+  const StepMotion& at = motion_of_place();
+  return at.straight_bend(force).dot(eq.bend_under(at, place_rows(joint_->second)));
 }
 
 void JointPull::settle(ContactAccount& first_account, ContactAccount& second_account,

@@ -113,6 +113,7 @@ class JointPull final : public SpringPull {
  private:
   void find_other();
   Eigen::Vector3d turn_of_body() const;
+  const StepMotion& motion_of_place() const;
   double work_on_body() const;
 
   Joint* joint_ = nullptr;
@@ -123,6 +124,8 @@ class JointPull final : public SpringPull {
   bool along_ = false;
   SiteMotion motion_, other_motion_;
   ContactTouch touch_;  // of the body
+  bool boned_ = false;  // the place on the body is on several bones
+  StepMotion on_bones_;
   JointForce now_;
   Eigen::MatrixXd push_;  // of the body, n x 3
   Eigen::Matrix3Xd way_;  // 3 x n

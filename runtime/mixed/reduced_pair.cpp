@@ -41,8 +41,9 @@ void ReducedPair::give_back(std::size_t a, std::size_t b, std::vector<PairPoint>
 
 void ReducedPair::begin() {
   for (PairPoint& pair : used()) begin_pair(pair);
-  for (const IslandJoint& link : joints_) {
+  for (IslandJoint& link : joints_) {
     const Joint& joint = *link.joint;
+    begin_joint(link, equations(link.a), equations(link.b));
     const double stiffness = joint.stiffness + 2.0 * joint.damping / h_;
     sides_[link.a].contact->hold_at(joint.first, stiffness);
     sides_[link.b].contact->hold_at(joint.second, stiffness);

@@ -135,11 +135,11 @@ Result<HeldJoint> HeldJoint::create(const SceneJoint& wanted, const ContactBody&
     if (!joint) return content_error(joint.error().message);
     return HeldJoint({std::move(*joint)});
   }
-  VertexRows there = wanted.point ? world_place(*wanted.point, second) : VertexRows{};
+  JointPlace there = wanted.point ? world_place(*wanted.point, second) : JointPlace{};
   if (!wanted.point) {
     const Result<VertexId> to = joint_vertex("to-at", wanted.to_at, second);
     if (!to) return to.error();
-    if (Status s = take(there, second.model().vertex(*to)); !s)
+    if (Status s = take(there, vertex_place(second, *to)); !s)
       return content_error(s.error().message);
   }
   Result<Joint> joint = make_joint(first, *at, second, std::move(there), wanted.options);

@@ -17,25 +17,33 @@ Result<WeldVertices> WeldVertices::create(const ContactBody& body,
   WeldVertices made;
   made.body_ = &body;
   for (const VertexId vertex : vertices)
-    if (Status s = take(made.rows_.emplace_back(), body.model().vertex(vertex)); !s)
+    if (Status s = take(made.rows_.emplace_back(), vertex_place(body, vertex)); !s)
       return s.error();
   const VertexBlock& boundary = body.model().surface();
   for (std::size_t i = 0; vertices.empty() && i < boundary.rest.size(); ++i)
-    made.rows_.push_back({boundary.rest[i], boundary.rows.middleRows(3 * i, 3)});
-  for (const VertexRows& row : made.rows_) made.positions_.push_back(place_now(body, row));
+    if (Status s = take(made.rows_.emplace_back(), vertex_place(body, boundary.vertex_ids[i])); !s)
+      return s.error();
+  for (const JointPlace& row : made.rows_) made.positions_.push_back(place_now(body, row));
   return made;
 }
 
-VertexRows WeldVertices::at(const Vector3d& position, double& offset) const {
+JointPlace WeldVertices::at(const Vector3d& position, double& offset) const {
   const WeldPlace place = weld_place(positions_, position);
   offset = place.offset.norm();
-  VertexRows point;
+  JointPlace point;
   point.rest = body_->pose().rotation.conjugate() * place.offset;
   point.rows.setZero(3, body_->model().modes());
   for (const WeldPlace::Point& one : place.used()) {
     point.rest += one.weight * rows_[one.number].rest;
     point.rows += one.weight * rows_[one.number].rows;
   }
+  if (body_->bones() < 2) return point;
+  point.bones.resize(body_->bones(), 0.0);
+  for (const WeldPlace::Point& one : place.used())
+    for (std::size_t b = 0; b < point.bones.size(); ++b)
+      point.bones[b] += one.weight * rows_[one.number].bones[b];
+  // Between vertices on other bones the mean of their maps is elsewhere.
+  bring_to(*body_, position, point);
   return point;
 }
 

@@ -20,16 +20,16 @@ class WeldVertices {
   // Model::vertex().
   static Result<WeldVertices> create(const ContactBody& body, std::span<const VertexId> vertices);
 
-  std::span<const VertexRows> rows() const { return rows_; }
+  std::span<const JointPlace> rows() const { return rows_; }
   std::span<const Eigen::Vector3d> positions() const { return positions_; }  // now, m, world
   // The point of the body that is at a position now, m, world, and moves with the vertices near it
   // (weld_place()). offset: receives its distance from them, m, which the point keeps along the
-  // axes of the body's frame.
-  VertexRows at(const Eigen::Vector3d& position, double& offset) const;
+  // axes of the body's frame, or of the bones there.
+  JointPlace at(const Eigen::Vector3d& position, double& offset) const;
 
  private:
   const ContactBody* body_ = nullptr;  // stays in memory
-  std::vector<VertexRows> rows_;
+  std::vector<JointPlace> rows_;
   std::vector<Eigen::Vector3d> positions_;
 };
 

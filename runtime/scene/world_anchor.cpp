@@ -36,8 +36,8 @@ Result<ContactBody> make_world_anchor(double step) {
   return body;
 }
 
-VertexRows world_place(const Vector3d& position, const ContactBody& anchor) {
-  VertexRows place;
+JointPlace world_place(const Vector3d& position, const ContactBody& anchor) {
+  JointPlace place;
   place.rest = position;
   place.rows.setZero(3, anchor.model().modes());
   return place;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/result.h"
+#include "runtime/contact/joint.h"
 #include "runtime/contact_body.h"
 
 namespace tremolo {
@@ -10,6 +11,6 @@ namespace tremolo {
 Result<ContactBody> make_world_anchor(double step);
 
 // The point of the anchor at a position, m.
-VertexRows world_place(const Eigen::Vector3d& position, const ContactBody& anchor);
+JointPlace world_place(const Eigen::Vector3d& position, const ContactBody& anchor);
 
 }  // namespace tremolo

@@ -77,7 +77,7 @@ Status GuestJointMaker::find_place(End& end, const std::string& text, const char
   const ContactBody& body = *end.body;
   const Result<VertexId> vertex = joint_vertex(key, text, body);
   if (!vertex) return vertex.error();
-  if (Status s = take(end.place, body.model().vertex(*vertex)); !s)
+  if (Status s = take(end.place, vertex_place(body, *vertex)); !s)
     return content_error(std::string(key) + " = \"" + text + "\": " + s.error().message);
   return Success{};
 }
@@ -92,6 +92,10 @@ void GuestJointMaker::find_nearest(End& end, const Vector3d& place, double lengt
   const ContactBody& body = *end.body;
   end.place = place_at(body, place);
   if (length == 0.0) return;
+  if (body.bones() > 1) {
+    end.place = vertex_near(body, place);
+    return;
+  }
   const Vector3d there = body.pose().rotation.conjugate() * (place - body.pose().position);
   end.place.rest += nearest_vertex(body, there) - there;
 }

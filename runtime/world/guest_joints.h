@@ -35,14 +35,14 @@ class GuestJointMaker {
     std::size_t point = 0;
     const ContactBody* body = nullptr;
     std::size_t number = 0;
-    VertexRows place;
+    JointPlace place;
   };
   // A joint of a weld: its first point is a guest's, the second one between points of another
   // guest, or a body's.
   struct Tie {
     std::size_t point = 0;
     WeldPlace place;
-    VertexRows rows;
+    JointPlace rows;
     double lightness = 0.0;  // of the points, 1/kg
   };
 

@@ -403,14 +403,6 @@ TEST(BonesContact, SavedInContactItContinuesWithTheSameBits) {
   EXPECT_EQ(body.contact_sums().given, other.contact_sums().given);
 }
 
-TEST(BonesContact, JointsAreRefused) {
-  const ContactBody body = bar_of(true, kContactStep),
-                    ball = ball_at({0.5, 0.05, 0.2}, kContactStep);
-  const Result<Joint> joint = make_joint(ball, ball.model().surface().vertex_ids[0], body);
-  ASSERT_FALSE(joint);
-  EXPECT_EQ(joint.error().message, "a body on several bones takes no joint");
-}
-
 TEST(BonesContact, AHandHoldsAVertexOnItsBones) {
   const std::vector<Pose> poses = stair(0.4);
   ContactBody body = bar_of(true, 1e-3);

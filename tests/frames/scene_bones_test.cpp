@@ -1,4 +1,5 @@
-// Bodies on bones in scenes: their chains, energy balance, refusals.
+// Bodies on bones in scenes: their chains, energy balance, welds, refusals.
+#include <algorithm>
 #include <cmath>
 #include <span>
 #include <string>
@@ -92,6 +93,46 @@ TEST_F(SceneBones, AccountClosesAndEveryCauseIsTold) {
     EXPECT_GT(std::abs(account.load), 1e-6 * most);
     EXPECT_LT(account.damping, 0.0);
   }
+}
+
+// A box that is welded to the arm; a saved world continues with the same bits.
+TEST_F(SceneBones, AWeldClosesTheAccountsAndIsRestored) {
+  Scene scene = arm_scene();
+  SceneBody box;
+  box.name = "box";
+  box.kind = FrameKind::kFree;
+  box.rigid = RigidSolid{BoxShape{{0.03, 0.02, 0.01}}, {}, 0.3, {}, {}};
+  box.pose.position = {1.0, -0.1, 1.1};
+  scene.bodies.push_back(box);
+  SceneJoint weld;
+  weld.weld = true;
+  weld.body = "box";
+  weld.at = "x<-0.02";
+  weld.to = "arm";
+  weld.gap = 1.0;
+  scene.joints = {weld};
+  SceneWorld whole = world_of(scene), other = world_of(scene);
+  double most = 0.0;
+  for (int k = 0; k < 300; ++k) {
+    ASSERT_TRUE(whole.step().empty());
+    if (k < 40) {
+      ASSERT_TRUE(other.step().empty());
+    }
+    for (std::size_t i = 0; i < 2; ++i) {
+      most = std::max(most, std::abs(whole.account(i).total()));
+      ASSERT_LE(std::abs(whole.account(i).remainder()), 1e-8 * most) << k;
+    }
+    if (k == 120) {
+      const Status restored = other.restore(whole.save());
+      ASSERT_TRUE(restored) << restored.error().message;
+    }
+    if (k > 120) {
+      ASSERT_TRUE(other.step().empty());
+    }
+  }
+  EXPECT_TRUE(whole.save() == other.save());
+  EXPECT_GT(std::abs(whole.account(1).joint), 1e-3 * most);
+  EXPECT_GT(whole.joint(0)->force.norm(), 0.1);
 }
 
 TEST_F(SceneBones, ChainIsTheProductOfTheTurnsAboutTheHeads) {

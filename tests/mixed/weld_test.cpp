@@ -184,7 +184,7 @@ TEST_F(Welds, TwoHalvesVibrateAsOneBeam) {
     const std::size_t body = reduced ? *made->world.find("two") : guests->size() - 1;
     const Vector3d tip(2.0 * kHalf, 0.0, 0.0);
     const std::size_t point = reduced ? 0 : guests->point_near(body, tip);
-    const VertexRows place = reduced ? place_at(made->world.body(body), tip) : VertexRows{};
+    const JointPlace place = reduced ? place_at(made->world.body(body), tip) : JointPlace{};
     const double measured = frequency_of(*made, step, 1.0, 2.65, [&] {
       return reduced ? place_now(made->world.body(body), place).z()
                      : guests->point_at(body, point).z();
@@ -300,7 +300,7 @@ TEST_F(Welds, AreOfSecondOrder) {
       ASSERT_TRUE(made) << made.error().message;
       const Vector3d tip(2.0 * kHalf, 0.0, 0.0);
       const bool reduced = made->mixed() == nullptr;
-      const VertexRows place = reduced ? place_at(made->world.body(1), tip) : VertexRows{};
+      const JointPlace place = reduced ? place_at(made->world.body(1), tip) : JointPlace{};
       const std::size_t point = reduced ? 0 : made->mixed()->point_near(0, tip);
       for (int k = 0; k < std::lround(time / step); ++k) ASSERT_TRUE(made->step()) << k;
       tips.push_back(reduced ? place_now(made->world.body(1), place).z()
@@ -444,7 +444,7 @@ TEST_F(Welds, ToTheWorldHoldTheEndOfABeam) {
     ASSERT_TRUE(made) << made.error().message;
     const Vector3d tip(2.0 * kHalf, 0.0, 0.0);
     const bool reduced = made->mixed() == nullptr;
-    const VertexRows place = reduced ? place_at(made->world.body(0), tip) : VertexRows{};
+    const JointPlace place = reduced ? place_at(made->world.body(0), tip) : JointPlace{};
     const std::size_t point = reduced ? 0 : made->mixed()->point_near(0, tip);
     const double measured = frequency_of(*made, step, 0.3, 1.5, [&] {
       return reduced ? place_now(made->world.body(0), place).z()

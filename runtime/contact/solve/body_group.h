@@ -194,14 +194,21 @@ Result<Joint> make_joint(const ContactBody& first, VertexId at, const ContactBod
                          const JointOptions& options = {});
 // The point of the body that is at a position now, m, world, and moves with the nearest vertex of
 // its boundary.
-VertexRows place_at(const ContactBody& body, const Eigen::Vector3d& where);
+JointPlace place_at(const ContactBody& body, const Eigen::Vector3d& where);
+// The point that is a vertex. Errors: those of Model::vertex; kUsage: a vertex without weights of
+// the body's bones.
+Result<JointPlace> vertex_place(const ContactBody& body, VertexId vertex);
+// The vertex of the boundary that is nearest to a position now, m, world.
+JointPlace vertex_near(const ContactBody& body, const Eigen::Vector3d& where);
+// Moves the point in the body to a position now, m, world.
+void bring_to(const ContactBody& body, const Eigen::Vector3d& where, JointPlace& place);
 // Joins a vertex of the first body to a point of the second.
 Result<Joint> make_joint(const ContactBody& first, VertexId at, const ContactBody& second,
-                         VertexRows to, const JointOptions& options);
-// Errors (kUsage): a body of several bones, or without Body::set_contact(), takes no joint.
+                         JointPlace to, const JointOptions& options);
+// Error (kUsage): a body without Body::set_contact() takes no joint.
 Status check_joinable(const ContactBody& body);
 // Present position of a point of the body, m, world.
-Eigen::Vector3d place_now(const ContactBody& body, const VertexRows& place);
+Eigen::Vector3d place_now(const ContactBody& body, const JointPlace& place);
 // Present distance of the joint's two points, m.
 double joint_distance(const Joint& joint, const ContactBody& first, const ContactBody& second);
 

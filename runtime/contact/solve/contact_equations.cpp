@@ -26,9 +26,20 @@ ContactTouch ContactEquations::touch_at_point(std::size_t point) const {
   return motion_of(point).touch(place_in_body(point, q0), place_in_body(point, q1));
 }
 
-ContactTouch ContactEquations::straight_touch_at(const VertexRows& place) const {
+bool ContactEquations::follow_bones(const JointPlace& place, StepMotion& at) const {
+  if (place.bones.empty()) return false;
+  const StepMaps maps = bones->maps_of(place.bones);
+  at.h = motion.h;
+  at.modes = modes();
+  at.origin.setZero();
+  at.follow(maps.start, maps.end, bones->turn_of(place.bones));
+  return true;
+}
+
+ContactTouch ContactEquations::straight_touch_at(const StepMotion& at,
+                                                 const VertexRows& place) const {
   const Vector3d from = place.rest - motion.origin;
-  return motion.straight_touch(from + place.rows * q0, from + place.rows * q1);
+  return at.straight_touch(from + place.rows * q0, from + place.rows * q1);
 }
 
 Vector3d ContactEquations::end_of_point(std::size_t point) const {

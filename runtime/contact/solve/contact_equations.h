@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "runtime/bodies/reduced/bones/bone_points.h"
+#include "runtime/contact/joint.h"
 #include "runtime/contact/solve/contact_surface.h"
 #include "runtime/contact/solve/step_motion.h"
 #include "runtime/math/state.h"
@@ -62,8 +63,11 @@ struct ContactEquations {
   ContactTouch touch_at(const StepMotion& at, const Eigen::Vector3d& rest,
                         const PlaceRows& rows) const;
   ContactTouch touch_at_point(std::size_t point) const;
-  // The same for any position of the body; the force acts at the straight mean of its ends.
-  ContactTouch straight_touch_at(const VertexRows& place) const;
+  // Sets the motion of a joint's place on several bones; false: the place follows `motion`.
+  bool follow_bones(const JointPlace& place, StepMotion& at) const;
+  // The position of a joint's place, which follows `at`; the force acts at the straight mean of its
+  // ends.
+  ContactTouch straight_touch_at(const StepMotion& at, const VertexRows& place) const;
   Eigen::Vector3d end_of_point(std::size_t point) const;  // its x1
   // Displacement in the step of a position, whose rows of U are `rows`, by deformation, m, world.
   // at: the motion that the position follows. The work of a force is its product with that plus

@@ -465,8 +465,9 @@ void ContactIsland::begin() {
   for (const IslandMember& member : members_)
     member.contact->begin(*member.state, *member.load, member.free);
   for (PairPoint& pair : points_) begin_pair(pair);
-  for (const IslandJoint& link : joints_) {
+  for (IslandJoint& link : joints_) {
     const Joint& joint = *link.joint;
+    begin_joint(link, body(link.a).equations(), body(link.b).equations());
     members_[link.a].contact->hold_at(joint.first, joint.stiffness + 2.0 * joint.damping / h_);
     members_[link.b].contact->hold_at(joint.second, joint.stiffness + 2.0 * joint.damping / h_);
   }

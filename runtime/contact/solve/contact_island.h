@@ -37,7 +37,13 @@ struct IslandJoint {
   std::size_t a = 0, b = 0;
   ContactTouch touch_a = {}, touch_b = {};
   JointForce now = {};
+  // The motions of places on several bones, if `boned`.
+  bool boned_a = false, boned_b = false;
+  StepMotion on_bones_a = {}, on_bones_b = {};
 };
+
+// Sets the joint's motions on bones, at the beginning of a step.
+void begin_joint(IslandJoint& link, const ContactEquations& first, const ContactEquations& second);
 
 // Computes the joint's force at the present positions of the two bodies. h: the step, s.
 void evaluate_joint(IslandJoint& link, const ContactEquations& first,

@@ -21,7 +21,8 @@ void StepMotion::follow(const StepPoses& poses) {
   c1 = poses.end.position;
 }
 
-void StepMotion::follow(const BlendedMap& start, const BlendedMap& end) {
+void StepMotion::follow(const BlendedMap& start, const BlendedMap& end,
+                        const Vector3d& turn_of_bones) {
   constexpr double kFlat = 1e-4;  // of the volume that F leaves
   R0 = start.leftCols<3>();
   R1 = end.leftCols<3>();
@@ -34,6 +35,8 @@ void StepMotion::follow(const BlendedMap& start, const BlendedMap& end) {
     mean = R0.completeOrthogonalDecomposition().solve(half);
   turn.setIdentity();
   phi.setZero();
+  blended = true;
+  bones_turn = turn_of_bones;
 }
 
 void StepMotion::set_turn(const Matrix3d& turn_in_step) {
@@ -49,8 +52,10 @@ ContactTouch StepMotion::straight_touch(const Vector3d& y0, const Vector3d& y1) 
 }
 
 // The displacement of the position is way_under() of that arm plus Ro0 (mean - phi x (turn -
-// 1)/4)(y1 - y0), where turn - 1 = phi x mean.
+// 1)/4)(y1 - y0), where turn - 1 = phi x mean. On several bones F is no rotation; what is the same
+// for bones that move alike is said along the axes of the world.
 Vector3d StepMotion::straight_bend(const Vector3d& force) const {
+  if (blended) return force - 0.25 * bones_turn.cross(bones_turn.cross(force));
   const Vector3d pull = R0.transpose() * force;
   return R0 * (pull - 0.25 * phi.cross(phi.cross(pull)));
 }

@@ -34,13 +34,17 @@ struct StepMotion {
   Eigen::Index modes = 0;  // r
   bool free = false;       // omega1 and the centre's path are unknowns r .. r + 5
 
-  Eigen::Matrix3d R0, R1;  // Ro0, Ro1
-  Eigen::Matrix3d turn;    // Ro0^T Ro1
-  Eigen::Matrix3d mean;    // Ro0^T Ro~
-  Eigen::Vector3d phi;     // cay(phi) is turn
-  Eigen::Matrix3d turned;  // rotation of the end, along its own axes, per change of omega1
-  Eigen::Vector3d c0, c1;  // mesh origin, or centre of mass of a free body, m, world
-  Eigen::Vector3d origin;  // c in the mesh's coordinates, m
+  Eigen::Matrix3d R0 = Eigen::Matrix3d::Identity(), R1 = R0;  // Ro0, Ro1
+  Eigen::Matrix3d turn = R0;                                  // Ro0^T Ro1
+  Eigen::Matrix3d mean = R0;                                  // Ro0^T Ro~
+  Eigen::Vector3d phi = Eigen::Vector3d::Zero();              // cay(phi) is turn
+  // Rotation of the end, along its own axes, per change of omega1.
+  Eigen::Matrix3d turned = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d c0 = phi, c1 = phi;  // mesh origin, or centre of mass of a free body, m, world
+  Eigen::Vector3d origin = phi;        // c in the mesh's coordinates, m
+  // Of a point on several bones, whose phi is zero: their mean rotation, rad, world.
+  bool blended = false;
+  Eigen::Vector3d bones_turn = phi;
 
   Eigen::Index unknowns() const { return modes + (turns() ? 6 : 0); }
   bool turns() const { return kHasFrames && free; }
@@ -49,8 +53,9 @@ struct StepMotion {
   void follow(const StepPoses& poses);
   // Sets the motion of a point on several bones, F y + d, from [F d] at both ends. F is their mean
   // rotation and shrinks where they differ: Ro0, Ro1 and Ro~ are F0, F1 and their mean. It has no
-  // turn and no phi.
-  void follow(const BlendedMap& start, const BlendedMap& end);
+  // turn and no phi. turn_of_bones: is turn_in_step(), which joints use.
+  void follow(const BlendedMap& start, const BlendedMap& end,
+              const Eigen::Vector3d& turn_of_bones = Eigen::Vector3d::Zero());
   // Sets R1 and all values that follow from the rotation.
   void set_turn(const Eigen::Matrix3d& turn_in_step);
 
@@ -76,7 +81,7 @@ struct StepMotion {
     return (c1 - c0) + R0 * phi.cross(touch.arm);
   }
   // The rotation whose product with a torque is its work, rad, world.
-  Eigen::Vector3d turn_in_step() const { return R0 * phi; }
+  Eigen::Vector3d turn_in_step() const { return blended ? bones_turn : Eigen::Vector3d(R0 * phi); }
   // Converts a position of the world to the mesh's coordinates, at the start or the end of the
   // step.
   Eigen::Vector3d into_rest(const Eigen::Vector3d& x, bool at_end) const {

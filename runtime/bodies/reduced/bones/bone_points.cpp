@@ -80,6 +80,12 @@ Eigen::Quaterniond BonePoints::rotation(const Eigen::Ref<const Eigen::RowVectorX
   return sum.normalized();
 }
 
+Vector3d BonePoints::turn_of(std::span<const double> weights) const {
+  const Eigen::Map<const Eigen::RowVectorXd> shares(weights.data(), std::ssize(weights));
+  const Eigen::Quaterniond by = rotation(shares, true) * rotation(shares, false).conjugate();
+  return 2.0 / by.w() * by.vec();
+}
+
 void BonePoints::find_nearness(const Vector3d& x, const End& end) const {
   field_weights(end.field, x, nearness_);
   nearness_ = nearness_.cwiseAbs2();

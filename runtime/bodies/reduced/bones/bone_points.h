@@ -44,6 +44,10 @@ class BonePoints {
     return {blended(weights, start_.bones), blended(weights, end_.bones)};
   }
 
+  // The mean rotation in the step of bones with these weights, rad, world, with the length of
+  // Cayley's formula.
+  Eigen::Vector3d turn_of(std::span<const double> weights) const;
+
   // Y(x) at the start or the end of the step, m. x: m, world. slope: its derivative. Not for two
   // threads at once.
   Eigen::Vector3d into_rest(const Eigen::Vector3d& x, bool at_end) const;
