@@ -41,7 +41,7 @@ struct ContactSums {
   void carry(StateStream& stream) { stream(work, lost, friction_loss, given, error, hand, joint); }
 };
 
-// Where a body with contact is at present.
+// The present place of a body with contact.
 struct PresentPlace {
   Pose pose;                                // of its one frame
   std::shared_ptr<const BonePoints> bones;  // of a body on several bones; else null

@@ -1,4 +1,4 @@
-// What a sample model is before it is meshed: an implicit solid and how finely to cut it.
+// A sample model before it is meshed: an implicit solid and the resolution of its mesh.
 #pragma once
 
 #include <functional>

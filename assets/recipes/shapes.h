@@ -88,7 +88,7 @@ inline double smooth_union(double d1, double d2, double k) {
   return std::min(d1, d2) - overlap * overlap * overlap * k / 6.0;
 }
 
-// What is in d1 and not in d2, the edge rounded over a band of width about k.
+// The part of d1 that is not in d2, the edge rounded over a band of width about k.
 inline double smooth_subtract(double d1, double d2, double k) {
   return -smooth_union(-d1, d2, k);
 }

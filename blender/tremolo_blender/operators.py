@@ -240,7 +240,7 @@ class TREMOLO_OT_clear(bpy.types.Operator):
 
 
 class TREMOLO_OT_cancel(bpy.types.Operator):
-    """Stop the work that goes on; nothing is changed"""
+    """Stop the present work; nothing is changed"""
     bl_idname = 'tremolo.cancel'
     bl_label = 'Cancel'
 

@@ -70,7 +70,7 @@ class TremoloScene(bpy.types.PropertyGroup):
 
 
 class TremoloWindow(bpy.types.PropertyGroup):
-    """The work that goes on; not saved."""
+    """The present work; not saved."""
     running: BoolProperty()
     cancel: BoolProperty()
     text: StringProperty()

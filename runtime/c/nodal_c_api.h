@@ -1,4 +1,4 @@
-// What the C interfaces of tetrahedra, of cloth and of worlds of all kinds share: C structs to
+// Shared by the C interfaces of tetrahedra, of cloth and of worlds of all kinds: C structs to
 // values of a scene.
 #pragma once
 

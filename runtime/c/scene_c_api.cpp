@@ -46,7 +46,7 @@ tremolo::ContactOptions contact_of(const tremolo_scene_body& place) {
   return contact;
 }
 
-// A reduced or rigid body but for its model and its method.
+// A reduced or rigid body without its model and its method.
 Result<tremolo::SceneBody> body_at(const tremolo_scene_body* given) {
   const Result<tremolo_scene_body> place = complete_place(given);
   if (!place) return place.error();

@@ -38,8 +38,8 @@ struct GuestHand {
   void carry(StateStream& stream) { stream(guest, point, stiffness, damping, start, end, force); }
 };
 
-// What springs of hands and joints have in common: they act all the time, and there is no distance
-// to find.
+// The common part of the springs of hands and joints: they act all the time, and there is no
+// distance to find.
 class SpringPull : public PairForces {
  public:
   void approach() override {}

@@ -20,7 +20,7 @@
 
 namespace tremolo {
 
-// What the hands of a scene have in common, whatever body they hold: their times and their motions.
+// The common part of the hands of a scene, for bodies of any kind: their times and their motions.
 class HandCourse {
  public:
   VertexId vertex() const { return vertex_; }
@@ -29,7 +29,7 @@ class HandCourse {
   const std::optional<HandSpring>& spring() const { return spring_; }
 
  protected:
-  // What is to be done before a step.
+  // The change that is due before a step.
   enum class Act { kNothing, kGrab, kMove, kRelease };
 
   HandCourse(MotionPath path, VertexId vertex) : path_(std::move(path)), vertex_(vertex) {}

@@ -66,7 +66,7 @@ struct ImplicitEquation {
   double h = 0.0;  // of step_force, which is used if h is positive, s
   // Fraction of the impulse h f of a reaction f that the step uses (NodalContact).
   double share = 1.0;
-  // x1 is a minimum of mu/2 |x1 - x^|_M^2 + V(x1) but for forces without a potential: the search
+  // x1 is a minimum of mu/2 |x1 - x^|_M^2 + V(x1), forces without a potential aside: the search
   // may go wherever that falls.
   bool minimum = false;
 };

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-std::string told(const char* key, const std::string& text) {
+std::string key_text(const char* key, const std::string& text) {
   return std::string(key) + " = \"" + text + "\"";
 }
 
@@ -81,9 +81,9 @@ Result<VertexId> one_vertex(const MixedGuests& guests, std::size_t guest, const 
   const ClothStep* cloth = guests.cloth(guest);
   const Result<std::vector<VertexId>> found =
       cloth != nullptr ? cloth_vertices(*cloth, text) : tets_vertices(*guests.tets(guest), text);
-  if (!found) return content_error(told(key, text) + ": " + found.error().message);
+  if (!found) return content_error(key_text(key, text) + ": " + found.error().message);
   if (found->size() != 1)
-    return content_error(told(key, text) + " is " + std::to_string(found->size()) +
+    return content_error(key_text(key, text) + " is " + std::to_string(found->size()) +
                          (cloth != nullptr ? " particles, a " : " vertices, a ") + holder +
                          " holds one: near:X,Y,Z takes the nearest");
   return found->front();
@@ -96,14 +96,14 @@ Result<std::size_t> guest_point(const MixedGuests& guests, std::size_t guest,
   const Result<VertexId> vertex = one_vertex(guests, guest, text, key, holder);
   if (!vertex) return vertex.error();
   const Result<std::size_t> point = guests.point_of_vertex(guest, *vertex);
-  if (!point) return content_error(told(key, text) + ": " + point.error().message);
+  if (!point) return content_error(key_text(key, text) + ": " + point.error().message);
   return *point;
 }
 
 Result<std::vector<std::size_t>> guest_points(const MixedGuests& guests, std::size_t guest,
                                               const std::string& text, const char* key) {
   const auto failed = [&](const Error& error) {
-    return content_error(told(key, text) + ": " + error.message);
+    return content_error(key_text(key, text) + ": " + error.message);
   };
   std::vector<std::size_t> points;
   if (const TetStep* tets = guests.tets(guest)) {
@@ -126,7 +126,7 @@ Result<std::vector<std::size_t>> guest_points(const MixedGuests& guests, std::si
     points.erase(std::unique(points.begin(), points.end()), points.end());
   }
   if (points.empty())
-    return content_error(told(key, text) + " is no point of its surface: a weld needs some");
+    return content_error(key_text(key, text) + " is no point of its surface: a weld needs some");
   return points;
 }
 

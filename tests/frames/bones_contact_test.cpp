@@ -261,7 +261,7 @@ TEST(BonesContact, ABlockRestsOnTheLastBoneOfABentArm) {
     if (k >= 1900) push += pair.other.contact_account().impulse_vector / 100.0;
   }
   EXPECT_LE((push - Vector3d(0.0, 0.0, weight)).norm(), 1e-3 * weight);
-  // The block is on the surface, within the margin, and the bar hardly gives way.
+  // The block is on the surface, within the margin, and the bar hardly yields.
   EXPECT_LE((pair.other.rigid_state().centre - top - Vector3d(0.0, 0.0, 0.01)).norm(), 0.003);
   EXPECT_LE(pair.other.rigid_state().velocity.norm(), 1e-4);
 }

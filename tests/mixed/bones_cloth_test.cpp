@@ -69,7 +69,7 @@ TEST(ClothOnBones, BonesThatMoveTogetherAreADrivenFrame) {
       move(path, kAllBones, *world->reduced(0));
       const Status made = world->step();
       ASSERT_TRUE(made) << made.error().message;
-      // What pushes the sheet pushes the bar back.
+      // The force that pushes the sheet pushes the bar back.
       ASSERT_LE((world->account(0).impulse_vector + world->account(1).impulse_vector).norm(),
                 1e-14);
     }

@@ -79,7 +79,7 @@ void follow_pair(const PairKind& pair) {
     for (std::size_t k = 0; k < 2; ++k)
       if (TetBody* tets = world.tets(k)) before += tets->kinetic_energy() + tets->elastic_energy();
     ASSERT_TRUE(world.step()) << i;
-    // What the tetrahedra's own method does is known from the work on them alone.
+    // The energy of the tetrahedra's own method is known from the work on them alone.
     for (std::size_t k = 0; k < 2; ++k)
       if (TetBody* tets = world.tets(k)) {
         own += tets->kinetic_energy() + tets->elastic_energy() - world.account(k).joint_work;

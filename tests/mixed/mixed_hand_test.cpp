@@ -226,7 +226,7 @@ TEST(GuestHand, MovesOnThroughThePartsOfAStep) {
   step.end_parts(false);
 }
 
-// A hand that has let go leaves the bits of a guest without one.
+// A hand that has been removed leaves the bits of a guest without one.
 TEST(GuestHand, LeavesNoTraceOnceItHasLetGo) {
   const MixedKind kind = hanging_kind();
   MixedWorld held(kind.step), free(kind.step);

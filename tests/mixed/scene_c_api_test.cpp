@@ -148,7 +148,7 @@ TEST_F(SceneCApi, AWorldByCallsHasTheBitsOfItsFile) {
   }
 }
 
-// What the program saves a library continues, and the other way round.
+// A library continues a state that the program saved, and the program one of the library.
 TEST_F(SceneCApi, StatesAreThoseOfThePrograms) {
   std::ofstream(path("scene.toml")) << kText;
   const ProgramResult run = run_program(

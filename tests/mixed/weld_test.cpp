@@ -193,7 +193,7 @@ TEST_F(Welds, TwoHalvesVibrateAsOneBeam) {
   }
 }
 
-// What hangs on a weld pulls it with its weight, whatever its kind.
+// A body that hangs on a weld pulls it with its weight, whatever its kind.
 TEST_F(Welds, CarryTheWeightOfWhatHangsOnThem) {
   const double weight = 9.81 * 1000.0 * kHalf * kSide * kSide;
   const std::string hold = body_text("one", "fixed", "held.tremolo", "beta = 0.02\nalpha = 4\n");

@@ -185,11 +185,11 @@ class WorldsWithCloth(unittest.TestCase):
         self.assertIsInstance(w, tremolo.World)
         self.assertEqual(w.names, ["table", "sheet"])
         w.step(200)
-        told = report_of(self.on_a_box())["bodies"][1]
+        reported = report_of(self.on_a_box())["bodies"][1]
         account = w.account("sheet")
-        self.assertEqual(account["total"], told["energy_final"])
+        self.assertEqual(account["total"], reported["energy_final"])
         for cause, key in (("contact_given", "contact"), ("friction", "friction"), ("restitution", "restitution")):
-            self.assertEqual(account[cause], told["energy_by_cause"][key])
+            self.assertEqual(account[cause], reported["energy_by_cause"][key])
         self.assertEqual(w["sheet"].kind, "cloth")
         self.assertEqual(w["sheet"].positions().shape, (30, 3))
         self.assertGreater(w.contacts("sheet"), 0)

@@ -23,7 +23,7 @@ using nlohmann::json;
 constexpr int kGuestSteps = 100;
 constexpr double kGuestStep = 0.002;
 
-// What a run measures of itself, from its own start on ("Saving and restoring a run" in
+// Measurements of a run, from its own start on ("Saving and restoring a run" in
 // docs/reference.md).
 const std::vector<std::string> kOfTheRun = {"energy_max",
                                             "energy_balance_error",
@@ -195,7 +195,7 @@ TEST_F(SavedGuests, OfTetrahedraInTheAirGoOnWithTheSameBytes) {
              after);
 }
 
-// A sheet falls on a box; two pins let go, wind and gravity change.
+// A sheet falls on a box; two pins are released, wind and gravity change.
 TEST_F(SavedGuests, OfClothByEachMethodGoOnWithTheSameBytes) {
   for (const std::string method : {"implicit-euler", "midpoint", "energy"}) {
     const std::string scene =

@@ -53,7 +53,7 @@ ContactTouch StepMotion::straight_touch(const Vector3d& y0, const Vector3d& y1) 
 
 // The displacement of the position is way_under() of that arm plus Ro0 (mean - phi x (turn -
 // 1)/4)(y1 - y0), where turn - 1 = phi x mean. On several bones F is no rotation; what is the same
-// for bones that move alike is said along the axes of the world.
+// for bones that move together is said along the axes of the world.
 Vector3d StepMotion::straight_bend(const Vector3d& force) const {
   if (blended) return force - 0.25 * bones_turn.cross(bones_turn.cross(force));
   const Vector3d pull = R0.transpose() * force;

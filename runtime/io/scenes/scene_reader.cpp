@@ -211,7 +211,7 @@ Status refuse_cloths(const toml::table& table, const std::string& path) {
   return error_at(path, where, std::string("a scene with [[cloths]]: ") + kClothCommands);
 }
 
-// The names of a body of another kind and of its copies. Its own reader tells what is wrong there.
+// The names of a body of another kind and of its copies. Its own reader reports its errors.
 void add_guest_names(const toml::table& table, const std::string& path,
                      std::set<std::string>& names) {
   struct Named {

@@ -57,7 +57,7 @@ class StrainMatrix {
 
   // The same in half the time: the stretch v + Lambda^-1 B w in double, the stresses B^T (its
   // Lambda-fold) + H w of the pairs in float. out is off by about 1e-7 of the force of these
-  // stresses, and v . (M(q) + Lambda) v is never negative but for the rounding of double.
+  // stresses, and v . (M(q) + Lambda) v is never negative, apart from rounding in double.
   double multiply_quickly(const double* q, const double* v, Workspace& workspace,
                           double* out) const;
 

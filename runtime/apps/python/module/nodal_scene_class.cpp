@@ -11,7 +11,7 @@
 namespace tremolo::python {
 namespace {
 
-// What the two kinds of scene have in common.
+// The common part of the two kinds of scene.
 class Scene {
  public:
   virtual ~Scene() = default;

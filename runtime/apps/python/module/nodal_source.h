@@ -30,7 +30,7 @@ struct NodalEnergy {
   std::optional<double> contact;
 };
 
-// What only a body among those of other kinds has: its balance with them.
+// Only a body among those of other kinds has a balance with them.
 struct NodalAccount {
   NodalEnergy now;
   // Given since the start, J.

@@ -32,7 +32,7 @@ class WorldWatch {
                       WorldEnding& ending) = 0;
 };
 
-// How a world is followed.
+// Settings of how a world is followed.
 struct Following {
   double duration = 0.0;   // s, from the start of the world's time
   std::int64_t block = 1;  // steps between two looks, unless one fails

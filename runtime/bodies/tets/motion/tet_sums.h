@@ -1,4 +1,4 @@
-// What the steps of a body of tetrahedra add up to in a run.
+// Sums over the steps of a body of tetrahedra in a run.
 #pragma once
 
 #include <cstdint>
