@@ -115,8 +115,10 @@ Result<std::vector<std::size_t>> guest_points(const MixedGuests& guests, std::si
     Result<std::vector<VertexId>> found = cloth_vertices(cloth, text);
     if (!found) {
       const Result<std::vector<VertexId>> selected = cloth_selection(cloth, text);
-      // The error of a text that is neither is that of a cloth's places, which are short.
-      if (!selected) return failed(found.error());
+      // Places have no comparisons and no boxes: a text with these was meant as a selector.
+      const bool selects =
+          text.find_first_of("<>") != std::string::npos || text.starts_with("box:");
+      if (!selected) return failed(selects ? selected.error() : found.error());
       found = *selected;
     }
     const ClothParts& parts = cloth.body().model().parts();
