@@ -63,6 +63,7 @@ class HandPull final : public SpringPull {
  public:
   // The body is held in a step, or a part of one between fractions of the step of h seconds.
   void set(GuestStep& body, const GuestHand& hand, double from, double to, double h);
+  const Eigen::Vector3d& force() const { return force_; }  // on the body, N
   // The mean over the parts of the step that were solved, from its start on, N.
   const Eigen::Vector3d& mean_force() const { return mean_; }
 

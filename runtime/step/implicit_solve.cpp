@@ -30,11 +30,11 @@ constexpr double kForcing = 0.1;
 constexpr double kFullAgain = 0.3;
 // For a minimum, a matrix lacks this fraction of what the one before lacked, or nothing below
 // kLeastLacked. Where that is indefinite it lacks kMoreLacked times as much.
-constexpr double kLessLacked = 0.5;
+constexpr double kLessLacked = 0.4;
 constexpr double kLeastLacked = 0.03;
 constexpr double kMoreLacked = 4.0;
 // The first tolerance of a minimum with reactions, in loads, and its fraction after each revision.
-constexpr double kLoose = 1.0;
+constexpr double kLoose = 10.0;
 constexpr double kTighter = 1.0 / 3.0;
 
 }  // namespace
