@@ -232,7 +232,7 @@ TEST(ClothWorld, OfHandsOnOneParticleTheNextTakesItWhereTheLastLetsGo) {
 TEST(ClothWorld, AHandGoesEvenlyThroughAStepThatIsCut) {
   ClothScene scene = sheet_in_hand("implicit-euler", 0.02);
   scene.hands.clear();
-  scene.options.max_iterations = 8;
+  scene.options.max_iterations = 6;
   scene.options.tolerance = 1e-8;
   Result<ClothWorld> world = ClothWorld::create(scene);
   ASSERT_TRUE(world) << world.error().message;
