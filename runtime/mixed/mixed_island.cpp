@@ -17,9 +17,6 @@ constexpr double kConverged = 0.02;  // fraction of the small size at which a re
 // A body's small size, as a momentum, is at least this fraction of the largest in the island.
 constexpr double kLeastOfLargest = 0.01;
 constexpr double kLinearTolerance = 1e-4;
-// Far from the solution, at residuals above kFar, fewer digits of a correction are of use.
-constexpr double kFar = 1e4;
-constexpr double kFarTolerance = 1e-2;
 constexpr int kMoreLinear = 8;  // of needs_factor()
 constexpr int kMostLinear = 400;
 // A correction that GMRES did not solve to this is not used.
@@ -100,10 +97,9 @@ bool MixedIsland::find_move(double heavier, bool follows) {
     part(residual_, i) /= enough_[i];
   }
   const Index n = first_.back();
-  const double tolerance = residual_.head(n).norm() > kFar ? kFarTolerance : kLinearTolerance;
   bool solved = gmres_.solve([this](StepBody::In x, StepBody::Out rows) { multiply(x, rows); },
                              [this](StepBody::In rows, StepBody::Out x) { precondition(rows, x); },
-                             residual_.head(n), tolerance, kMostLinear, move_.head(n));
+                             residual_.head(n), kLinearTolerance, kMostLinear, move_.head(n));
   report_.linear += gmres_.iterations();
   factored_ = heavier;
   if (fresh) first_linear_ = gmres_.iterations();

@@ -167,7 +167,8 @@ TEST(GuestHand, CountsItsWorkInPartsOfAStep) {
   ball.friction = 0.4;
   ball.restitution = 0.5;
   world.set_colliders({&ball, 1});
-  ClothScene scene = testing::sheet_scene({.particles = 41,
+  ClothScene scene = testing::sheet_scene({.integrator = "energy",
+                                           .particles = 41,
                                            .width = 1.2,
                                            .thickness = 0.01,
                                            .middle = {0, 0, 0.5},

@@ -44,8 +44,8 @@ ClothBody falling_sheet(double step) {
   return std::move(*body);
 }
 
-// Each step's contact account is that of all of its parts.
-TEST(ClothInParts, FallsOnASphereInStepsOfAFrame) {
+// Every step is solved as a whole. With a matrix without the indefinite terms some were not.
+TEST(ClothInParts, FallsOnASphereInWholeStepsOfAFrame) {
   MixedWorld world(kFrame);
   const PlacedCollider ball = ball_collider(0.4);
   world.set_colliders({&ball, 1});
@@ -75,8 +75,8 @@ TEST(ClothInParts, FallsOnASphereInStepsOfAFrame) {
         << i;
   }
   EXPECT_EQ(sheet.steps(), 16);
-  EXPECT_EQ(sheet.cut_steps(), cut);
-  EXPECT_GT(cut, 0);
+  EXPECT_EQ(sheet.cut_steps(), 0);
+  EXPECT_EQ(cut, 0);
 }
 
 // A sheet that wraps a reduced cube and one of tetrahedra, which are at rest side by side.
@@ -136,7 +136,7 @@ TEST(ClothInParts, SettlesAsTheStepIsHalved) {
   int cut = 0;
   for (const double step : {kFrame, kFrame / 2, kFrame / 4})
     heights.push_back(height_after(0.25, step, cut));
-  EXPECT_GT(cut, 0);
+  RecordProperty("cut", std::to_string(cut));
   RecordProperty("heights", ::testing::PrintToString(heights));
   const double first = std::abs(heights[0] - heights[1]);
   const double second = std::abs(heights[1] - heights[2]);
