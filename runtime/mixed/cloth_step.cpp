@@ -15,12 +15,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-// After a matrix with a factor the next one lacks this fraction of what that one lacked, or nothing
-// below kLeastLacked. Where it has no factor it lacks kMoreLacked times as much.
-constexpr double kLessLacked = 0.5;
-constexpr double kLeastLacked = 0.03;
-constexpr double kMoreLacked = 4.0;
-
 PointAreas areas_of(const ClothBody& body) {
   PointAreas areas;
   const VectorXd& mass = body.model().mass();
@@ -75,6 +69,7 @@ ClothStep::ClothStep(ClothBody& body, const ContactOptions& options)
   slopes_.reserve(points() + 1);  // a hand may hold a particle in contact
   if (!factor_) inverse_.resize(points());
   middle_ = x1_ = body.state().x;
+  lacks_.set(1.0);
   assemble(false);
   for (std::size_t i = 0; i < points(); ++i)
     stiffest_ = std::max(stiffest_, matrix_.diagonal(i).diagonal().maxCoeff());
@@ -119,7 +114,7 @@ void ClothStep::begin() {
   x1_ = x + h * v;
   put_held_nodes(body_->model(), end_time(), h, x, x1_, v1_);
   way_ = x1_ - x;
-  lacks_ = 0.0;
+  lacks_.set(0.0);
   known_ = false;
   clear_holds();
 }
@@ -180,19 +175,19 @@ double ClothStep::enough() const {
          rounding + held_rounding(x1_.lpNorm<Eigen::Infinity>());
 }
 
-// Without the fraction lacks_ of the indefinite terms of springs under compression.
+// Without what lacks_ says of the indefinite terms of springs under compression.
 void ClothStep::assemble(bool with_contact) {
   const ClothModel& model = body_->model();
   const double h = step_size(), mu = (1.0 + heavier_) * mass_factor();
   matrix_.set_zero();
   for (std::size_t i = 0; i < points(); ++i)
     matrix_.diagonal(i).diagonal().setConstant(mu * model.mass()[static_cast<Index>(i)]);
-  const double kept = 1.0 - lacks_;
+  const double kept = lacks_.kept();
   if (method_ == Method::kEnergy) {
-    model.add_full_step_tangent(body_->state().x, x1_, h, kept, matrix_);
+    model.add_step_tangent(body_->state().x, x1_, h, kept, matrix_);
   } else {
     const double theta = method_ == Method::kMidpoint ? 0.5 : 1.0;
-    model.add_full_tangent(middle_, speed_, ForcePart::kAll, theta, 1.0 / h, kept, matrix_);
+    model.add_tangent(middle_, speed_, ForcePart::kAll, theta, 1.0 / h, kept, matrix_);
   }
   contact_in_matrix_ = with_contact;
   if (with_contact)
@@ -223,28 +218,28 @@ void ClothStep::invert_diagonal() {
 // one of descent.
 bool ClothStep::factor(bool fresh) {
   if (!factor_) {
-    lacks_ = 1.0;
+    lacks_.set(1.0);
     assemble(true);
     invert_diagonal();
     exact_ = false;
     return true;
   }
-  if (!fresh && lacks_ == 0.0) {
+  if (!fresh && lacks_.fraction() == 0.0) {
     assemble(true);
     return true;
   }
-  lacks_ = lacks_ < kLeastLacked ? 0.0 : kLessLacked * lacks_;
+  lacks_.less();
   for (;;) {
     assemble(true);
     if (factor_->factor(matrix_)) break;
-    if (lacks_ == 1.0) {
+    if (lacks_.fraction() == 1.0) {
       exact_ = false;
       assemble(false);
       return static_cast<bool>(factor_->factor(matrix_));
     }
-    lacks_ = std::min(1.0, kMoreLacked * std::max(kLeastLacked, lacks_));
+    lacks_.more();
   }
-  exact_ = exact_ && lacks_ == 0.0;
+  exact_ = exact_ && lacks_.fraction() == 0.0;
   return true;
 }
 

@@ -21,6 +21,7 @@
 #include "runtime/mixed/guest_step.h"
 #include "runtime/mixed/point_law.h"
 #include "runtime/step/halved_step.h"
+#include "runtime/step/left_out_terms.h"
 
 namespace tremolo {
 
@@ -113,7 +114,7 @@ class ClothStep final : public GuestStep {
   std::vector<Eigen::Matrix3d> inverse_;  // of the diagonal's blocks, without a factor
   StepLedger ledger_;
   double heavier_ = 0.0;
-  double lacks_ = 1.0;               // fraction of the indefinite terms that the matrix lacks
+  LeftOutTerms lacks_;
   bool exact_ = false;               // products have the terms that are not symmetric
   bool contact_in_matrix_ = false;   // the symmetric part of contact is in the matrix
   bool known_ = false;               // forces are those at known_way_

@@ -28,11 +28,6 @@ constexpr double kForcing = 0.1;
 
 // A full tangent that was indefinite is tried again at this fraction of that residual.
 constexpr double kFullAgain = 0.3;
-// For a minimum, a matrix lacks this fraction of what the one before lacked, or nothing below
-// kLeastLacked. Where that is indefinite it lacks kMoreLacked times as much.
-constexpr double kLessLacked = 0.4;
-constexpr double kLeastLacked = 0.03;
-constexpr double kMoreLacked = 4.0;
 // The first tolerance of a minimum with reactions, in loads, and its fraction after each revision.
 constexpr double kLoose = 10.0;
 constexpr double kTighter = 1.0 / 3.0;
@@ -103,15 +98,15 @@ double ImplicitSolve::residual(const ImplicitEquation& equation, const Eigen::Ve
 }
 
 void ImplicitSolve::assemble(const ImplicitEquation& equation, const Eigen::VectorXd& x1) {
-  const double share = 1.0 - lacks_;
+  const double share = lacks_.kept();
   const Eigen::VectorXd& mass = system_.mass();
   matrix_.set_zero();
   for (Eigen::Index i = 0; i < mass.size(); ++i)
     matrix_.diagonal(static_cast<std::size_t>(i)).diagonal().setConstant(equation.mu * mass[i]);
   if (equation.h > 0.0)
-    system_.add_full_step_tangent(*equation.x0, x1, equation.h, share, matrix_);
+    system_.add_step_tangent(*equation.x0, x1, equation.h, share, matrix_);
   else
-    system_.add_full_tangent(x_, v_, equation.part, equation.theta, equation.kappa, share, matrix_);
+    system_.add_tangent(x_, v_, equation.part, equation.theta, equation.kappa, share, matrix_);
   if (const NodalContact* contact = system_.contact()) contact->add_tangent(matrix_);
   matrix_.hold(system_.held());
 }
@@ -125,7 +120,7 @@ bool ImplicitSolve::solve_system(double target, bool once) {
     const double enough = once ? 0.1 * target : std::max(0.1 * target, kForcing * size);
     const CgReport solved =
         gradients_->solve(matrix_, r_, d_, std::min(enough, 0.5 * size), worth_);
-    if (lacks_ < 1.0 && !solved.positive) return false;
+    if (lacks_.fraction() < 1.0 && !solved.positive) return false;
     const bool good = solved.positive && d_.allFinite();
     if (good && solved.converged) factored_again_ = 0;
     if (!factor_ || (good && solved.converged)) return good;
@@ -140,16 +135,19 @@ bool ImplicitSolve::solve_system(double target, bool once) {
 
 void ImplicitSolve::begin_lacking(const ImplicitEquation& equation, double size, bool once) {
   if (once)
-    lacks_ = 1.0;
+    lacks_.set(1.0);
   else if (equation.minimum)
-    lacks_ = lacks_ < kLeastLacked ? 0.0 : kLessLacked * lacks_;
+    lacks_.less();
   else
-    lacks_ = size <= full_limit_ ? 0.0 : 1.0;
+    lacks_.set(size <= full_limit_ ? 0.0 : 1.0);
 }
 
 void ImplicitSolve::lack_more(const ImplicitEquation& equation, double size) {
   full_limit_ = kFullAgain * size;
-  lacks_ = equation.minimum ? std::min(1.0, kMoreLacked * std::max(kLeastLacked, lacks_)) : 1.0;
+  if (equation.minimum)
+    lacks_.more();
+  else
+    lacks_.set(1.0);
 }
 
 // d_ = A^-1 r_ at x1; false if that does not exist.
@@ -160,7 +158,7 @@ bool ImplicitSolve::direction(const ImplicitEquation& equation, const Eigen::Vec
   for (;;) {
     assemble(equation, x1);
     if (solve_system(target, once)) return true;
-    if (lacks_ == 1.0) return false;
+    if (lacks_.fraction() == 1.0) return false;
     lack_more(equation, size);
   }
 }
@@ -179,7 +177,7 @@ std::optional<double> ImplicitSolve::search(const ImplicitEquation& equation,
   // The terms missing in Newton's matrix make its steps shrink slowly; the last steps show by how
   // much.
   const double slope = d_.dot(r_);
-  if (lacks_ == 0.0 || equation.minimum) {
+  if (lacks_.fraction() == 0.0 || equation.minimum) {
     steps_.clear();
   } else if (steps_.mix(x1, d_, trial_)) {
     trial_ += x1;
@@ -241,7 +239,7 @@ bool ImplicitSolve::converge(const ImplicitEquation& equation, double tolerance,
   double size = residual(equation, x1), limit = target;
   steps_.clear();
   full_limit_ = std::numeric_limits<double>::infinity();
-  lacks_ = 0.0;
+  lacks_.set(0.0);
   for (int k = 0; k < options_.max_iterations; ++k) {
     report.residual = size / load;
     if (!std::isfinite(size)) return false;

@@ -19,6 +19,7 @@
 
 #include "runtime/math/sparse/block_cholesky.h"
 #include "runtime/math/sparse/conjugate_gradients.h"
+#include "runtime/step/left_out_terms.h"
 #include "runtime/step/nodal_integrator.h"
 
 namespace tremolo {
@@ -125,7 +126,7 @@ class ImplicitSolve {
   int factored_again_ = 0;  // their number after the last trial that took too long
   // Residual below which the full tangent is tried; it was indefinite at a larger one.
   double full_limit_ = 0.0;
-  double lacks_ = 1.0;  // fraction of the indefinite terms that the matrix lacks
+  LeftOutTerms lacks_;
   MixedSteps steps_;
   Eigen::VectorXd x_, v_, f_, r_, d_, trial_, base_;
   StepWork work_;

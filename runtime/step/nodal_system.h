@@ -68,10 +68,12 @@ class NodalSystem {
   virtual void force(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
                      Eigen::VectorXd& f) const = 0;
 
-  // a += position (-df/dx) + velocity (-df/dv), both symmetric and positive semidefinite: other
-  // terms are left out. Nothing is allocated.
+  // a += position (-df/dx) + velocity (-df/dv), both symmetric: other terms are left out, and of
+  // indefinite ones `share`, 0 to 1, is kept. With 0 it is positive semidefinite. Nothing is
+  // allocated.
   virtual void add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
-                           double position, double velocity, BlockMatrix& a) const = 0;
+                           double position, double velocity, double share,
+                           BlockMatrix& a) const = 0;
 
   // V(x), J, with gravity.
   virtual double potential(const Eigen::VectorXd& x) const = 0;
@@ -87,22 +89,9 @@ class NodalSystem {
   // momentum about (x0 + x1)/2. Returns its work.
   virtual StepWork step_force(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
                               Eigen::VectorXd& f) const = 0;
-  // a += approximately -df/dx1 of that force.
+  // a += approximately -df/dx1 of that force, in the same way.
   virtual void add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
-                                BlockMatrix& a) const = 0;
-
-  // The same with `share` (0 to 1) of the indefinite terms, for trial steps; they are symmetric.
-  virtual void add_full_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
-                                double position, double velocity, double share,
-                                BlockMatrix& a) const {
-    (void)share;
-    add_tangent(x, v, part, position, velocity, a);
-  }
-  virtual void add_full_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
-                                     double share, BlockMatrix& a) const {
-    (void)share;
-    add_step_tangent(x0, x1, h, a);
-  }
+                                double share, BlockMatrix& a) const = 0;
 
   // Null without obstacles. Methods without an equation to solve do not call it.
   virtual NodalContact* contact() const { return nullptr; }

@@ -30,7 +30,7 @@ double largest_eigenvalue(const NodalSystem& system, const Eigen::VectorXd& x, F
   const Eigen::Index n = x.size();
   BlockMatrix stiffness(system.pattern());
   stiffness.set_zero();
-  system.add_tangent(x, Eigen::VectorXd::Zero(n), part, 1.0, 0.0, stiffness);
+  system.add_tangent(x, Eigen::VectorXd::Zero(n), part, 1.0, 0.0, 0.0, stiffness);
   Eigen::VectorXd scale = Eigen::VectorXd::Zero(n);  // 0: fixed
   for (Eigen::Index i = 0; i < system.mass().size(); ++i)
     if (system.held()[i] == 0)

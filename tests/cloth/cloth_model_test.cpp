@@ -101,8 +101,8 @@ TEST(ClothModel, TangentsAreTheForcesSlopesWhereNothingIsLeftOut) {
   ASSERT_TRUE(model);
   const VectorXd x = parts.x, v = 2.0 * x;
   BlockMatrix position(model->pattern()), velocity(model->pattern());
-  model->add_tangent(x, v, ForcePart::kAll, 1.0, 0.0, position);
-  model->add_tangent(x, v, ForcePart::kAll, 0.0, 1.0, velocity);
+  model->add_tangent(x, v, ForcePart::kAll, 1.0, 0.0, 0.0, position);
+  model->add_tangent(x, v, ForcePart::kAll, 0.0, 1.0, 0.0, velocity);
   const Eigen::MatrixXd k = dense_cloth_matrix(position), d = dense_cloth_matrix(velocity);
   constexpr double kStep = 1e-6;
   for (Eigen::Index i = 0; i < x.size(); ++i) {
@@ -126,8 +126,8 @@ TEST(ClothModel, FullTangentsWithTheMissingTermsAreTheSlopesOfTheForces) {
   const VectorXd x = 0.8 * x0 + testing::random_numbers(x0.size(), 0.02, 4);
   const VectorXd v = testing::random_numbers(x.size(), 2.0, 5);
   BlockMatrix still(model.pattern()), over_step(model.pattern());
-  model.add_full_tangent(x, v, ForcePart::kAll, 1.0, 0.0, 1.0, still);
-  model.add_full_step_tangent(x0, x, kTime, 1.0, over_step);
+  model.add_tangent(x, v, ForcePart::kAll, 1.0, 0.0, 1.0, still);
+  model.add_step_tangent(x0, x, kTime, 1.0, over_step);
   const auto step_force = [&](const VectorXd& x1) {
     VectorXd f(x1.size());
     model.step_force(x0, x1, kTime, f);
@@ -158,7 +158,7 @@ TEST(ClothModel, WindsTangentIsItsSlopeByVelocity) {
   const VectorXd x = model.parts().x + testing::random_numbers(model.parts().x.size(), 0.1, 4);
   const VectorXd v = testing::random_numbers(x.size(), 1.0, 5);
   BlockMatrix velocity(model.pattern());
-  model.add_tangent(x, v, ForcePart::kAll, 0.0, 1.0, velocity);
+  model.add_tangent(x, v, ForcePart::kAll, 0.0, 1.0, 0.0, velocity);
   const Eigen::MatrixXd d = dense_cloth_matrix(velocity);
   constexpr double kStep = 1e-6;
   for (Eigen::Index i = 0; i < x.size(); ++i) {
@@ -192,8 +192,8 @@ TEST(ClothModel, TangentsAreSymmetricAndPositiveEvenUnderCompression) {
       0.5 * model.parts().x + testing::random_numbers(model.parts().x.size(), 0.05, 6);
   const VectorXd v = testing::random_numbers(x.size(), 5.0, 7);
   BlockMatrix a(model.pattern()), b(model.pattern());
-  model.add_tangent(x, v, ForcePart::kAll, 1.0, 0.01, a);
-  model.add_step_tangent(model.parts().x, x, 0.01, b);
+  model.add_tangent(x, v, ForcePart::kAll, 1.0, 0.01, 0.0, a);
+  model.add_step_tangent(model.parts().x, x, 0.01, 0.0, b);
   for (const BlockMatrix* matrix : {&a, &b}) {
     const Eigen::MatrixXd dense = dense_cloth_matrix(*matrix);
     EXPECT_LE((dense - dense.transpose()).norm(), 1e-14 * dense.norm());
@@ -280,8 +280,8 @@ TEST(ClothModel, SpringsWithoutALengthAtTheMomentPullNowhereAndGiveNumbers) {
   model->step_force(x, x, 0.1, f);
   EXPECT_TRUE(f.isZero(0.0));
   BlockMatrix a(model->pattern());
-  model->add_tangent(x, v, ForcePart::kAll, 1.0, 1.0, a);
-  model->add_step_tangent(x, x, 0.1, a);
+  model->add_tangent(x, v, ForcePart::kAll, 1.0, 1.0, 0.0, a);
+  model->add_step_tangent(x, x, 0.1, 0.0, a);
   EXPECT_TRUE(dense_cloth_matrix(a).allFinite());
 }
 

@@ -188,12 +188,12 @@ TEST_F(KeptInputs, WhatCannotBeWrittenIsKnownBeforeTheFirstStep) {
   write("file", "no folder");
   fs::create_directories(at("folder"));
   fs::create_directories(at("folder.wav"));
-  for (const std::string& flag :
+  for (const std::string flag :
        {"--save nowhere/state", "--save folder", "--save file/state", "--wav nowhere/a.wav",
         "--wav folder.wav", "--out file", "--out file/out"})
     expect_refused("run scene.toml " + flag + kHours, 1, "");
   expect_refused("run bar.tremolo --wav nowhere/a.wav" + kHours, 1, "nowhere/a.wav");
-  for (const std::string& flag : {"--glb nowhere/a.glb", "--usda nowhere/a.usda",
+  for (const std::string flag : {"--glb nowhere/a.glb", "--usda nowhere/a.usda",
                                   "--pc2 nowhere/a.pc2", "--mdd nowhere/a.mdd", "--pvd file/a.pvd",
                                   "--series nowhere/a.ply", "--page nowhere/a.html"})
     expect_refused("export bar.tremolo " + flag + kHours, 1, "");

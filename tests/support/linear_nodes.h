@@ -70,7 +70,7 @@ struct LinearNodes : NodalSystem {
             all.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j));
   }
   void add_tangent(const Eigen::VectorXd&, const Eigen::VectorXd&, ForcePart part, double position,
-                   double velocity, BlockMatrix& a) const override {
+                   double velocity, double, BlockMatrix& a) const override {
     add_matrix(share(part) * (position * K + velocity * D), a);
   }
   double potential(const Eigen::VectorXd& x) const override {
@@ -85,7 +85,7 @@ struct LinearNodes : NodalSystem {
     f = -(K * (0.5 * (x0 + x1) - rest) + D * d / h);
     return {d.dot(D * d) / h, 0.0};
   }
-  void add_step_tangent(const Eigen::VectorXd&, const Eigen::VectorXd&, double h,
+  void add_step_tangent(const Eigen::VectorXd&, const Eigen::VectorXd&, double h, double,
                         BlockMatrix& a) const override {
     add_matrix(0.5 * K + D / h, a);
   }

@@ -191,8 +191,9 @@ void ClothModel::force(const Eigen::VectorXd& x, const Eigen::VectorXd& v, Force
     f.segment<3>(3 * i) += parts_.mass[i] * gravity_;
 }
 
-void ClothModel::add_any_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
-                                 const SpringWeights& weights, BlockMatrix& a) const {
+void ClothModel::add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
+                             double position, double velocity, double share, BlockMatrix& a) const {
+  const SpringWeights weights{position, velocity, share};
   constexpr std::uint32_t kTogether = 64;  // particles
   const bool stiff = part != ForcePart::kSoft, soft = part != ForcePart::kStiff;
   std::size_t structural = 0, shear = 0, bend = 0;
@@ -203,17 +204,6 @@ void ClothModel::add_any_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd
     if (soft) bend = bend_.add_tangent({bend, end}, x, v, weights, a);
   }
   if (soft) drag_.add_tangent(wind_, x, v, weights.velocity, a);
-}
-
-void ClothModel::add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
-                             double position, double velocity, BlockMatrix& a) const {
-  add_any_tangent(x, v, part, {position, velocity, 0.0}, a);
-}
-
-void ClothModel::add_full_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v,
-                                  ForcePart part, double position, double velocity, double share,
-                                  BlockMatrix& a) const {
-  add_any_tangent(x, v, part, {position, velocity, share}, a);
 }
 
 double ClothModel::elastic_energy(const Eigen::VectorXd& x) const {
@@ -246,14 +236,7 @@ StepWork ClothModel::step_force(const Eigen::VectorXd& x0, const Eigen::VectorXd
 }
 
 void ClothModel::add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
-                                  BlockMatrix& a) const {
-  for (const SpringSet* set : {&structural_, &shear_, &bend_})
-    set->add_step_tangent(x0, x1, h, 0.0, a);
-  drag_.add_step_tangent(wind_, x0, x1, h, a);
-}
-
-void ClothModel::add_full_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1,
-                                       double h, double share, BlockMatrix& a) const {
+                                  double share, BlockMatrix& a) const {
   for (const SpringSet* set : {&structural_, &shear_, &bend_})
     set->add_step_tangent(x0, x1, h, share, a);
   drag_.add_step_tangent(wind_, x0, x1, h, a);

@@ -71,21 +71,16 @@ class ClothModel : public NodalSystem {
   void force(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
              Eigen::VectorXd& f) const override;
   void add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
-                   double position, double velocity, BlockMatrix& a) const override;
+                   double position, double velocity, double share, BlockMatrix& a) const override;
   double potential(const Eigen::VectorXd& x) const override;
   std::optional<std::uint64_t> potential_version() const override { return potential_version_; }
   StepWork power(const Eigen::VectorXd& x, const Eigen::VectorXd& v) const override;
   StepWork step_force(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
                       Eigen::VectorXd& f) const override;
   void add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
-                        BlockMatrix& a) const override;
-  void add_full_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
-                        double position, double velocity, double share,
-                        BlockMatrix& a) const override;
-  void add_full_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
-                             double share, BlockMatrix& a) const override;
-  // y += the product with u of the springs' terms that the full tangents do not have, because they
-  // are not symmetric (spring_set.h).
+                        double share, BlockMatrix& a) const override;
+  // y += the product with u of the springs' terms that the tangents with all indefinite ones do not
+  // have, because they are not symmetric (spring_set.h).
   void add_missing_product(const Eigen::VectorXd& x, const Eigen::VectorXd& v, double position,
                            const Eigen::VectorXd& u, Eigen::VectorXd& y) const;
   void add_missing_step_product(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
@@ -112,8 +107,6 @@ class ClothModel : public NodalSystem {
 
   explicit ClothModel(ClothParts parts);
   void count_holds();
-  void add_any_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
-                       const SpringWeights& weights, BlockMatrix& a) const;
 
   ClothParts parts_;
   SpringSet structural_, shear_, bend_;

@@ -75,9 +75,9 @@ class SpringSet {
   void add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
                         double share, BlockMatrix& a) const;
 
-  // y += the product with u of the terms that are missing in the two full tangents: position times
-  // (d/l) e (P w)^T of a spring, and those of -df/dx1 of the force over a step. Vectors have three
-  // numbers a particle.
+  // y += the product with u of the terms that are missing in the two tangents with share 1:
+  // position times (d/l) e (P w)^T of a spring, and those of -df/dx1 of the force over a step.
+  // Vectors have three numbers a particle.
   void add_missing_product(const Eigen::VectorXd& x, const Eigen::VectorXd& v, double position,
                            const Eigen::VectorXd& u, Eigen::VectorXd& y) const;
   void add_missing_step_product(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,

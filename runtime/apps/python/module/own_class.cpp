@@ -78,30 +78,21 @@ class OwnSystem : public NodalSystem, public OwnPotential {
   }
 
   void add_tangent(const Eigen::VectorXd& y, const Eigen::VectorXd&, ForcePart part,
-                   double position, double, BlockMatrix& a) const override {
+                   double position, double, double share, BlockMatrix& a) const override {
     if (part == ForcePart::kSoft || position == 0.0) return;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(tangent(y));
-    const Eigen::VectorXd values = solver.eigenvalues().cwiseMax(0.0);
+    const Eigen::MatrixXd all = tangent(y);
+    if (share == 1.0) return add_dense(position * all, a);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(all);
+    const Eigen::VectorXd values = solver.eigenvalues().unaryExpr(
+        [share](double value) { return value > 0.0 ? value : share * value; });
     add_dense(
         position * solver.eigenvectors() * values.asDiagonal() * solver.eigenvectors().transpose(),
         a);
   }
-  void add_full_tangent(const Eigen::VectorXd& y, const Eigen::VectorXd&, ForcePart part,
-                        double position, double velocity, double share,
-                        BlockMatrix& a) const override {
-    if (part == ForcePart::kSoft || position == 0.0) return;
-    if (share > 0.0) add_dense(share * position * tangent(y), a);
-    if (share < 1.0) add_tangent(y, y, part, (1.0 - share) * position, velocity, a);
-  }
   void add_step_tangent(const Eigen::VectorXd& y0, const Eigen::VectorXd& y1, double h,
-                        BlockMatrix& a) const override {
+                        double share, BlockMatrix& a) const override {
     (void)h;
-    add_tangent(0.5 * (y0 + y1), y0, ForcePart::kAll, 0.5, 0.0, a);
-  }
-  void add_full_step_tangent(const Eigen::VectorXd& y0, const Eigen::VectorXd& y1, double h,
-                             double share, BlockMatrix& a) const override {
-    (void)h;
-    add_full_tangent(0.5 * (y0 + y1), y0, ForcePart::kAll, 0.5, 0.0, share, a);
+    add_tangent(0.5 * (y0 + y1), y0, ForcePart::kAll, 0.5, 0.0, share, a);
   }
 
   Eigen::MatrixXd tangent(const Eigen::VectorXd& y) const override {
