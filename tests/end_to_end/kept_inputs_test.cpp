@@ -194,8 +194,8 @@ TEST_F(KeptInputs, WhatCannotBeWrittenIsKnownBeforeTheFirstStep) {
     expect_refused("run scene.toml " + flag + kHours, 1, "");
   expect_refused("run bar.tremolo --wav nowhere/a.wav" + kHours, 1, "nowhere/a.wav");
   for (const std::string flag : {"--glb nowhere/a.glb", "--usda nowhere/a.usda",
-                                  "--pc2 nowhere/a.pc2", "--mdd nowhere/a.mdd", "--pvd file/a.pvd",
-                                  "--series nowhere/a.ply", "--page nowhere/a.html"})
+                                 "--pc2 nowhere/a.pc2", "--mdd nowhere/a.mdd", "--pvd file/a.pvd",
+                                 "--series nowhere/a.ply", "--page nowhere/a.html"})
     expect_refused("export bar.tremolo " + flag + kHours, 1, "");
   fs::create_directories(at("out/a/run.csv"));
   expect_refused("run scene.toml --out out" + kHours, 1, "not a regular file");
