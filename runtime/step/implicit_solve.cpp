@@ -14,10 +14,8 @@ constexpr std::size_t kMostFactored = 60'000;
 // Time of an iteration of conjugate gradients per block, in multiplications of a factorisation (5
 // ns over 0.11 ns, measured on sheets of 2 500 and 10 000 nodes).
 constexpr double kIterationCost = 45.0;
-// Number of systems solved by the factor after one for which conjugate gradients took too long, at
-// first, and at most after several of those.
+// Number of systems solved by the factor after one for which conjugate gradients took too long.
 constexpr int kFactored = 5;
-constexpr int kMostFactoredAgain = 50;
 constexpr int kLineHalvings = 10;
 // Fewer iterations than this are not worth a trial.
 constexpr int kLeastWorth = 20;
@@ -122,10 +120,8 @@ bool ImplicitSolve::solve_system(double target, bool once) {
         gradients_->solve(matrix_, r_, d_, std::min(enough, 0.5 * size), worth_);
     if (lacks_.fraction() < 1.0 && !solved.positive) return false;
     const bool good = solved.positive && d_.allFinite();
-    if (good && solved.converged) factored_again_ = 0;
     if (!factor_ || (good && solved.converged)) return good;
-    factored_again_ = std::clamp(2 * factored_again_, kFactored, kMostFactoredAgain);
-    factored_ = factored_again_;
+    factored_ = kFactored;
   }
   if (!factor_->factor(matrix_)) return false;
   d_ = r_;

@@ -90,7 +90,7 @@ class ImplicitSolve {
   const StepWork& work() const { return work_; }
 
   // Saves or restores what the next solve depends on.
-  void carry(StateStream& stream) { stream(factored_, factored_again_); }
+  void carry(StateStream& stream) { stream(factored_); }
 
  private:
   static constexpr int kMostCgIterations = 5000;
@@ -123,7 +123,6 @@ class ImplicitSolve {
   int worth_ = kMostCgIterations;
   // Systems that the factor still solves before conjugate gradients are tried again.
   int factored_ = 0;
-  int factored_again_ = 0;  // their number after the last trial that took too long
   // Residual below which the full tangent is tried; it was indefinite at a larger one.
   double full_limit_ = 0.0;
   LeftOutTerms lacks_;
