@@ -140,7 +140,7 @@ void BentContact::settle(ContactAccount& first_account, ContactAccount& second_a
   const ContactEquations& eq = shape_->equations();
   for (const PairPoint& pair : used()) {
     first_start += pair.energy + 0.5 * pair.law.shear * pair.memory.slip.squaredNorm();
-    settle_pair(pair, eq, eq.motion.h, first_account, second_account);
+    settle_pair(pair, pair.place, eq, eq.motion.h, first_account, second_account);
   }
 }
 

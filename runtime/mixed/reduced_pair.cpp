@@ -52,8 +52,9 @@ void ReducedPair::begin() {
 
 void ReducedPair::approach() {
   rate_ = {};
-  const double bends[] = {equations(0).bend_in_step(), equations(1).bend_in_step()};
-  for (PairPoint& pair : used()) approach_pair(pair, bodies_of(pair), bends[pair.b], rate_);
+  const StepWay ways[] = {sides_[0].contact->way_in_step(), sides_[1].contact->way_in_step()};
+  for (PairPoint& pair : used())
+    approach_pair(pair, bodies_of(pair), ways_between(ways[pair.a], ways[pair.b]), rate_);
 }
 
 void ReducedPair::press(const ContactRenewal& renewal) {
@@ -125,7 +126,8 @@ void ReducedPair::settle(ContactAccount& first_account, ContactAccount& second_a
   double* const starts[] = {&first_start, &second_start};
   for (const PairPoint& pair : used()) {
     *starts[pair.a] += pair.energy + 0.5 * pair.law.shear * pair.memory.slip.squaredNorm();
-    settle_pair(pair, equations(pair.b), h_, *accounts[pair.a], *accounts[pair.b]);
+    const Eigen::Vector3d place = pair.near ? pair.place : place_at_end(pair, bodies_of(pair));
+    settle_pair(pair, place, equations(pair.b), h_, *accounts[pair.a], *accounts[pair.b]);
   }
   for (const IslandJoint& link : joints_)
     settle_joint(link, equations(link.a), equations(link.b), *accounts[link.a], *accounts[link.b]);

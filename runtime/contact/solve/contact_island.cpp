@@ -14,6 +14,10 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr int kMostIterations = 60;
+// After the iterations in which all members move by themselves, in these those do whose residual is
+// above a share of the largest.
+constexpr int kFarRelaxed = 15;
+constexpr double kFarShare = 0.1;
 constexpr int kHeldFrom = 20;  // iteration from which a last resort keeps limits
 // Fraction of the small size below which a residual is converged, as after the last move of
 // Newton's method.
@@ -24,6 +28,10 @@ constexpr int kHopeless = 25;
 constexpr double kFarOff = 1e6;
 // With a residual this large other attempts are skipped and the step is subdivided.
 constexpr double kBeyond = 1e8;
+
+bool renews_limits_alone(const ContactRenewal& renewal) {
+  return !renewal.normals && renewal.limits == 1.0;
+}
 
 }  // namespace
 
@@ -225,10 +233,11 @@ void ContactIsland::push(const IslandJoint& link) {
 // Computes the residuals of the evaluated members at their z. Returns the size of those that move
 // in units of the small size.
 double ContactIsland::evaluate(const ContactRenewal& renewal) {
-  bends_.resize(members_.size());
+  const bool follows = renews_limits_alone(renewal);
   for (const std::size_t i : looked_at_) {
     body(i).evaluate(renewal);
-    bends_[i] = body(i).equations().bend_in_step();
+    ways_[i] = body(i).way_in_step();
+    followed_[i] = follows ? 1 : 0;
   }
   for (const std::size_t k : seen_) {
     Coupling& coupling = couplings_[k];
@@ -236,8 +245,8 @@ double ContactIsland::evaluate(const ContactRenewal& renewal) {
     coupling.rate = {};
     const std::span points = points_.subspan(coupling.first, coupling.count);
     for (PairPoint& pair : points)
-      approach_pair(pair, {body(pair.a).equations(), body(pair.b).equations()}, bends_[pair.b],
-                    coupling.rate);
+      approach_pair(pair, {body(pair.a).equations(), body(pair.b).equations()},
+                    ways_between(ways_[pair.a], ways_[pair.b]), coupling.rate);
     for (PairPoint& pair : points) {
       press_pair(pair, {body(pair.a).equations(), body(pair.b).equations()}, {h_, coupling.rate},
                  renewal, scratch_);
@@ -256,6 +265,13 @@ double ContactIsland::evaluate(const ContactRenewal& renewal) {
     if (moves(i)) square += share * share;
   }
   return std::sqrt(square);
+}
+
+// True if evaluate() would change nothing: all evaluated members were left like that.
+bool ContactIsland::is_renewed(const ContactRenewal& renewal) const {
+  return renews_limits_alone(renewal) &&
+         std::all_of(looked_at_.begin(), looked_at_.end(),
+                     [this](std::size_t i) { return followed_[i] != 0; });
 }
 
 // Derivatives of the members' residuals with respect to their own unknowns and to each other's.
@@ -337,7 +353,8 @@ bool ContactIsland::try_following(int iteration, double size) {
 // move does not lower the residual enough, or is not needed.
 bool ContactIsland::move_whole(int iteration) {
   if (hold_ && iteration >= kHeldFrom) return false;
-  evaluate(renewal(iteration, measure(), hold_));
+  const ContactRenewal renewed = renewal(iteration, measure(), hold_);
+  if (!is_renewed(renewed)) evaluate(renewed);
   const double size = measure();
   if (!std::isfinite(size) || size <= kConverged) return false;
   keep_unknowns();
@@ -403,6 +420,18 @@ void ContactIsland::relax(std::span<const std::size_t> group, int iteration, int
   }
 }
 
+// Moves those members by themselves whose residual is not small beside the largest: few of them
+// keep the length of all members' common move short.
+void ContactIsland::relax_farthest(std::span<const std::size_t> group, int iteration, int times) {
+  const auto size_of = [this](std::size_t i) { return sizes_[i] / enough_[i]; };
+  double most = 0.0;
+  for (const std::size_t i : group) most = std::max(most, size_of(i));
+  farthest_.clear();
+  for (const std::size_t i : group)
+    if (size_of(i) > kFarShare * most) farthest_.push_back(i);
+  relax(farthest_, iteration, times);
+}
+
 // The largest residual in units of the small size.
 double ContactIsland::farthest() const {
   double most = 0.0;
@@ -434,8 +463,11 @@ bool ContactIsland::solve(const Attempt& attempt, bool whole, int& iterations) {
         moved = true;
         continue;
       }
-      if (iterations < attempt.relaxed && group.size() > 1) {
-        relax(group, iterations, attempt.alone);
+      if (iterations < attempt.relaxed + kFarRelaxed && group.size() > 1 && attempt.relaxed != 0) {
+        if (iterations < attempt.relaxed)
+          relax(group, iterations, attempt.alone);
+        else
+          relax_farthest(group, iterations, attempt.alone);
         choose(group);
         evaluate({});
       }
@@ -453,7 +485,9 @@ void ContactIsland::settle() {
   std::fill(starts_.begin(), starts_.end(), 0.0);
   for (const PairPoint& pair : points_) {
     starts_[pair.a] += pair.energy + 0.5 * pair.law.shear * pair.memory.slip.squaredNorm();
-    settle_pair(pair, body(pair.b).equations(), h_, accounts_[pair.a], accounts_[pair.b]);
+    const PairBodies bodies{body(pair.a).equations(), body(pair.b).equations()};
+    settle_pair(pair, pair.near ? pair.place : place_at_end(pair, bodies), bodies.second, h_,
+                accounts_[pair.a], accounts_[pair.b]);
   }
   for (const IslandJoint& link : joints_)
     settle_joint(link, body(link.a).equations(), body(link.b).equations(), accounts_[link.a],
@@ -521,6 +555,8 @@ void ContactIsland::step(std::span<const IslandMember> members, std::vector<Pair
   }
   enough_.assign(members.size(), 1.0);
   sizes_.assign(members.size(), 0.0);
+  ways_.assign(members.size(), {});
+  followed_.assign(members.size(), 0);
   accounts_.resize(members.size());
   starts_.resize(members.size());
   couple();

@@ -133,6 +133,8 @@ class ContactIsland {
   void push(const PairPoint& pair);
   void push(const IslandJoint& link);
   double evaluate(const ContactRenewal& renewal);
+  bool is_renewed(const ContactRenewal& renewal) const;
+  void relax_farthest(std::span<const std::size_t> group, int iteration, int times);
   void make_jacobian(double heavier, bool follows);
   void make_links(Coupling& coupling, bool follows);
   bool try_following(int iteration, double size);
@@ -162,10 +164,13 @@ class ContactIsland {
   std::vector<char> looked_;
   // looked_at_: those members. seen_: the couplings of them.
   std::vector<std::size_t> looked_at_, seen_;
+  std::vector<std::size_t> farthest_;  // of relax_farthest()
   std::vector<double> enough_, heavier_;
   std::vector<double> sizes_;
-  // Bound of the displacement of a member's points by the coordinates in the step, m.
-  std::vector<double> bends_;
+  // Bounds of a member's motion in the step.
+  std::vector<StepWay> ways_;
+  // 1: the last evaluation renewed the member's limits wholly and kept its normals.
+  std::vector<char> followed_;
   std::vector<Coupling> couplings_;
   std::size_t coupled_ = 0;  // number of entries in use
   // The couplings of each member, member by member.

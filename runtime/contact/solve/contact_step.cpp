@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 namespace tremolo {
 
@@ -192,6 +194,17 @@ void ContactStep::evaluate_body() {
   } else if (load_->coupling != nullptr) {
     load_->coupling->evaluate(middle_, S_, dp_, own_force_);
   }
+}
+
+StepWay ContactStep::way_in_step() const {
+  const double bend = eq_.bend_in_step();
+  if (on_bones()) return {bend, std::numeric_limits<double>::infinity(), 0.0};
+  const StepMotion& motion = eq_.motion;
+  const ContactBall& ball = gathered_.ball;
+  // Two singular values of the difference of two rotations are equal, and the third is zero.
+  const double turn = (motion.R1 - motion.R0).norm() / std::numbers::sqrt2;
+  const double far = (ball.centre - motion.c0).norm() + ball.radius + ball.deformed;
+  return {bend, (motion.c1 - motion.c0).norm() + turn * far + bend, turn};
 }
 
 double ContactStep::close() {

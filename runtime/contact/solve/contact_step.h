@@ -142,6 +142,8 @@ class ContactStep {
   // Call this where the step is solved. It adds the points that came within a collider's margin but
   // were not found before. True if there are any: the step must be solved with them.
   bool add_missed();
+  // Bounds of the motion in the step with the z of the last evaluate().
+  StepWay way_in_step() const;
   // True if the body, at the present z, went farther than gather() predicted.
   bool went_far() const { return went_far(end_pose(), eq_.q1); }
   // Sets the state at the end of the step. pairs: the part of the energy balance that belongs to

@@ -35,6 +35,13 @@ struct ContactBall {
   double radius = 0.0, deformed = 0.0, travel = 0.0;
 };
 
+// Bounds of a body's motion in a step.
+struct StepWay {
+  double bend = 0.0;  // of the displacement of its points by the coordinates, m
+  double path = 0.0;  // of the displacement of its points, m; infinite on several bones
+  double turn = 0.0;  // of the displacement by its rotation, for each metre from the centre
+};
+
 // mass: kg. free: no support fixes the body.
 ContactSurface make_contact_surface(const Model::Pointer& model, const ContactOptions& contact,
                                     double mass, bool free);

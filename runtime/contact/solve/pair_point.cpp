@@ -47,13 +47,14 @@ void find_start(PairPoint& pair, const ContactEquations& second, PairScratch& sc
 }
 
 // The point's path is computed as if the second body did not deform.
-bool passes(const PairPoint& pair, const ContactEquations& second, double way) {
+bool passes(const PairPoint& pair, const Vector3d& place, const ContactEquations& second) {
+  const double way = (place - pair.place_at_start).norm();
   if (pair.distance <= 0.0 || way <= pair.distance) return false;
   const BentShape start = second.shape_at_start(), end = second.shape_at_end();
   return goes_through(
       *second.surface.shape,
       {pair.place_at_start, pair.distance, bent_gradient(start, pair.place_at_start)},
-      {pair.place, bent_distance(end, pair.place), bent_gradient(end, pair.place)});
+      {place, bent_distance(end, place), bent_gradient(end, place)});
 }
 
 // Fall of the pair's forces with the unknowns of its bodies, by d1, the path and the deformation,
@@ -217,26 +218,62 @@ void begin_pair(PairPoint& pair) {
   pair.sloped = false;
 }
 
-void approach_pair(PairPoint& pair, const PairBodies& bodies, double bend, PairRate& rate) {
-  pair.touch_a.x1 = bodies.first.end_of_point(pair.point);
-  approach_shape(pair, bodies.second, bend, rate);
+PairWays ways_between(const StepWay& first, const StepWay& second) {
+  return {second.bend, first.path + second.path, second.turn};
 }
 
-void approach_shape(PairPoint& pair, const ContactEquations& second, double bend, PairRate& rate) {
-  const double stored = 0.5 * pair.law.shear * pair.memory.slip.squaredNorm();
-  pair.place = second.into_rest_at_end(pair.touch_a.x1);
-  const bool acts = pair.distance < pair.law.begins || pair.held.limit != 0.0;
+Vector3d place_at_end(const PairPoint& pair, const PairBodies& bodies) {
+  return bodies.second.into_rest_at_end(bodies.first.end_of_point(pair.point));
+}
+
+namespace {
+
+bool may_act(const PairPoint& pair) {
+  return pair.distance < pair.law.begins || pair.held.limit != 0.0;
+}
+
+double stored_by_friction(const PairPoint& pair) {
+  return 0.5 * pair.law.shear * pair.memory.slip.squaredNorm();
+}
+
+// True if the pair's distance cannot have come within the margin by a change of place of `way`:
+// that would need a gradient of 2 or more.
+bool stays_away(const PairPoint& pair, double way, double bend) {
+  return pair.distance - 2.0 * (way + bend) > pair.law.margin;
+}
+
+// Computes the distance at the pair's place.
+void measure_distance(PairPoint& pair, const ContactEquations& second, double bend,
+                      PairRate& rate) {
+  const bool acts = may_act(pair);
   pair.near = false;
-  // d1 cannot be within the margin if its gradient is shorter than 2.
-  const double nearer = 2.0 * ((pair.place - pair.place_at_start).norm() + bend);
-  if (!acts && pair.distance - nearer > pair.law.margin)
-    return pair.now.clear(pair.distance, stored);
+  if (!acts && stays_away(pair, (pair.place - pair.place_at_start).norm(), bend))
+    return pair.now.clear(pair.distance, stored_by_friction(pair));
   const double distance = bent_distance(second.shape_at_end(), pair.place) - pair.law.radius;
-  pair.now.clear(distance, stored);
+  pair.now.clear(distance, stored_by_friction(pair));
   if (!acts && distance >= pair.law.begins) return;
   pair.near = true;
   pair.gap = make_gap(pair.law, pair.distance, pair.energy, distance);
   rate.add(pair.gap.pressure, distance - pair.distance);
+}
+
+}  // namespace
+
+void approach_pair(PairPoint& pair, const PairBodies& bodies, const PairWays& ways,
+                   PairRate& rate) {
+  // The distance from a bent shape may be half the true one.
+  const double far = 2.0 * std::max(pair.distance, 0.0) + pair.law.radius;
+  if (!may_act(pair) && stays_away(pair, ways.way + ways.turn * far, ways.bend)) {
+    pair.near = false;
+    return pair.now.clear(pair.distance, stored_by_friction(pair));
+  }
+  pair.touch_a.x1 = bodies.first.end_of_point(pair.point);
+  approach_shape(pair, bodies.second, ways.bend, rate);
+}
+
+void approach_shape(PairPoint& pair, const ContactEquations& second, double bend, PairRate& rate) {
+  pair.place = second.into_rest_at_end(pair.touch_a.x1);
+  measure_distance(pair, second, bend, rate);
 }
 
 void press_pair(PairPoint& pair, const PairBodies& bodies, const ContactTime& time,
@@ -427,11 +464,10 @@ ImpactPoint impact_point(const PairPoint& pair, const ContactStep& second) {
           .normal = (pose.rotation * normal).normalized()};
 }
 
-void settle_pair(const PairPoint& pair, const ContactEquations& second, double h, ContactAccount& a,
-                 ContactAccount& b) {
-  const double way = (pair.place - pair.place_at_start).norm();
-  a.way = std::max(a.way, way);
-  if (passes(pair, second, way)) ++a.passed;
+void settle_pair(const PairPoint& pair, const Vector3d& place, const ContactEquations& second,
+                 double h, ContactAccount& a, ContactAccount& b) {
+  a.way = std::max(a.way, (place - pair.place_at_start).norm());
+  if (passes(pair, place, second)) ++a.passed;
   a.energy += pair.now.energy;
   a.lost += pair.now.lost;
   a.friction_loss += pair.now.friction_loss;

@@ -45,7 +45,7 @@ struct PairPoint {
   ContactForce now;
   ContactTouch touch_a, touch_b;
   ContactWay way;
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();  // y at the end, m
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  // y at the end, m, where it may act
   std::shared_ptr<BoneSite> site = {};              // once it acts, if b is on several bones
 };
 
@@ -99,10 +99,22 @@ struct PairSides {
 // Starts an attempt at the step: no values are kept.
 void begin_pair(PairPoint& pair);
 
-// Computes the position of the point relative to the other body as both are now, and adds it to the
-// pair's rate. bend: bound of the displacement of the second body's points by its coordinates in
-// the step, m.
-void approach_pair(PairPoint& pair, const PairBodies& bodies, double bend, PairRate& rate);
+// Bounds of the motion of two bodies in the step.
+struct PairWays {
+  double bend = 0.0;  // of the displacement of the second body's points by its coordinates, m
+  // The place of a point of the first body that begins at x, in the mesh's coordinates of the
+  // second, changes by no more than way + turn times the distance of x from the second body, m.
+  double way = 0.0, turn = 0.0;
+};
+
+PairWays ways_between(const StepWay& first, const StepWay& second);
+
+// The pair's place at the end of the step, as both bodies are now.
+Eigen::Vector3d place_at_end(const PairPoint& pair, const PairBodies& bodies);
+
+// Computes the distance of the point from the other body as both are now, and adds it to the pair's
+// rate. A point that cannot have come near by these bounds is not placed.
+void approach_pair(PairPoint& pair, const PairBodies& bodies, const PairWays& ways, PairRate& rate);
 
 // Computes the force of the pair there.
 void press_pair(PairPoint& pair, const PairBodies& bodies, const ContactTime& time,
@@ -179,8 +191,9 @@ void add_pair_slopes(PairPoint& pair, const PairBodies& bodies, const ContactTim
 // The point of a pair of rigid bodies, for impact.h. second: the body of the shape; gathered.
 ImpactPoint impact_point(const PairPoint& pair, const ContactStep& second);
 
-// Adds the pair to the accounts of its bodies. second: the body of the shape.
-void settle_pair(const PairPoint& pair, const ContactEquations& second, double h, ContactAccount& a,
-                 ContactAccount& b);
+// Adds the pair to the accounts of its bodies. place: its own at the end of the step. second: the
+// body of the shape.
+void settle_pair(const PairPoint& pair, const Eigen::Vector3d& place,
+                 const ContactEquations& second, double h, ContactAccount& a, ContactAccount& b);
 
 }  // namespace tremolo
