@@ -130,13 +130,20 @@ Result<HeldJoint> HeldJoint::create(const SceneJoint& wanted, const ContactBody&
   }
   const Result<VertexId> at = joint_vertex("at", wanted.at, first);
   if (!at) return at.error();
-  if (wanted.to_at.empty() && !wanted.point) {
+  const bool nearest = wanted.to_at.empty() && !wanted.point;
+  if (nearest && wanted.options.length == 0.0) {
     Result<Joint> joint = make_joint(first, *at, second, wanted.options);
     if (!joint) return content_error(joint.error().message);
     return HeldJoint({std::move(*joint)});
   }
   JointPlace there = wanted.point ? world_place(*wanted.point, second) : JointPlace{};
-  if (!wanted.point) {
+  if (nearest) {
+    // The point that is there now has no distance, which a string or rod needs.
+    JointPlace held;
+    if (Status s = take(held, vertex_place(first, *at)); !s)
+      return content_error(s.error().message);
+    there = vertex_near(second, place_now(first, held));
+  } else if (!wanted.point) {
     const Result<VertexId> to = joint_vertex("to-at", wanted.to_at, second);
     if (!to) return to.error();
     if (Status s = take(there, vertex_place(second, *to)); !s)

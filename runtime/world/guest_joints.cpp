@@ -14,22 +14,8 @@
 #include "runtime/world/guest_points.h"
 
 namespace tremolo {
-namespace {
 
 using Eigen::Vector3d;
-
-// The position now along the body's axes of its nearest vertex, m.
-Vector3d nearest_vertex(const ContactBody& body, const Vector3d& there) {
-  const VertexBlock& boundary = body.model().surface();
-  Vector3d nearest = Vector3d::Constant(std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < boundary.rest.size(); ++i) {
-    const Vector3d vertex = boundary.rest[i] + boundary.rows.middleRows(3 * i, 3) * body.state().q;
-    if ((vertex - there).squaredNorm() < (nearest - there).squaredNorm()) nearest = vertex;
-  }
-  return nearest;
-}
-
-}  // namespace
 
 Result<std::vector<GuestJoint>> GuestJointMaker::make(std::size_t i, bool& turned) const {
   const SceneJoint& wanted = world_.scene().joints[i];
@@ -89,15 +75,7 @@ void GuestJointMaker::find_nearest(End& end, const Vector3d& place, double lengt
     end.point = guests_.point_near(*end.guest, place);
     return;
   }
-  const ContactBody& body = *end.body;
-  end.place = place_at(body, place);
-  if (length == 0.0) return;
-  if (body.bones() > 1) {
-    end.place = vertex_near(body, place);
-    return;
-  }
-  const Vector3d there = body.pose().rotation.conjugate() * (place - body.pose().position);
-  end.place.rest += nearest_vertex(body, there) - there;
+  end.place = length == 0.0 ? place_at(*end.body, place) : vertex_near(*end.body, place);
 }
 
 Vector3d GuestJointMaker::where(const End& end) const {

@@ -93,6 +93,30 @@ TEST(RigidTops, PrecessAtTheRateOfEuler) {
   EXPECT_NEAR(std::log2(errors[1] / errors[2]), 2.0, 0.1);
 }
 
+// A rod of the distance of two bodies at rest, whose second end is not given, holds the nearest
+// vertex and pushes nothing.
+TEST(RigidJoints, ARodToTheNearestVertexLeavesBodiesAtRest) {
+  const BoxShape box{{0.05, 0.05, 0.05}};
+  Scene scene;
+  scene.step = 3e-3;
+  scene.bodies = {rigid_body("a", box, {0.0, 0.0, 0.3}), rigid_body("b", box, {0.4, 0.0, 0.3})};
+  SceneJoint rod;
+  rod.body = "a";
+  rod.at = "near:0.05,0.05,0.05";
+  rod.to = "b";
+  rod.options.length = 0.3;
+  scene.joints = {rod};
+  SceneWorld world = testing::make_world(scene);
+  testing::run_until(world, 0.3);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_LT(std::abs(world.account(i).total()), 1e-18);
+  EXPECT_LT((world.body(1).pose().position - Vector3d(0.4, 0.0, 0.3)).norm(), 1e-12);
+  scene.joints[0].options.length = 0.2;
+  const auto refused = SceneWorld::create(scene, load_scene_model);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("0.3 m apart"), std::string::npos)
+      << refused.error().message;
+}
+
 // A body that turns about its middle axis tumbles. Its spin follows from Euler's equations, which
 // are integrated here by Runge and Kutta in steps a hundredth as long.
 TEST(RigidTops, TumbleAboutTheirMiddleAxis) {

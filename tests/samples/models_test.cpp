@@ -188,6 +188,16 @@ TEST(Sound, RingsWithTheModes) {
   }
 }
 
+// The horse's default load acts at a vertex inside; the nearest one outside is heard.
+TEST(Sound, OfADefaultLoadInsideIsHeardOutside) {
+  const testing::TemporaryFolder folder;
+  const testing::ProgramResult ran = testing::run_program(
+      folder.path(), TREMOLO_BIN_DIR "/tremolo run " TREMOLO_MODEL_DIR
+                                     "/horse.tremolo --duration 0.1 --wav horse.wav");
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_GT(sound_of(folder.file("horse.wav"), 0.0).size(), 700U);
+}
+
 // No blow is given here: three balls fly at the bells, contact strikes them.
 TEST(Sound, BellsOfASceneRingWhenBallsHitThem) {
   const testing::TemporaryFolder folder;

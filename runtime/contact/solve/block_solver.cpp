@@ -92,7 +92,7 @@ void BlockSolver::precondition(const Eigen::Ref<const VectorXd>& b, VectorXd& x)
   }
 }
 
-bool BlockSolver::iterate(const VectorXd& b, VectorXd& x) {
+bool BlockSolver::iterate(const VectorXd& b, VectorXd& x, double tolerance) {
   const Index n = system_->unknowns();
   constexpr Index m = kMostIterations;
   const auto scale = system_->scale->head(n);
@@ -139,7 +139,7 @@ bool BlockSolver::iterate(const VectorXd& b, VectorXd& x) {
     hessenberg_(j, j) = length;
     turned_[j + 1] = -sine_[j] * turned_[j];
     turned_[j] *= cosine_[j];
-    reached = std::abs(turned_[j + 1]) <= kTolerance * size;
+    reached = std::abs(turned_[j + 1]) <= tolerance * size;
   }
   iterations_ = static_cast<int>(used);
   if (!reached) return false;
@@ -173,11 +173,12 @@ bool BlockSolver::solve_sparse(const VectorXd& b, VectorXd& x) const {
   return x.head(n).allFinite();
 }
 
-bool BlockSolver::solve(const BlockSystem& system, const VectorXd& b, VectorXd& x) {
+bool BlockSolver::solve(const BlockSystem& system, const VectorXd& b, VectorXd& x,
+                        double tolerance) {
   system_ = &system;
   find_neighbours();
   find_order();
-  if (decompose() && iterate(b, x)) return true;
+  if (decompose() && iterate(b, x, tolerance)) return true;
   iterations_ = kMostIterations + 1;
   return solve_sparse(b, x);
 }

@@ -43,9 +43,11 @@ class BlockSolver {
   static constexpr int kMostIterations = 60;
   static constexpr double kTolerance = 1e-8;  // of the scaled residual, relative
 
-  // Solves A x = b; both vectors are at least unknowns() long. False: no finite solution. Memory
-  // grows with the largest system so far; the sparse decomposition allocates.
-  bool solve(const BlockSystem& system, const Eigen::VectorXd& b, Eigen::VectorXd& x);
+  // Solves A x = b; both vectors are at least unknowns() long. tolerance: of the scaled residual,
+  // relative. False: no finite solution. Memory grows with the largest system so far; the sparse
+  // decomposition allocates.
+  bool solve(const BlockSystem& system, const Eigen::VectorXd& b, Eigen::VectorXd& x,
+             double tolerance = kTolerance);
 
   // Iterations of the last solve; kMostIterations + 1: the sparse decomposition solved it.
   int iterations() const { return iterations_; }
@@ -63,7 +65,7 @@ class BlockSolver {
   bool decompose();
   void multiply(const Eigen::VectorXd& x, Eigen::Ref<Eigen::VectorXd> y) const;
   void precondition(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::VectorXd& x);
-  bool iterate(const Eigen::VectorXd& b, Eigen::VectorXd& x);
+  bool iterate(const Eigen::VectorXd& b, Eigen::VectorXd& x, double tolerance);
   bool solve_sparse(const Eigen::VectorXd& b, Eigen::VectorXd& x) const;
 
   const BlockSystem* system_ = nullptr;

@@ -26,6 +26,8 @@ constexpr double kConverged = 0.1;
 // kHopeless iterations.
 constexpr int kHopeless = 25;
 constexpr double kFarOff = 1e6;
+// Tolerance of a move from there, whose length is searched anyway.
+constexpr double kFarTolerance = 1e-3;
 // With a residual this large other attempts are skipped and the step is subdivided.
 constexpr double kBeyond = 1e8;
 
@@ -315,9 +317,11 @@ void ContactIsland::make_jacobian(double heavier, bool follows) {
         body(moving_[k]).equations().residual.head(first_[k + 1] - first_[k]);
 }
 
-bool ContactIsland::solve_for_move() {
+// size: of the residual, in units of the small size.
+bool ContactIsland::solve_for_move(double size) {
+  const double tolerance = size > kFarOff ? kFarTolerance : BlockSolver::kTolerance;
   const BlockSystem system{first_, diagonal_, links_, &scale_};
-  return solver_.solve(system, residual_, move_);
+  return solver_.solve(system, residual_, move_, tolerance);
 }
 
 // Updates the small sizes; returns the size of the residuals that move in these units.
@@ -342,7 +346,7 @@ bool ContactIsland::try_following(int iteration, double size) {
     return evaluate({.normals = false, .limits = 1.0});
   };
   make_jacobian(0.0, true);
-  if (!solve_for_move()) return false;
+  if (!solve_for_move(size)) return false;
   for (double length = 1.0; length >= shortest_following(iteration); length *= 0.5)
     if (go(length) <= following_bound(length) * size) return true;
   go(0.0);
@@ -394,7 +398,7 @@ ContactIsland::Outcome ContactIsland::move(int iteration, bool follow, double& h
   };
   const auto find_move = [&](double added) {
     make_jacobian(added, false);
-    return solve_for_move() ? slope() : 0.0;
+    return solve_for_move(size) ? slope() : 0.0;
   };
   LineTrial reached;
   const bool near = size <= near_rounding(hold_);

@@ -142,7 +142,7 @@ class ContactIsland {
   void keep_unknowns();
   bool add_missed(std::vector<PairPoint>& points, std::size_t& count);
   void remember();
-  bool solve_for_move();
+  bool solve_for_move(double size);
   bool solve(const Attempt& attempt, bool whole, int& iterations);
   void begin();
   void settle();

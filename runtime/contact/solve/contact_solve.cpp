@@ -22,8 +22,9 @@ constexpr double kRoundedWay = 1e-14;        // shortest move, as a fraction of 
 
 }  // namespace
 
-// Unit of size_of_residual(): momenta, and forces times h. The first residual of a step is that of
-// all forces on a body that continues its motion.
+// Unit of size_of_residual(): momenta, and forces times h. The first residual of a step has the
+// forces on a body that continues its motion, without those of contact: where contact is hard, that
+// motion ends deep in an obstacle, with a force beyond all that occur.
 double ContactStep::size_of_motion() const {
   const double h = options_.step;
   double size =

@@ -207,9 +207,23 @@ StepWay ContactStep::way_in_step() const {
   return {bend, (motion.c1 - motion.c0).norm() + turn * far + bend, turn};
 }
 
+// The size of the residual without the forces at positions.
+double ContactStep::size_without_contact() {
+  const double h = options_.step;
+  const Index r = model_->modes();
+  eq_.residual.head(r) = (0.5 * h) * damping_.n.cwiseProduct(dp_) + (0.5 * h * h) * own_force_ +
+                         (0.5 * h) * damping_.D.cwiseProduct(eq_.z.head(r));
+  if (free_ != nullptr) {
+    eq_.residual.segment<3>(r) = own_spin_residual_;
+    eq_.residual.tail<3>() = own_centre_residual_;
+  }
+  return eq_.size_of_residual();
+}
+
 double ContactStep::close() {
   const double h = options_.step;
   const Index r = model_->modes();
+  if (first_size_ < 0.0) first_size_ = size_without_contact();
   force_ = own_force_ - eq_.pushed;
   eq_.residual.head(r) = (0.5 * h) * damping_.n.cwiseProduct(dp_) + (0.5 * h * h) * force_ +
                          (0.5 * h) * damping_.D.cwiseProduct(eq_.z.head(r));
@@ -218,9 +232,7 @@ double ContactStep::close() {
         own_spin_residual_ - h * (eq_.motion.turn.transpose() * eq_.torque);
     eq_.residual.tail<3>() = own_centre_residual_ - eq_.force;
   }
-  const double size = eq_.size_of_residual();
-  if (first_size_ < 0.0) first_size_ = size;
-  return size;
+  return eq_.size_of_residual();
 }
 
 void ContactStep::add_contact_slopes(bool follows) {

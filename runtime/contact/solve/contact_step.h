@@ -196,6 +196,7 @@ class ContactStep {
   void add_roll_slopes(const Candidate& candidate, const PlacedSlope& slope);
   bool went_far(const Pose& end, const Eigen::VectorXd& q) const;
   Pose end_pose() const;
+  double size_without_contact();
   double size_of_motion() const;
   double grips_rounding() const;
   bool solve(double heavier, bool hold, StepReport& report);
@@ -231,7 +232,8 @@ class ContactStep {
   std::vector<StepMotion> grip_motions_;  // of a body on several bones, one a grip
   ContactRecord record_;
   double joints_rounding_ = 0.0;  // kg^1/2 m/s
-  double first_size_ = 0.0;       // of the first residual of a step; below 0 before it
+  // Of the first residual of a step without forces at positions; below 0 before it.
+  double first_size_ = 0.0;
   const StepLoad* load_ = nullptr;
   FramePointer<FreeFrame> free_ = nullptr;
 

@@ -34,7 +34,7 @@ std::vector<double> wall_by_turns(const std::vector<Work>& works) {
 GroupOptions lane_options(LanePrecision precision, int modes = 0) {
   GroupOptions options;
   options.integrator = "imexv-linear";
-  options.options = {.step = 1e-3, .alpha = 0.5, .beta = 1e-6};
+  options.options = {.step = 1e-3, .alpha = 0.5};
   options.modes = modes;
   options.precision = precision;
   options.sleep.time = std::numeric_limits<double>::infinity();

@@ -21,11 +21,32 @@ namespace {
 
 constexpr double kLoudest = 0.9;
 
+// The vertex of the surface that is nearest to the vertex, which may be inside.
+Result<VertexId> nearest_outside(VertexId vertex, const Model& model) {
+  const Result<VertexRows> place = model.vertex(vertex);
+  if (!place) return place.error();
+  const auto& rest = model.surface().rest;
+  const auto nearer = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return (a - place->rest).squaredNorm() < (b - place->rest).squaredNorm();
+  };
+  const auto nearest = std::min_element(rest.begin(), rest.end(), nearer);
+  return model.surface().vertex_ids[static_cast<std::size_t>(nearest - rest.begin())];
+}
+
+// A default load may act inside, where nothing sounds.
 Result<std::vector<VertexId>> listened_to(const std::string& listen, const Model& model) {
   if (!listen.empty()) return vertices_of(listen, model);
   if (model.default_load().vertices.empty())
     return content_error("--wav: the model has no default load: say where to --listen");
-  return model.default_load().vertices;
+  std::vector<VertexId> outside;
+  for (const VertexId vertex : model.default_load().vertices) {
+    const Result<VertexId> nearest = nearest_outside(vertex, model);
+    if (!nearest) return nearest.error();
+    outside.push_back(*nearest);
+  }
+  std::sort(outside.begin(), outside.end());
+  outside.erase(std::unique(outside.begin(), outside.end()), outside.end());
+  return outside;
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "runtime/apps/tremolo/world/world_report.h"
 
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -151,6 +152,33 @@ void add_shape_warnings(const Scene& scene, const SceneWorld& world, Warnings& w
   }
 }
 
+// Bodies that went deep into what they touch. One warning names the deepest and counts the others;
+// a heavy body on a light one is the usual cause, because each has the stiffness of its own weight.
+void add_depth_warnings(const Scene& scene, const SceneWorld& world, Warnings& warnings) {
+  constexpr double kDeep = 0.1;  // of a body's size
+  std::size_t deepest = 0, deep = 0;
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    if (!(world.penetration_max(i) > kDeep)) continue;
+    ++deep;
+    if (world.penetration_max(i) > world.penetration_max(deepest)) deepest = i;
+  }
+  if (deep == 0) return;
+  double lightest = std::numeric_limits<double>::infinity(), heaviest = 0.0;
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    const ContactStep* contact = world.body(i).contact();
+    if (contact == nullptr) continue;
+    lightest = std::min(lightest, contact->surface().mass);
+    heaviest = std::max(heaviest, contact->surface().mass);
+  }
+  warnings.push_back(fmt::format(
+      "body '{}': its contact points were {:.3g} % of its size deep in what it met{}: say a larger "
+      "contact-modulus or contact-stiffness for it and for what it meets; the heaviest body of the "
+      "scene has {:.3g} times the mass of the lightest",
+      scene.bodies[deepest].name, 100.0 * world.penetration_max(deepest),
+      deep > 1 ? fmt::format(" ({} more bodies as well)", deep - 1) : std::string(),
+      heaviest / lightest));
+}
+
 }  // namespace
 
 Warnings world_warnings(const Scene& scene, const SceneWorld& world) {
@@ -158,6 +186,7 @@ Warnings world_warnings(const Scene& scene, const SceneWorld& world) {
   add_step_warnings(scene, world, warnings);
   add_shape_warnings(scene, world, warnings);
   add_spring_warnings(scene, world, warnings);
+  add_depth_warnings(scene, world, warnings);
   return warnings;
 }
 

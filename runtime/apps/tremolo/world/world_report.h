@@ -14,7 +14,8 @@
 
 namespace tremolo {
 
-// Frames that move at the start, steps that are too long, shapes and springs that are out of range.
+// Frames that move at the start, steps that are too long, shapes and springs that are out of range,
+// and, after a run, bodies that went deep into others.
 Warnings world_warnings(const Scene& scene, const SceneWorld& world);
 
 nlohmann::ordered_json world_json(const SceneFile& file, const SceneWorld& world,
