@@ -130,26 +130,35 @@ void add_free(const std::string& name, const Options& options, SpeedSection& sec
   add_row(row_name(name, "free, tumbling", r), each * seconds[1], each * seconds[0], 1.5, section);
 }
 
-// The body has come to rest on the plane.
-void settle(ContactBody& body, const PlacedCollider& plane) {
-  start(body,
-        {Eigen::VectorXd::Zero(body.model().modes()), Eigen::VectorXd::Zero(body.model().modes())});
-  for (int k = 0; k < 300; ++k) step_once(body, std::span(&plane, 1));
+constexpr double kCalm = 2e-2;  // beta of a body that comes to rest soon, s
+
+// A new body with that damping, s, that has come to rest on the plane, which rose to its place from
+// `below`, m: a body that begins in a plane is not pushed out of it.
+template <class Make>
+ContactBody settled(const Make& make, double beta, const PlacedCollider& plane, double below) {
+  constexpr int kRise = 200, kRest = 200;
+  ContactBody body = make(true, beta);
+  PlacedCollider now = plane;
+  const double way = plane.start.position.z() - below;
+  for (int k = 0; k < kRise + kRest; ++k) {
+    now.start.position.z() = below + way * std::min(k, kRise) / kRise;
+    now.end.position.z() = below + way * std::min(k + 1, kRise) / kRise;
+    step_once(body, std::span(&now, 1));
+  }
+  return body;
 }
 
 // A plane that holds the body at rest at about kTouching of its points, found by bisection.
-// damped: a body that comes to rest.
-PlacedCollider plane_below(ContactBody& damped) {
-  Eigen::AlignedBox3d box;
-  for (const Vector3d& x : damped.model().surface().rest) box.extend(x);
+template <class Make>
+PlacedCollider plane_below(const Eigen::AlignedBox3d& box, const Make& make) {
   PlacedCollider plane;
   plane.friction = 0.3;
-  double low = box.min().z() - 0.1 * box.sizes().z(), high = box.center().z();
+  const double below = box.min().z() - 0.1 * box.sizes().z();
+  double low = below, high = box.min().z() + 0.05 * box.sizes().z();
   for (int k = 0; k < 20; ++k) {
     const double middle = 0.5 * (low + high);
     plane.start.position.z() = plane.end.position.z() = middle;
-    settle(damped, plane);
-    (damped.contact_account().active < kTouching ? low : high) = middle;
+    (settled(make, kCalm, plane, below).contact_account().active < kTouching ? low : high) = middle;
   }
   plane.start.position.z() = plane.end.position.z() = high;
   return plane;
@@ -165,20 +174,20 @@ void add_contact(const std::string& name, const Options& options, SpeedSection& 
     if (contact) or_fail(body.set_contact({.points = kPoints}));
     return body;
   };
-  ContactBody alone = make(false, 1e-3), touching = make(true, 1e-3), damped = make(true, 2e-2);
-  const PlacedCollider near = plane_below(damped);
-  settle(damped, near);
-  const State state = damped.state();
   Eigen::AlignedBox3d box;
   for (const Vector3d& x : model->surface().rest) box.extend(x);
+  const PlacedCollider near = plane_below(box, make);
+  ContactBody alone = make(false, 1e-3), away = make(true, 1e-3);
+  // A state in contact has its memories: the body continues from window to window.
+  ContactBody touching = settled(make, 1e-3, near, box.min().z() - 0.1 * box.sizes().z());
+  const State state = touching.state();
   const double depth = ContactOptions{}.margin * box.sizes().maxCoeff();
   double active = 0.0;
-  // away: m, by which the plane is lower.
-  const auto run = [&](ContactBody& body, double away) {
-    start(body, state);
+  // lower: m, of the plane.
+  const auto run = [&](ContactBody& body, double lower) {
     active = 0.0;
     PlacedCollider plane = near;
-    const double at = near.start.position.z() - away;
+    const double at = near.start.position.z() - lower;
     for (int k = 0; k < kWindow; ++k) {
       plane.start.position.z() = at + 0.2 * depth * std::sin(0.1 * k);
       plane.end.position.z() = at + 0.2 * depth * std::sin(0.1 * (k + 1));
@@ -187,13 +196,17 @@ void add_contact(const std::string& name, const Options& options, SpeedSection& 
     }
     active /= kWindow;
   };
-  const std::vector<double> seconds =
-      by_turns({[&] {
-                  start(alone, state);
-                  for (int k = 0; k < kWindow; ++k) step_once(alone);
-                },
-                [&] { run(touching, 100.0); }, [&] { run(touching, 0.0); }},
-               1, kWindows);
+  const std::vector<double> seconds = by_turns({[&] {
+                                                  start(alone, state);
+                                                  for (int k = 0; k < kWindow; ++k)
+                                                    step_once(alone);
+                                                },
+                                                [&] {
+                                                  start(away, state);
+                                                  run(away, 100.0);
+                                                },
+                                                [&] { run(touching, 0.0); }},
+                                               1, kWindows);
   const double each = 1.0 / kWindow;
   const Eigen::Index r = model->modes();
   section.rows.push_back(microseconds(row_name(name, "alone", r), each * seconds[0]));

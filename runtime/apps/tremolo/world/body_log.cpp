@@ -14,6 +14,9 @@
 namespace tremolo {
 namespace {
 
+// Of a body's size: a body whose points move so little in a step is at rest.
+constexpr double kRoundedWay = 1e-11;
+
 constexpr std::int64_t kStepsBetweenShapes = 10;
 constexpr std::size_t kMostOpen = 64;  // files of one run
 
@@ -114,6 +117,10 @@ Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, 
   log.report_.model = solid_name(known);
   log.report_.integrator = known.integrator;
   log.report_.size = surface_size(model);
+  if (const ContactStep* contact = world.body(body).contact()) {
+    const double speed = kRoundedWay * log.report_.size / world.step_size();
+    log.report_.rounding = 0.5 * contact->surface().mass * speed * speed;
+  }
   log.report_.start = place_of(world, body);
   return log;
 }
@@ -170,7 +177,8 @@ Status BodyLog::observe(const SceneWorld& world) {
   }
   if (Status s = files_.write_surface(moment_, body); !s) return s;
   // Energy stored in contact is not yet energy of the body.
-  if (!moment_.bound.sound(account.total() - account.contact))
+  const double own = account.total() - account.contact;
+  if (!(own <= report_.rounding) && !moment_.bound.sound(own))
     report_.leave_bound(account.total(), moment_.time);
   return Success{};
 }
@@ -201,7 +209,9 @@ void BodyLog::judge_balance() {
   const std::string& method = report_.integrator;
   if (method != "avf" && method != "ep2" && method != "ep4") return;
   const EnergyBalance& balance = report_.balance;
-  if (report_.exit_code != 0 || balance.remainder_max <= kBalanceBound * balance.most()) return;
+  if (report_.exit_code != 0 || balance.remainder_max <= kBalanceBound * balance.most() ||
+      balance.remainder_max <= report_.rounding)
+    return;
   report_.exit_code = exit_code(ErrorKind::kBound);
   report_.reason = fmt::format(
       "the energy balance has an error of {:.3g} J, more than {:g} of the {:.3g} J that were "

@@ -43,12 +43,16 @@ struct SceneBodyReport : BodyReport {
   double penetration_surface_max = 0.0;  // m, of the drawn surface, in all samples
   std::optional<double> rebound;         // surface_depth.h
   double slip_max = 0.0;                 // ContactAccount::slip of all steps, m
+  // J; what contact and joints may leave of a body at rest by rounding of its positions. No smaller
+  // energy or error is judged.
+  double rounding = 0.0;
   double contact_speed_max = 0.0;        // m/s
   std::int64_t passed_through = 0;
 
-  // |change of the energy - all energy exchanged| over the largest energy; 0 if nothing ever moved.
+  // |change of the energy - all energy exchanged| over the largest energy; 0 if nothing ever moved
+  // but by rounding.
   double balance_error() const {
-    return balance.energy_max > 0.0 ? balance.remainder_max / balance.energy_max : 0.0;
+    return balance.energy_max > rounding ? balance.remainder_max / balance.energy_max : 0.0;
   }
 };
 

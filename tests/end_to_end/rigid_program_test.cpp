@@ -1,0 +1,80 @@
+// Scenes of rigid bodies as a user meets them: at rest, joined, hard, and of unequal masses.
+#include <cmath>
+#include <fstream>
+#include <string>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/programs.h"
+
+namespace tremolo {
+namespace {
+
+class RigidProgram : public ::testing::Test {
+ protected:
+  void SetUp() override { folder_ = fresh_folder(); }
+
+  nlohmann::json run(const std::string& scene) {
+    std::ofstream(folder_ + "/scene.toml") << scene;
+    const ProgramResult result = run_program(folder_, kTremolo + "run scene.toml --json");
+    EXPECT_EQ(result.code, 0) << result.err;
+    return nlohmann::json::parse(result.out);
+  }
+
+  std::string folder_;
+};
+
+std::string box(const std::string& name, double mass, const std::string& position) {
+  return fmt::format(
+      "[[bodies]]\nname = \"{}\"\nkind = \"rigid\"\nshape = \"box\"\n"
+      "half-extents = [0.05, 0.05, 0.05]\nmass = {}\nposition = {}\n",
+      name, mass, position);
+}
+
+constexpr const char* kFloor = "[[colliders]]\nname = \"floor\"\nshape = \"plane\"\n";
+
+// What moves here is rounding, about which no balance says anything.
+TEST_F(RigidProgram, BodiesJoinedAtRestStayThere) {
+  const std::string bodies = "duration = 0.3\nstep = 0.003\n" + box("a", 1.0, "[0, 0, 0.3]") +
+                             box("b", 1.0, "[0.4, 0, 0.3]");
+  for (const std::string spring : {"", "stiffness = 1000\n"}) {
+    const nlohmann::json report =
+        run(bodies + "[[joints]]\nbody = \"a\"\nat = \"near:0.05,0.05,0.05\"\nto = \"b\"\n" +
+            "to-at = \"near:-0.05,0.05,0.05\"\nlength = 0.3\n" + spring);
+    for (const nlohmann::json& body : report["bodies"]) {
+      EXPECT_LT(body["energy_max"], 1e-18);
+      EXPECT_EQ(body["energy_balance_error"], 0.0);
+    }
+  }
+}
+
+// The force at the end of the motion without contact, a thousand times the weight, is no measure of
+// the step's accuracy.
+TEST_F(RigidProgram, HardBodiesBalanceTheirEnergyAtLongSteps) {
+  for (const double modulus : {1e6, 1e8, 1e10})
+    for (const double height : {0.05, 0.08}) {
+      SCOPED_TRACE(fmt::format("{:g} Pa from {} m", modulus, height));
+      const nlohmann::json report =
+          run("duration = 0.6\nstep = 0.0166666667\ngravity = [0, 0, -9.81]\n" +
+              box("a", 0.5, fmt::format("[0, 0, {}]", height)) +
+              fmt::format("contact-modulus = {:g}\n", modulus) + kFloor);
+      EXPECT_LT(report["energy_balance_error"], 1e-6);
+    }
+}
+
+TEST_F(RigidProgram, AHeavyBodyThatSinksIntoALightOneIsReported) {
+  const auto stack = [](double mass) {
+    return "duration = 0.3\nstep = 0.003\ngravity = [0, 0, -9.81]\n" +
+           box("low", 1.0, "[0, 0, 0.05]") + box("high", mass, "[0, 0, 0.15]") + kFloor;
+  };
+  EXPECT_TRUE(run(stack(1.0))["warnings"].empty());
+  const nlohmann::json warnings = run(stack(2e3))["warnings"];
+  ASSERT_EQ(warnings.size(), 1U);
+  for (const char* words : {"contact-modulus", "2e+03 times the mass"})
+    EXPECT_NE(warnings[0].get<std::string>().find(words), std::string::npos) << warnings[0];
+}
+
+}  // namespace
+}  // namespace tremolo
