@@ -156,12 +156,8 @@ void print_fit(const SolidFit& fit) {
                  with_deviation(found.values[at], found.deviations[at]).c_str(),
                  unit_of(fit.unknowns[u].constant));
   }
-  constexpr double kMuch = 10.0;  // of chi^2 a degree of freedom; chance hardly reaches it
-  if (found.absolute && found.chi_squared > kMuch * found.freedom && found.freedom > 0)
-    std::fprintf(stderr,
-                 "  the misfit is %.2g times what the standard deviations explain: the modes are "
-                 "matched wrongly, or shape or support differ from the measured body's\n",
-                 std::sqrt(found.chi_squared / found.freedom));
+  const std::string warning = misfit_warning(found);
+  if (!warning.empty()) std::fprintf(stderr, "  %s\n", warning.c_str());
   std::fprintf(stderr, "  mode    measured      fitted\n");
   for (const FittedRow& row : found.rows)
     std::fprintf(stderr, "  %4d %11.5g %11.5g Hz, %+.2f %%%s%s\n", row.mode + 1, row.measured,
@@ -210,6 +206,7 @@ Json fit_json(const SolidFit& fit) {
             {"degrees_of_freedom", found.freedom},
             {"deviations_given", found.absolute},
             {"solutions", found.solves},
+            {"warning", misfit_warning(found).empty() ? Json() : Json(misfit_warning(found))},
             {"damping", nullptr}};
   if (!fit.damping) return json;
   const DampingFit& damping = *fit.damping;

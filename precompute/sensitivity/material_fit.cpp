@@ -300,4 +300,27 @@ Result<MaterialFit> fit_materials(const FitProblem& problem) {
   }
 }
 
+std::string misfit_warning(const MaterialFit& fit) {
+  constexpr double kMuch = 10.0;  // of chi^2 a degree of freedom; chance hardly reaches it
+  constexpr double kFar = 0.05;   // of a frequency: no measurement errs by as much
+  const std::string causes =
+      ": the modes are matched wrongly, or shape or support differ from the measured body's";
+  if (fit.absolute)
+    return fit.freedom > 0 && fit.chi_squared > kMuch * fit.freedom
+               ? text("the misfit is %.2g times what the standard deviations explain",
+                      std::sqrt(fit.chi_squared / fit.freedom)) +
+                     causes
+               : std::string();
+  const FittedRow* worst = nullptr;
+  const auto distance = [](const FittedRow& row) {
+    return std::abs(std::log(row.measured / row.fitted));
+  };
+  for (const FittedRow& row : fit.rows)
+    if (worst == nullptr || distance(row) > distance(*worst)) worst = &row;
+  if (worst == nullptr || distance(*worst) < kFar) return {};
+  return text("this is not a fit, mode %d is off by %+.3g %%", worst->mode + 1,
+              100.0 * (worst->measured / worst->fitted - 1.0)) +
+         causes + "; begin nearer (--young, --poisson, --density), or name the modes in the file";
+}
+
 }  // namespace tremolo

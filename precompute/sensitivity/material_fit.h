@@ -81,4 +81,8 @@ struct MaterialFit {
 // is not computed; kSolver if it does not converge. Throws what `solve` throws.
 Result<MaterialFit> fit_materials(const FitProblem& problem);
 
+// A sentence if the fitted body is not the measured one: the misfit is far beyond the deviations,
+// or, if they are not known, a frequency is off by more than 5 %. Empty else.
+std::string misfit_warning(const MaterialFit& fit);
+
 }  // namespace tremolo

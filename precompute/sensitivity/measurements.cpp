@@ -8,6 +8,7 @@
 
 #include "common/text.h"
 #include "formats/file/input_file.h"
+#include "formats/file/scanner.h"
 
 namespace tremolo {
 namespace {
@@ -162,6 +163,7 @@ Status check_rows(const std::vector<MeasuredMode>& rows, const std::string& path
 }  // namespace
 
 Result<Measurements> parse_measurements(std::string_view text, const std::string& path) {
+  text = without_mark(text);
   Measurements measured;
   std::vector<Column> columns;
   int line = 0;

@@ -41,9 +41,14 @@ Result<Crossing> crossing_at(CurveEquations& equations, const Eigen::VectorXd& y
   return crossing;
 }
 
-// The distance of a point from a curve's polygon, relative to the motion and the frequency at
-// `scale`.
-double distance_from(const MotionCurve& curve, const CurvePoint& point, const CurvePoint& scale) {
+// A place on a curve's polygon: on the way from the point `before` to the next one.
+struct PlaceOnCurve {
+  std::size_t before = 0;
+  double distance = INFINITY;  // relative to the motion and the frequency at `scale`
+};
+// The nearest to a point.
+PlaceOnCurve nearest_place(const MotionCurve& curve, const CurvePoint& point,
+                           const CurvePoint& scale) {
   const auto scaled = [&](const CurvePoint& at) {
     const FourierSeries motion = with_harmonics(at.motion, scale.harmonics());
     Eigen::VectorXd y(motion.size() + 1);
@@ -51,16 +56,30 @@ double distance_from(const MotionCurve& curve, const CurvePoint& point, const Cu
     return y;
   };
   const Eigen::VectorXd y = scaled(point);
-  double least = INFINITY;
+  PlaceOnCurve place;
   Eigen::VectorXd a = scaled(curve.points.front());
-  for (const CurvePoint& next : curve.points) {
-    const Eigen::VectorXd b = scaled(next), side = b - a;
+  for (std::size_t i = 0; i < curve.points.size(); ++i) {
+    const std::size_t next = std::min(i + 1, curve.points.size() - 1);
+    const Eigen::VectorXd b = scaled(curve.points[next]), side = b - a;
     const double square = side.squaredNorm();
     const double part = square > 0.0 ? std::clamp(side.dot(y - a) / square, 0.0, 1.0) : 0.0;
-    least = std::min(least, (y - a - part * side).norm());
+    const double distance = (y - a - part * side).norm();
+    if (distance < place.distance) place = {i, distance};
     a = b;
   }
-  return least;
+  return place;
+}
+
+// The curve's direction at a point of it, in the unknowns, of length 1 in the weights.
+Eigen::VectorXd chord_at(const MotionCurve& curve, const CurvePoint& at,
+                         const ForcedEquations& equations) {
+  const std::size_t last = curve.points.size() - 1;
+  const std::size_t before = std::min(nearest_place(curve, at, at).before, last > 0 ? last - 1 : 0);
+  const CurvePoint &a = curve.points[before], &b = curve.points[std::min(before + 1, last)];
+  const Eigen::VectorXd chord =
+      equations.unknowns_of(b.motion, b.omega) - equations.unknowns_of(a.motion, a.omega);
+  const Eigen::VectorXd weights = equations.weights(equations.unknowns_of(at.motion, at.omega));
+  return chord / (weights.array() * chord.array()).matrix().norm();
 }
 
 double omega_scale_of(const ResponseRequest& request) {
@@ -100,20 +119,20 @@ Result<MotionCurve> crossing_branch(const VibratingSystem& system, const Respons
                                     const MotionCurve& first, const CurvePoint& branch, int sign,
                                     const CurveOptions& options) {
   constexpr double kFirstPart = 0.02;  // of the motion, along the branch
+  constexpr double kNeighbour = 1e-3;  // of the motion, along the first curve
   CurveOptions from = options;
   from.harmonics = branch.harmonics();
   from.most_harmonics = std::max(from.most_harmonics, from.harmonics);
   ForcedEquations equations(system, request.force, branch.harmonics(), branch.motion.norm(),
                             omega_scale_of(request));
   const Eigen::VectorXd at = equations.unknowns_of(branch.motion, branch.omega);
-  // The first curve's tangent from its neighbours at slightly other frequencies.
-  Eigen::VectorXd ahead = at, behind = at;
-  const double step = 1e-3 * branch.omega;
-  ahead[at.size() - 1] += step;
-  behind[at.size() - 1] -= step;
-  const Eigen::VectorXd fixed = Eigen::VectorXd::Unit(at.size(), at.size() - 1);
-  if (!solve_on_border(equations, fixed, kCurveTolerance, ahead).converged ||
-      !solve_on_border(equations, fixed, kCurveTolerance, behind).converged)
+  // The first curve's tangent from its neighbours a little along it: at one frequency there may be
+  // none, near a fold.
+  const Eigen::VectorXd chord = chord_at(first, branch, equations);
+  const Eigen::VectorXd across = equations.weights(at).array().square() * chord.array();
+  Eigen::VectorXd ahead = at + kNeighbour * chord, behind = at - kNeighbour * chord;
+  if (!solve_on_border(equations, across, kCurveTolerance, ahead).converged ||
+      !solve_on_border(equations, across, kCurveTolerance, behind).converged)
     return Error{ErrorKind::kSolver, "the curve was not found near its branch point"};
   const Result<Crossing> crossing = crossing_at(equations, at, ahead - behind);
   if (!crossing) return crossing.error();
@@ -130,7 +149,7 @@ Result<MotionCurve> crossing_branch(const VibratingSystem& system, const Respons
   std::vector<double> distances;
   goal.enough = [&](const MotionCurve& curve) {
     constexpr double kNear = 0.3;  // of the largest distance; a step is a tenth of the motion
-    distances.push_back(distance_from(first, curve.points.back(), branch));
+    distances.push_back(nearest_place(first, curve.points.back(), branch).distance);
     const std::size_t n = distances.size();
     if (n < 4) return false;
     const double most = *std::max_element(distances.begin(), distances.end());

@@ -20,6 +20,8 @@ constexpr int kFewFactorizations = 2, kManyFactorizations = 3;
 constexpr double kOutside = 1e-7, kOutsideConservative = 1e-5;
 // So many points take all steps after one whose multipliers are near the unit circle.
 constexpr int kPointsNear = 8;
+// So many points have the harmonics of the one before once more of them were tried in vain.
+constexpr int kPause = 4;
 
 double tangent_cosine(const CurveState& a, const CurveState& b) {
   return (a.weights.array().square() * a.tangent.array() * b.tangent.array()).sum() /
@@ -42,8 +44,10 @@ class Tracer {
     Result<CurveState> state = curve_state(equations_, std::move(first), direction);
     if (!state) return state.error();
     state_ = std::move(*state);
-    if (!adapt_harmonics()) return Error{ErrorKind::kSolver, "more harmonics give no motion"};
-    add_point(next_point_of(state_.y));
+    held_ = direction;
+    adapt_harmonics();
+    held_.resize(0);
+    add_point(next_point_of(state_));
     while (!ended()) {
       if (!advance_once()) curve_.end = CurveEnd::kStuck, finished_ = true;
     }
@@ -65,7 +69,7 @@ class Tracer {
 
   CurvePoint point_of(const Eigen::VectorXd& y) {
     CurvePoint point = measured_point(y);
-    if (options_.stability) set_multipliers(point, floquet_steps(point.harmonics()));
+    if (options_.stability) set_multipliers(point, floquet_steps(point.harmonics()), 0);
     return point;
   }
   CurvePoint measured_point(const Eigen::VectorXd& y) {
@@ -75,27 +79,55 @@ class Tracer {
     point.length = length_;
     return point;
   }
-  void set_multipliers(CurvePoint& point, int steps) {
+  // sign: MotionEquations::motion_sign at the point, or 0. The multipliers are those of the whole
+  // linear equation about a motion of few harmonics, so that one passes +1 slightly off the point
+  // at which the equations of few harmonics turn. The equations decide, since the curve is theirs:
+  // the real multiplier nearest to +1 counts on the side that they say.
+  void set_multipliers(CurvePoint& point, int steps, int sign) {
     point.multipliers = floquet_.multipliers(point.motion, point.omega, steps);
-    point.unstable = 0;
-    for (const auto& multiplier : deciding(point.multipliers))
-      if (!(std::abs(multiplier) <= circle())) ++point.unstable;
+    point.unstable = outside(deciding(point.multipliers));
+    if (sign != 0 && (above_one(point.multipliers) % 2 != 0) != (sign < 0)) {
+      const Eigen::Index nearest = nearest_to_one(point.multipliers);
+      point.unstable += nearest >= 0 && is_outside(point.multipliers[nearest]) ? -1 : 1;
+    }
     point.stable = point.unstable == 0;
+  }
+  bool is_outside(std::complex<double> multiplier) const {
+    return !(std::abs(multiplier) <= circle());
+  }
+  int outside(const Eigen::VectorXcd& multipliers) const {
+    return static_cast<int>(std::count_if(multipliers.begin(), multipliers.end(),
+                                          [&](const auto& m) { return is_outside(m); }));
+  }
+  // The real multipliers above 1.
+  int above_one(const Eigen::VectorXcd& multipliers) const {
+    return static_cast<int>(std::count_if(
+        multipliers.begin(), multipliers.end(),
+        [&](const auto& m) { return m.imag() == 0.0 && m.real() > 0.0 && is_outside(m); }));
+  }
+  // Of the real ones; -1 if there is none.
+  static Eigen::Index nearest_to_one(const Eigen::VectorXcd& multipliers) {
+    Eigen::Index nearest = -1;
+    for (Eigen::Index i = 0; i < multipliers.size(); ++i)
+      if (multipliers[i].imag() == 0.0 &&
+          (nearest < 0 || std::abs(multipliers[i] - 1.0) < std::abs(multipliers[nearest] - 1.0)))
+        nearest = i;
+    return nearest;
   }
 
   // A point of the curve. Half the steps suffice to see that the multipliers of a motion of few
   // harmonics are far from the unit circle. Otherwise this point and some after it take all steps.
   // Half the steps show the stiffest coordinates as less damped than they are, which only asks for
   // all steps too often.
-  CurvePoint next_point_of(const Eigen::VectorXd& y) {
-    if (!options_.stability || conservative_) return point_of(y);
-    CurvePoint point = measured_point(y);
-    const int steps = floquet_steps(point.harmonics());
-    if (points_near_circle_ == 0 && few_harmonics(point, steps / 2)) {
-      set_multipliers(point, steps / 2);
+  CurvePoint next_point_of(const CurveState& state) {
+    if (!options_.stability || conservative_) return point_of(state.y);
+    CurvePoint point = measured_point(state.y);
+    const int steps = floquet_steps(point.harmonics()), sign = equations_.motion_sign(state);
+    if (sign >= 0 && points_near_circle_ == 0 && few_harmonics(point, steps / 2)) {
+      set_multipliers(point, steps / 2, sign);
       if (far_inside(point)) return point;
     }
-    set_multipliers(point, steps);
+    set_multipliers(point, steps, sign);
     points_near_circle_ = far_inside(point) ? std::max(points_near_circle_ - 1, 0) : kPointsNear;
     return point;
   }
@@ -128,7 +160,8 @@ class Tracer {
     };
     if (options_.stopped && options_.stopped()) return end(CurveEnd::kStopped);
     if (last.amplitude > options_.largest_amplitude) return end(CurveEnd::kUnbounded);
-    if (goal_.returned && goal_.returned(last)) return end(CurveEnd::kReturned);
+    if (curve_.points.size() > 1 && goal_.returned && goal_.returned(last))
+      return end(CurveEnd::kReturned);
     if (goal_.enough && goal_.enough(curve_)) return end(CurveEnd::kDone);
     if (curve_.points.size() >= static_cast<std::size_t>(options_.most_points))
       return end(CurveEnd::kLong);
@@ -136,14 +169,31 @@ class Tracer {
   }
 
   // More harmonics where the highest or those left out hold too much, fewer where they hold far
-  // less. False: the motion with more was not found.
-  bool adapt_harmonics() {
-    while (equations_.harmonics() < options_.most_harmonics && too_few_harmonics())
-      if (!change_harmonics(std::min(equations_.harmonics() + 2, options_.most_harmonics)))
-        return false;
+  // less. Where more give no motion the curve goes on with those that it has.
+  void adapt_harmonics() {
+    while (equations_.harmonics() < options_.most_harmonics && too_few_harmonics()) {
+      const Change change = pause_ > 0 ? Change::kRefused : add_harmonics();
+      if (change == Change::kDone) continue;
+      if (change == Change::kPostponed) return;
+      if (curve_.refused++ == 0) curve_.first_refused = equations_.omega(state_.y);
+      pause_ = pause_ > 0 ? pause_ - 1 : kPause;
+      return;
+    }
+    pause_ = 0;
     if (equations_.harmonics() >= options_.harmonics + 2 && too_many_harmonics())
       change_harmonics(equations_.harmonics() - 2);
-    return true;
+  }
+  enum class Change { kDone, kRefused, kPostponed };
+  // Two more, or as many as give a motion.
+  Change add_harmonics() {
+    const Eigen::Index most = options_.most_harmonics;
+    Eigen::Index harmonics = equations_.harmonics();
+    Change change = Change::kRefused;
+    while (change == Change::kRefused && harmonics < most) {
+      harmonics = std::min(harmonics + 2, most);
+      change = change_harmonics(harmonics);
+    }
+    return change;
   }
   bool too_few_harmonics() {
     return last_share(equations_.motion(state_.y)) > options_.harmonic_share ||
@@ -156,27 +206,43 @@ class Tracer {
         with_harmonics(equations_.motion(state_.y), equations_.harmonics() - 2);
     return last_share(fewer) < most && equations_.last_strain_share(state_.y) < kMissingPart * most;
   }
-  bool change_harmonics(Eigen::Index harmonics) {
+  Change change_harmonics(Eigen::Index harmonics) {
+    const bool held = held_.size() > 0;
     const Eigen::Index before = equations_.harmonics();
     const FourierSeries motion = equations_.motion(state_.y);
-    const FourierSeries slope = equations_.motion(state_.tangent);
+    const Eigen::VectorXd along = held ? held_ : state_.tangent;
+    const FourierSeries slope = equations_.motion(along);
     const double omega = equations_.omega(state_.y), extra = equations_.extra(state_.y);
-    const double omega_slope = state_.omega_slope(), extra_slope = equations_.extra(state_.tangent);
+    const double omega_slope = equations_.omega(along), extra_slope = equations_.extra(along);
     equations_.set_harmonics(harmonics);
     Eigen::VectorXd y = equations_.unknowns_of(motion, omega, extra);
     Eigen::VectorXd direction = equations_.unknowns_of(slope, omega_slope, extra_slope);
-    direction.array() *= equations_.weights(y).array().square();
+    if (!held) direction.array() *= equations_.weights(y).array().square();
     equations_.refer_to(y);
-    if (solve_on_border(equations_, direction, kCurveTolerance, y).converged) {
+    Change change = Change::kRefused;
+    bool found = solve_on_border(equations_, direction, kCurveTolerance, y).converged;
+    if (!found && held && goal_.first) {
+      Result<Eigen::VectorXd> again = goal_.first(harmonics);
+      found = again && again->size() == direction.size();
+      if (found) y = std::move(*again);
+    }
+    if (found) {
       Result<CurveState> state = curve_state(equations_, std::move(y), direction);
-      if (state) {
+      // Near a fold the curves of both may have turned or not; this is decided behind it.
+      const bool same =
+          state &&
+          (held || equations_.motion_sign(*state) == 0 ||
+           (state->sign == state_.sign && state->omega_slope() * state_.omega_slope() > 0.0));
+      if (same) {
         state_ = std::move(*state);
-        return true;
+        if (held) held_ = direction;
+        return Change::kDone;
       }
+      if (state) change = Change::kPostponed;
     }
     equations_.set_harmonics(before);
     equations_.refer_to(state_.y);
-    return false;
+    return change;
   }
 
   // The direction of the curve at state_, for curve_state().
@@ -191,23 +257,29 @@ class Tracer {
       const CorrectorReport report = advance(equations_, state_, ds_, false, y);
       if (report.converged) {
         Result<CurveState> next = curve_state(equations_, std::move(y), onwards());
-        if (next && tangent_cosine(state_, *next) > kLeastCosine) return accept(*next, report);
+        if (next && tangent_cosine(state_, *next) > kLeastCosine && accept(*next, report))
+          return true;
       }
       ds_ *= 0.5;
     }
     return false;
   }
 
+  // False: the end of the curve in this step was not found.
   bool accept(CurveState& next, const CorrectorReport& report) {
     length_ += ds_;
-    CurvePoint point = next_point_of(next.y);
+    CurvePoint point = next_point_of(next);
     if (goal_.ends_at_half_period && meets_half_period(next)) return join(next);
-    if (goal_.beyond(point) >= 0.0) return arrive(point);
+    if (goal_.beyond(point) >= 0.0) {
+      if (arrive(point)) return true;
+      length_ -= ds_;
+      return false;
+    }
     find_events(next, point);
     state_ = std::move(next);
     const Eigen::Index before = equations_.harmonics();
-    if (!adapt_harmonics()) return add_point(std::move(point)), false;
-    if (equations_.harmonics() != before) point = next_point_of(state_.y);
+    adapt_harmonics();
+    if (equations_.harmonics() != before) point = next_point_of(state_);
     add_point(std::move(point));
     // The coupling of soft and stiff coordinates makes old factors contract slowly, at steps that
     // Newton's method itself takes easily: factorizations are what limits a step.
@@ -251,7 +323,7 @@ class Tracer {
     if (!last) return false;
     const Result<CurveState> end = curve_state(equations_, *last, onwards());
     if (!end) return false;
-    CurvePoint point = next_point_of(end->y);
+    CurvePoint point = next_point_of(*end);
     find_events(*end, point);
     add_point(std::move(point));
     return finished_ = true;
@@ -270,20 +342,15 @@ class Tracer {
     const double span = (state_.border.array() * (next.y - state_.y).array()).sum() /
                         state_.border.dot(state_.tangent);
     const bool turned = (next.omega_slope() > 0.0) != (state_.omega_slope() > 0.0);
+    const bool crossed = next.sign != state_.sign;
+    const bool forced = equations_.motion_sign(next) != 0;
     const std::size_t known = curve_.bifurcations.size();
-    if (turned) {
-      const auto slope = [&](const Eigen::VectorXd& y) {
-        const Result<CurveState> at = curve_state(equations_, y, onwards());
-        return at ? at->omega_slope() : NAN;
-      };
-      const Result<Eigen::VectorXd> fold =
-          find_zero(equations_, state_, span, state_.omega_slope(), next.omega_slope(), slope);
-      if (fold) curve_.bifurcations.push_back({BifurcationKind::kFold, point_of(*fold), 1.0});
-    }
-    if (options_.stability && curve_.points.back().unstable != point.unstable)
-      find_crossing(span, point, turned);
-    else if (!options_.stability && next.sign != state_.sign)
+    if (turned) find_fold(span, next);
+    if (crossed && forced)
+      find_branch(span, next);
+    else if (crossed && !options_.stability)
       curve_.bifurcations.push_back({BifurcationKind::kBranch, point, 1.0});
+    if (options_.stability) find_crossing(span, point, turned, forced && turned != crossed, forced);
     std::stable_sort(curve_.bifurcations.begin() + static_cast<std::ptrdiff_t>(known),
                      curve_.bifurcations.end(), [&](const auto& a, const auto& b) {
                        return distance_from_state(a.point) < distance_from_state(b.point);
@@ -295,22 +362,78 @@ class Tracer {
     return state_.border.dot(y - state_.y);
   }
 
-  // The multiplier that leaves or enters the unit circle, and where.
-  void find_crossing(double span, const CurvePoint& point, bool turned) {
-    const CurvePoint& before = curve_.points.back();
-    const Eigen::Index index = std::min(before.unstable, point.unstable);
-    const auto outside = [&](const CurvePoint& at) {
-      return std::abs(deciding(at.multipliers)[index]) - circle();
+  // At a singular point in between nothing finer than the next point is found.
+  void add_event(BifurcationKind kind, const Result<Eigen::VectorXd>& found,
+                 const CurveState& next) {
+    curve_.bifurcations.push_back({kind, point_of(found ? *found : next.y), 1.0});
+  }
+  void find_fold(double span, const CurveState& next) {
+    const auto slope = [&](const Eigen::VectorXd& y) {
+      const Result<CurveState> at = curve_state(equations_, y, onwards());
+      return at ? at->omega_slope() : NAN;
     };
-    const auto measure = [&](const Eigen::VectorXd& y) { return outside(point_of(y)); };
+    add_event(BifurcationKind::kFold,
+              find_zero(equations_, state_, span, state_.omega_slope(), next.omega_slope(), slope),
+              next);
+  }
+  // Where the bordered matrix B is singular: with its null vectors v, u at `next`, 1 / (v . B^-1 u)
+  // is about its least singular value, with a sign.
+  void find_branch(double span, const CurveState& next) {
+    Eigen::VectorXd left = Eigen::VectorXd::Ones(next.y.size()), right = left;
+    for (int i = 0; i < 3; ++i) {
+      right = next.factor.solve(left).normalized();
+      left = next.factor.solve_transposed(right).normalized();
+    }
+    double scale = 1.0;
+    const auto least = [&](const Eigen::VectorXd& y) {
+      const Result<CurveState> at = curve_state(equations_, y, onwards());
+      return at ? scale / right.dot(at->factor.solve(left)) : NAN;
+    };
+    const double behind = least(next.y);
+    scale /= std::abs(behind);
+    const double before = least(state_.y), end = behind > 0.0 ? 1.0 : -1.0;
+    add_event(BifurcationKind::kBranch,
+              before * end < 0.0
+                  ? find_zero(equations_, state_, span, before, end, least)
+                  : Result<Eigen::VectorXd>(Error{ErrorKind::kSolver, "no change of sign"}),
+              next);
+  }
+
+  // The multiplier that leaves or enters the unit circle, and where. explained: a fold or a branch
+  // point has been found, whose multiplier is the one nearest to +1.
+  void find_crossing(double span, const CurvePoint& point, bool turned, bool explained,
+                     bool forced) {
+    const CurvePoint& before = curve_.points.back();
+    const auto one_sided = [&](const CurvePoint& at) {
+      return outside(deciding(at.multipliers)) != at.unstable;
+    };
+    const bool without_nearest = explained || one_sided(before) || one_sided(point);
+    const auto counted = [&](const CurvePoint& at) {
+      Eigen::VectorXcd list = deciding(at.multipliers);
+      const Eigen::Index nearest = without_nearest ? nearest_to_one(list) : -1;
+      if (nearest < 0) return list;
+      list.segment(nearest, list.size() - nearest - 1) =
+          list.tail(list.size() - nearest - 1).eval();
+      return Eigen::VectorXcd(list.head(list.size() - 1));
+    };
+    const Eigen::VectorXcd first = counted(before), last = counted(point);
+    const int change = outside(last) - outside(first);
+    if (change == 0 || first.size() != last.size()) return;
+    const Eigen::Index index = std::min(outside(first), outside(last));
+    const auto distance = [&](std::complex<double> m) { return std::abs(m) - circle(); };
+    const auto measure = [&](const Eigen::VectorXd& y) {
+      const Eigen::VectorXcd list = counted(point_of(y));
+      return index < list.size() ? distance(list[index]) : NAN;
+    };
     const Result<Eigen::VectorXd> found =
-        find_zero(equations_, state_, span, outside(before), outside(point), measure);
+        find_zero(equations_, state_, span, distance(first[index]), distance(last[index]), measure);
     if (!found) return;
     CurvePoint at = point_of(*found);
-    const std::complex<double> multiplier = deciding(at.multipliers)[index];
+    const std::complex<double> multiplier = counted(at)[index];
     const BifurcationKind kind = kind_of_crossing(multiplier);
-    // A fold is where the curve turns.
-    if (kind == BifurcationKind::kBranch && turned) return;
+    // A fold is where the curve turns, a branch point where the equations are singular; two
+    // multipliers at once leave their determinant's sign as it is.
+    if (kind == BifurcationKind::kBranch && (turned || (forced && change % 2 != 0))) return;
     curve_.bifurcations.push_back({kind, std::move(at), multiplier});
   }
 
@@ -323,7 +446,10 @@ class Tracer {
   double ds_;
   double length_ = 0.0;
   int points_near_circle_ = 1;  // so many points from here on take all steps
+  int pause_ = 0;               // so many points until more harmonics are tried again
   CurveState state_;
+  // The direction along which the first point stays where it is; empty behind it.
+  Eigen::VectorXd held_;
   MotionCurve curve_;
   bool finished_ = false;
 };

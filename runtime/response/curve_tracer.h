@@ -15,6 +15,9 @@ struct CurveGoal {
   std::function<double(const CurvePoint&)> beyond;
   // True if the curve has left its range by the other side. May be empty.
   std::function<bool(const CurvePoint&)> returned;
+  // The first point with another number of harmonics, for where it does not follow from the one
+  // with fewer. May be empty.
+  std::function<Result<Eigen::VectorXd>(Eigen::Index harmonics)> first;
   // True if the curve has all that is needed: it ends as done. May be empty.
   std::function<bool(const MotionCurve&)> enough;
   // The curve ends, as joined, where the odd harmonics vanish and change their sign: it meets a

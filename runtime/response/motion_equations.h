@@ -36,6 +36,10 @@ class MotionEquations : public CurveEquations {
   double extra(const Eigen::VectorXd& y) const { return with_extra_ ? y[y.size() - 2] : 0.0; }
   // The factor of the load at y.
   virtual double load_factor(const Eigen::VectorXd& y) const;
+  // The sign of the determinant of the residual's derivatives by the motion alone. It is negative
+  // where an odd number of real multipliers is above 1, and changes at folds and branch points. 0
+  // for equations that are not those of a motion under a given force.
+  virtual int motion_sign(const CurveState& state) const { return (void)state, 0; }
   // Unknowns of a motion with the present number of harmonics.
   Eigen::VectorXd unknowns_of(const FourierSeries& motion, double omega, double extra = 0.0) const;
 
@@ -58,6 +62,10 @@ class ForcedEquations : public MotionEquations {
                   double least_size, double omega_scale);
 
   void set_harmonics(Eigen::Index harmonics) override;
+  // By Cramer's rule the tangent's last entry is this determinant over that of the state's matrix.
+  int motion_sign(const CurveState& state) const override {
+    return state.omega_slope() > 0.0 ? state.sign : -state.sign;
+  }
   void residual(const Eigen::VectorXd& y, Eigen::VectorXd& out) override;
   void jacobian(const Eigen::VectorXd& y, Eigen::MatrixXd& out) override;
 

@@ -122,16 +122,24 @@ Result<MotionCurve> response_curve(const VibratingSystem& system, const Response
   if (Status s = check(system, request, options); !s) return s.error();
   const Result<Eigen::VectorXd> rest = static_state(system.potential, request.force.col(0));
   if (!rest) return rest.error();
-  const Eigen::Index harmonics =
+  Eigen::Index harmonics =
       std::min(options.most_harmonics, std::max(options.harmonics, harmonics_of(request.force)));
   const double omega_scale = std::max(request.omega_from, request.omega_to);
-  const Result<Eigen::VectorXd> first =
-      first_motion(system, request.force, *rest, request.omega_from, harmonics, omega_scale);
+  const auto first_with = [&](Eigen::Index with) {
+    return first_motion(system, request.force, *rest, request.omega_from, with, omega_scale);
+  };
+  Result<Eigen::VectorXd> first = first_with(harmonics);
+  // The equations of few harmonics may have no motion there that grows out of the linear one.
+  while (!first && first.error().kind == ErrorKind::kSolver && harmonics < options.most_harmonics) {
+    harmonics = std::min(harmonics + 2, options.most_harmonics);
+    first = first_with(harmonics);
+  }
   if (!first) return first.error();
   const double upwards = request.omega_to > request.omega_from ? 1.0 : -1.0;
   const double least_size = first->head(first->size() - 1).norm();
   ForcedEquations equations(system, request.force, harmonics, least_size, omega_scale);
   CurveGoal goal;
+  goal.first = first_with;
   goal.beyond = [&](const CurvePoint& point) {
     return upwards * (point.omega / request.omega_to - 1.0);
   };

@@ -71,6 +71,10 @@ struct MotionCurve {
   std::vector<Bifurcation> bifurcations;  // folds too, in the order of the curve
   CurveEnd end = CurveEnd::kDone;
   double largest_share = 0.0;  // of the two highest harmonics, over all points
+  // Points with too few harmonics since more of them gave no motion, and the frequency of the
+  // first.
+  int refused = 0;
+  double first_refused = 0.0;  // rad/s
 };
 
 // One harmonic of a load in time: scale sin(number omega t + phase).

@@ -304,6 +304,8 @@ TEST_F(PeriodicProgram, WrongInputIsNamed) {
   refused(damped + "--from 1 --to 2 --probe 99", 3, "99");
   refused(damped + "--from 1 --to 2 --harmonics 0", 3, "--harmonics");
   refused(damped + "--from 1 --to 2 --load-scale 0", 3, "--load-scale");
+  refused(damped + "--from 1 --to 2 --load-scale 1,,2", 2, "commas");
+  refused(damped + "--from 1 --to 2 --load-scale 1,x", 2, "commas");
   refused(damped + "--from 1 --to 2 --load-harmonic 0:1", 3, "--static-scale");
   refused(damped + "--from 1 --to 2 --load-harmonic x", 2, "K:SCALE");
   refused(damped + "--from 1 --to 2 --alpha 1", 2, "--alpha");
@@ -315,6 +317,58 @@ TEST_F(PeriodicProgram, WrongInputIsNamed) {
   refused("backbone small.tremolo --mode 4", 3, "modes 1 to 3");
   refused("backbone small.tremolo --to-amplitude x", 2, "10%");
   refused("backbone small.tremolo --to-amplitude 0%", 3, "positive");
+}
+
+TEST_F(PeriodicProgram, AdviceNamesFlagsThatThereAre) {
+  BasisData data = testing::sample_basis(
+      testing::random_strain_model(testing::spread_omega(3, 6.0, 30.0), 0.3, 3));
+  data.load = {};
+  ASSERT_TRUE(write_basis(folder_ + "/unloaded.tremolo", data));
+  const ProgramResult result = run("response unloaded.tremolo --from 1 --to 2");
+  EXPECT_EQ(result.code, 2);
+  EXPECT_NE(result.err.find("--at and --force"), std::string::npos) << result.err;
+  EXPECT_EQ(result.err.find("--load none"), std::string::npos) << result.err;
+}
+
+// A load of which no motion is found takes nothing from the others.
+TEST_F(PeriodicProgram, ACurveThatIsNotFoundLeavesTheOthers) {
+  const Json json = json_of(
+      "response small.tremolo --load-scale 0.05,1e9,0.1 --damping-ratio 3% --from 0.6 --to 1.5 "
+      "--out made",
+      4);
+  ASSERT_EQ(json["curves"].size(), 3U);
+  for (const int found : {0, 2}) {
+    EXPECT_EQ(json["curves"][found]["end"], "done");
+    EXPECT_GT(json["curves"][found]["points"].size(), 10U);
+  }
+  const Json& none = json["curves"][1];
+  EXPECT_TRUE(none["points"].empty());
+  EXPECT_EQ(none["end"], "stuck");
+  EXPECT_EQ(none["exit_code"], 4);
+  EXPECT_NE(none["reason"].get<std::string>().find("at 0.6 Hz"), std::string::npos);
+  EXPECT_EQ(Json::parse(slurp(folder_ + "/made/response.json"))["curves"].size(), 3U);
+  EXPECT_NE(slurp(folder_ + "/made/response.html").find("load x 1e+09: no point"),
+            std::string::npos);
+  refused(
+      "response small.tremolo --load-scale 1e9 --damping-ratio 3% --from 0.6 --to 1.5 --orbit "
+      "o.ply",
+      4, "has no motion");
+}
+
+TEST_F(PeriodicProgram, ACuspHasTheLoadFromWhichOnTheResponseJumps) {
+  const std::string command = "response small.tremolo --damping-ratio 0.5% --from 0.6 --to 1.5 ";
+  const Json json = json_of(command + "--load-scale 1 --folds-to 0.01");
+  ASSERT_EQ(json["fold_curves"].size(), 2U);
+  for (const Json& curve : json["fold_curves"]) {
+    ASSERT_EQ(curve["folds"].size(), 1U);
+    ASSERT_TRUE(curve["folds"][0].contains("load_scale"));
+    const double cusp = curve["folds"][0]["load_scale"];
+    const auto folds = [&](double scale) {
+      return json_of(command + "--load-scale " + std::to_string(scale))["folds"].size();
+    };
+    EXPECT_EQ(folds(0.97 * cusp), 0U);
+    EXPECT_EQ(folds(1.05 * cusp), 2U);
+  }
 }
 
 TEST_F(PeriodicProgram, WithoutDampingTheResponseIsReportedAsUnboundedWithItsPoints) {

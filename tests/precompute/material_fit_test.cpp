@@ -192,6 +192,23 @@ TEST(MaterialFit, AListWithGapsIsMatchedToItsModes) {
   for (const FittedRow& row : fit->rows) EXPECT_FALSE(row.ambiguous);
 }
 
+// From half of E the frequencies are taken for those of higher modes: the rows are far off.
+TEST(MaterialFit, AWrongMatchWithoutDeviationsIsNamed) {
+  const Block block;
+  const VectorXd hertz = block.hertz(table_of(kTruth));
+  FitProblem problem =
+      problem_of(block, "young", {0.4 * kTruth.young, kTruth.poisson, kTruth.density});
+  for (const Index k : {0, 2, 3, 5}) problem.measured.rows.push_back(measured(hertz[k]));
+  const Result<MaterialFit> wrong = fit_materials(problem);
+  ASSERT_TRUE(wrong) << wrong.error().message;
+  ASSERT_GT(std::abs(wrong->values[0] / kTruth.young - 1.0), 0.1);
+  EXPECT_NE(misfit_warning(*wrong).find("is off by"), std::string::npos) << misfit_warning(*wrong);
+  problem.materials = table_of({1.1 * kTruth.young, kTruth.poisson, kTruth.density});
+  const Result<MaterialFit> right = fit_materials(problem);
+  ASSERT_TRUE(right) << right.error().message;
+  EXPECT_EQ(misfit_warning(*right), "");
+}
+
 // The first two modes of a square bar have one frequency: whichever of them a row takes, and
 // whether both were measured, does not matter.
 TEST(MaterialFit, EqualFrequenciesMayBeMeasuredOnceOrTwice) {
@@ -303,6 +320,13 @@ TEST(Measurements, ARingDownGivesRatioAndUndampedFrequency) {
   EXPECT_NEAR(row.frequency->value, omega / (2.0 * std::numbers::pi), 1e-13);
   EXPECT_EQ(read->rows[1].mode, 2);
   EXPECT_FALSE(read->rows[1].ratio);
+}
+
+TEST(Measurements, AByteOrderMarkIsSkipped) {
+  const Result<Measurements> read =
+      parse_measurements("\xef\xbb\xbfmode,frequency\n1,8.4\n", "m.csv");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->rows[0].mode, 0);
 }
 
 TEST(Measurements, WrongFilesAreRefusedWithTheLine) {

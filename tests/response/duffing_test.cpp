@@ -111,6 +111,36 @@ TEST(Duffing, IsUnstableBetweenItsFoldsAndStableOutside) {
   EXPECT_EQ(changes, 2);
 }
 
+// With few harmonics the multipliers, which are those of the whole linear equation, pass +1 beside
+// the points at which the equations turn. det(I - M) is negative where one real multiplier is above
+// 1: the curve of one oscillator under a sine is unstable between its folds and nowhere else.
+TEST(Duffing, FewHarmonicsHaveNoEventButTheirFolds) {
+  for (const double f : {0.1, 0.4})
+    for (const Eigen::Index harmonics : {1, 2, 3, 5}) {
+      const VibratingSystem system = system_of({1.0, 1.0, 0.02});
+      const FourierSeries force = cosine_force(Eigen::VectorXd::Constant(1, f));
+      const Result<MotionCurve> curve =
+          response_curve(system, {force, 0.8, 4.0}, plain_options(harmonics));
+      ASSERT_TRUE(curve);
+      ASSERT_EQ(curve->end, CurveEnd::kDone);
+      ASSERT_EQ(curve->bifurcations.size(), 2U) << f << " " << harmonics;
+      for (const Bifurcation& found : curve->bifurcations)
+        EXPECT_EQ(found.kind, BifurcationKind::kFold) << f << " " << harmonics;
+      const double first = curve->bifurcations[0].point.omega;
+      const double last = curve->bifurcations[1].point.omega;
+      // Between the folds the frequency falls.
+      const std::vector<CurvePoint>& points = curve->points;
+      for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+        const bool falls = points[i + 1].omega < points[i - 1].omega;
+        const bool turns =
+            (points[i + 1].omega < points[i].omega) != (points[i].omega < points[i - 1].omega);
+        if (turns) continue;
+        EXPECT_EQ(points[i].stable, !falls)
+            << f << " " << harmonics << ": " << points[i].omega << " of " << last << " " << first;
+      }
+    }
+}
+
 TEST(Duffing, ItsMultipliersAreThoseOfShooting) {
   const Duffing duffing{1.0, 1.0, 0.02};
   const VibratingSystem system = system_of(duffing);
@@ -172,6 +202,27 @@ TEST(Duffing, HarmonicsGrowWhereTheLastHoldTooMuch) {
   // Above resonance the motion is nearly linear again.
   EXPECT_LT(curve->points.back().harmonics(), most);
   for (const CurvePoint& point : curve->points) EXPECT_EQ(point.share, last_share(point.motion));
+}
+
+TEST(Duffing, HarmonicsThatGrowAtTheFirstPointLeaveItsFrequency) {
+  const VibratingSystem system = system_of({1.0, 1.0, 0.02});
+  const FourierSeries force = cosine_force(Eigen::VectorXd::Constant(1, 2.0));
+  CurveOptions options = plain_options(3);
+  options.most_harmonics = 31;
+  int grown = 0;
+  for (const double share : {1e-3, 1e-4, 1e-6})
+    for (const double from : {0.5, 0.55, 0.6, 0.65, 0.7, 0.8, 0.9, 1.0})
+      for (const double to : {0.3, 4.0}) {
+        options.harmonic_share = share;
+        const Result<MotionCurve> curve = response_curve(system, {force, from, to}, options);
+        ASSERT_TRUE(curve);
+        EXPECT_EQ(curve->points.front().omega, from) << share << " " << to;
+        EXPECT_GT(curve->points.size(), 5U) << share << " " << from << " " << to;
+        EXPECT_LE(curve->points.front().share, share);
+        EXPECT_EQ(curve->refused, 0);
+        grown += curve->points.front().harmonics() > 3 ? 1 : 0;
+      }
+  EXPECT_GT(grown, 20);
 }
 
 TEST(Duffing, TheHarmonicsLeftOutAreEstimated) {

@@ -28,6 +28,11 @@ double semi_axis(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::sqrt(half + std::hypot(difference, a.dot(b)));
 }
 
+// True if each point of the curve has a load of its own.
+bool own_loads(const CurveResult& result, const CurveContext& context) {
+  return context.ridge || result.role == CurveRole::kFolds;
+}
+
 Json point_json(const CurveResult& result, const CurvePoint& point, const CurveContext& context) {
   const PointValues values = values_of(point, context);
   Json json;
@@ -37,8 +42,7 @@ Json point_json(const CurveResult& result, const CurvePoint& point, const CurveC
   json["stable"] = point.multipliers.size() > 0 ? Json(point.stable) : Json(nullptr);
   json["harmonics"] = point.harmonics();
   if (context.forced) json["phase_deg"] = values.phase;
-  if (context.ridge || result.role == CurveRole::kFolds)
-    json["load_scale"] = result.load_scale * point.load;
+  if (own_loads(result, context)) json["load_scale"] = result.load_scale * point.load;
   json["harmonic_amplitudes"] = values.harmonics;
   json["last_harmonics_share"] = point.share;
   if (!context.forced || context.ridge) {
@@ -49,14 +53,17 @@ Json point_json(const CurveResult& result, const CurvePoint& point, const CurveC
   return json;
 }
 
-Json bifurcation_json(const Bifurcation& found, const CurveContext& context) {
+Json bifurcation_json(const CurveResult& result, const Bifurcation& found,
+                      const CurveContext& context) {
   const PointValues values = values_of(found.point, context);
-  return {{"kind", name_of(found.kind)},
-          {"frequency_hz", values.frequency},
-          {"amplitude", values.amplitude},
-          {"energy", values.energy},
-          {"harmonics", found.point.harmonics()},
-          {"multiplier", {found.multiplier.real(), found.multiplier.imag()}}};
+  Json json = {{"kind", name_of(found.kind)},
+               {"frequency_hz", values.frequency},
+               {"amplitude", values.amplitude},
+               {"energy", values.energy},
+               {"harmonics", found.point.harmonics()},
+               {"multiplier", {found.multiplier.real(), found.multiplier.imag()}}};
+  if (own_loads(result, context)) json["load_scale"] = result.load_scale * found.point.load;
+  return json;
 }
 
 // Time stepping over harmonic balance, of processor time.
@@ -110,7 +117,7 @@ Json curve_json(const CurveResult& result, const CurveContext& context) {
   json["folds"] = Json::array();
   json["bifurcations"] = Json::array();
   for (const Bifurcation& found : curve.bifurcations) {
-    const Json one = bifurcation_json(found, context);
+    const Json one = bifurcation_json(result, found, context);
     json["bifurcations"].push_back(one);
     if (found.kind == BifurcationKind::kFold) json["folds"].push_back(one);
   }
@@ -220,6 +227,11 @@ void set_ending(const PeriodicModel& made, bool damped, const std::string& to,
         fmt::format("it has {} points and has not reached {}; raise --most-points or "
                     "--longest-step",
                     curve.points.size(), to));
+  if (curve.refused > 0)
+    result.warnings.push_back(
+        fmt::format("{} points, the first at {:.6g} Hz, have too few harmonics: with more of them "
+                    "no motion was found; --harmonics begins with more",
+                    curve.refused, in_hertz(curve.first_refused)));
   if (!damped)
     result.warnings.push_back(
         "without damping no motion attracts others: stability was not computed");

@@ -104,6 +104,8 @@ Result<OrbitChoice> parse_orbit_choice(std::string_view text) {
 }
 
 Result<CurvePoint> chosen_orbit(const OrbitChoice& choice, const MotionCurve& curve, double size) {
+  if (curve.points.empty())
+    return Error{ErrorKind::kSolver, "--orbit: the first curve has no motion"};
   if (choice.kind == OrbitChoice::Kind::kPeak) return largest(curve);
   if (choice.kind == OrbitChoice::Kind::kLast) return curve.points.back();
   if (choice.kind == OrbitChoice::Kind::kFrequency) return at_frequency(curve, choice.value);

@@ -192,10 +192,26 @@ Status check_frequencies(const ResponseOptions& options) {
           flag, frequency));
   if (options.from == options.to)
     return content_error("--from and --to are the same: a curve needs a range of frequencies");
-  for (const double scale : options.load_scales)
-    if (!std::isfinite(scale) || scale == 0.0)
-      return content_error("--load-scale must be finite and other than zero");
   return Success{};
+}
+
+// All of --load-scale. Errors: kUsage for an item that is not a number; kContent.
+Result<std::vector<double>> load_scales_of(const ResponseOptions& options) {
+  std::vector<double> scales;
+  for (const std::string& list : options.load_scales)
+    for (std::size_t at = 0; at <= list.size();) {
+      const std::size_t end = std::min(list.find(',', at), list.size());
+      double scale = 0.0;
+      const auto [stop, error] = read_decimal(list.data() + at, list.data() + end, scale);
+      if (error != std::errc{} || stop != list.data() + end)
+        return usage_error("--load-scale " + list +
+                           ": expected numbers with commas between, as in 1,2,5");
+      if (!std::isfinite(scale) || scale == 0.0)
+        return content_error("--load-scale must be finite and other than zero");
+      scales.push_back(scale);
+      at = end + 1;
+    }
+  return scales;
 }
 
 Result<VibratingSystem> system_of(const PeriodicOptions& options, const Model& model) {
@@ -233,6 +249,16 @@ Result<CurveResult> timed(const Trace& trace) {
   if (Status s = take(result.curve, trace()); !s) return s.error();
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   result.processor_seconds = processor_time() - before;
+  return result;
+}
+
+// A curve of which not even the first point was found: it is reported, and others go on. where: as
+// in "at 1.2 Hz".
+CurveResult curve_not_found(const std::string& where, const Error& error) {
+  CurveResult result;
+  result.curve.end = CurveEnd::kStuck;
+  result.exit_code = exit_code(error.kind);
+  result.reason = fmt::format("no point was found {}: {}", where, error.message);
   return result;
 }
 
@@ -280,15 +306,20 @@ Status follow(const ResponseOptions& options, const Followed& by, const CurveRes
               std::vector<CurveResult>& more) {
   const auto add = [&](CurveRole role, const Bifurcation& at, const auto& trace) -> Status {
     Result<CurveResult> result = timed(trace);
-    if (!result) return result.error();
+    const double frequency = at.point.omega / (2.0 * std::numbers::pi);
+    const bool found = static_cast<bool>(result);
+    if (!found && result.error().kind != ErrorKind::kSolver) return result.error();
+    if (!found)
+      result = curve_not_found(
+          fmt::format("beyond {:.6g} Hz, amplitude {:.4g} m", frequency, at.point.amplitude),
+          result.error());
     const bool folds = role == CurveRole::kFolds;
-    result->label = fmt::format("{} {:.5g} Hz", folds ? "folds from" : "branch at",
-                                at.point.omega / (2.0 * std::numbers::pi));
+    result->label = fmt::format("{} {:.5g} Hz", folds ? "folds from" : "branch at", frequency);
     result->role = role;
     result->load_scale = first.load_scale;
     const std::string to = folds ? fmt::format("a load scale of {:g}", options.folds_to)
                                  : std::string("the end of the range");
-    set_ending(by.made, by.damped, to, by.options, *result);
+    if (found) set_ending(by.made, by.damped, to, by.options, *result);
     more.push_back(std::move(*result));
     return Success{};
   };
@@ -316,10 +347,39 @@ void note_signal(const Interruption& interruption, CurveResult& result) {
   result.reason = fmt::format("ended by signal {}", interruption.signal());
 }
 
+// The response curve at one load, also if no point of it was found.
+Result<CurveResult> response_at(const ResponseOptions& options, const Followed& by, double scale,
+                                const Interruption& interruption) {
+  Result<CurveResult> result =
+      timed([&] { return response_curve(by.system, by.request, by.options); });
+  const bool found = static_cast<bool>(result);
+  if (!found && result.error().kind != ErrorKind::kSolver) return result.error();
+  if (!found) result = curve_not_found(fmt::format("at {:g} Hz", options.from), result.error());
+  result->label = fmt::format("load x {:g}", scale);
+  result->load_scale = scale;
+  if (!found) return result;
+  // The truncated equations may pass a resonance that nothing bounds.
+  if (!by.damped && crosses_mode(options, *by.made.model) &&
+      result->curve.end != CurveEnd::kStopped)
+    result->curve.end = CurveEnd::kUnbounded;
+  set_ending(by.made, by.damped, fmt::format("{:g} Hz", options.to), by.options, *result);
+  note_signal(interruption, *result);
+  if (!options.by_stepping || interruption.signal() != 0) return result;
+  if (Status s = step_points(options, by.made, by.system, *result); !s) {
+    result->stepped.reset();
+    result->exit_code = exit_code(s.error().kind);
+    result->reason +=
+        (result->reason.empty() ? "" : "; ") + ("--by-stepping: " + s.error().message);
+  }
+  return result;
+}
+
 }  // namespace
 
 int response_command(const ResponseOptions& options) {
   if (Status s = check_frequencies(options); !s) return report_error(s.error());
+  const Result<std::vector<double>> scales = load_scales_of(options);
+  if (!scales) return report_error(scales.error());
   const Result<FourierSeries> course = course_of(options);
   if (!course) return report_error(course.error());
   const PeriodicFiles files(options, "response");
@@ -341,27 +401,16 @@ int response_command(const ResponseOptions& options) {
   const CurveContext context{*made, *system, direction.normalized(),
                              std::atan2((*course)(0, 1), (*course)(0, 2)), true};
   std::vector<CurveResult> results, more;
-  for (const double scale : options.load_scales) {
+  for (const double scale : *scales) {
     ResponseRequest request{scale * made->load * *course, in_radians(options.from),
                             in_radians(options.to)};
     request.force.col(0) = made->constant;
-    Result<CurveResult> result = timed([&] { return response_curve(*system, request, *curve); });
+    const Followed followed{*system, request, *curve, *made, system->damped()};
+    Result<CurveResult> result = response_at(options, followed, scale, interruption);
     if (!result) return report_error(result.error());
-    result->label = fmt::format("load x {:g}", scale);
-    result->load_scale = scale;
-    // The truncated equations may pass a resonance that nothing bounds.
-    if (!system->damped() && crosses_mode(options, *made->model) &&
-        result->curve.end != CurveEnd::kStopped)
-      result->curve.end = CurveEnd::kUnbounded;
-    set_ending(*made, system->damped(), fmt::format("{:g} Hz", options.to), *curve, *result);
-    note_signal(interruption, *result);
-    if (options.by_stepping && interruption.signal() == 0)
-      if (Status s = step_points(options, *made, *system, *result); !s)
-        return report_error(s.error());
     results.push_back(std::move(*result));
     if (interruption.signal() != 0) break;
-    if (results.size() > 1) continue;
-    const Followed followed{*system, request, *curve, *made, system->damped()};
+    if (results.size() > 1 || results.front().curve.points.empty()) continue;
     if (Status s = follow(options, followed, results.front(), more); !s)
       return report_error(s.error());
   }

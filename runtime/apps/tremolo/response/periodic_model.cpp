@@ -32,6 +32,10 @@ Status set_load(const PeriodicOptions& options, bool needed, PeriodicModel& made
   const bool present = !options.at.empty() || !made.model->default_load().vertices.empty();
   made.load = Eigen::VectorXd::Zero(made.model->modes());
   if (!present && !needed && options.static_scale == 0.0) return Success{};
+  // Not load_of_run's advice: these commands have no --load.
+  if (!present)
+    return usage_error(options.model +
+                       ": the model has no default load; name one with --at and --force");
   const Result<DefaultLoad> forces = load_of_run(made.scene, *made.model);
   if (!forces) return forces.error();
   Result<Eigen::VectorXd> reduced = reduce_load(*made.model, *forces);

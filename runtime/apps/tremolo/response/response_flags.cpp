@@ -53,7 +53,6 @@ void add_response_flags(CLI::App& app, ResponseOptions& o) {
   add_force_flags(app, o);
   app.add_option("--load-scale", o.load_scales,
                  "multiplies the load; several, as in 1,2,5, give a curve each")
-      ->delimiter(',')
       ->capture_default_str();
   app.add_option("--load-harmonic", o.load_harmonics,
                  "K:SCALE[:DEGREES]: the load has SCALE sin(2 pi K f t + DEGREES); may be repeated "
