@@ -54,21 +54,19 @@ std::string cloth_method_problem(std::string_view integrator) {
 
 ClothStep::ClothStep(ClothBody& body, const ContactOptions& options)
     : body_(&body),
-      method_(body.integrator() == "energy"     ? Method::kEnergy
-              : body.integrator() == "midpoint" ? Method::kMidpoint
-                                                : Method::kImplicitEuler),
+      method_(body.integrator() == "implicit-euler" ? Method::kImplicitEuler : Method::kEnergy),
       areas_(areas_of(body)),
       law_(law_of_cloth(body, areas_, options)),
       matrix_(body.model().pattern()),
       factor_(make_factor(body)),
       ledger_(body.model(), true) {
   const Index n = body.state().x.size();
-  for (VectorXd* v : {&way_, &known_way_, &kept_, &x1_, &v1_, &middle_, &speed_, &force_, &inertia_,
-                      &pushed_, &residual_, &in_, &out_, &missing_})
+  for (VectorXd* v : {&way_, &known_way_, &kept_, &x1_, &v1_, &speed_, &force_, &inertia_, &pushed_,
+                      &residual_, &in_, &out_, &missing_})
     v->setZero(n);
   slopes_.reserve(points() + 1);  // a hand may hold a particle in contact
   if (!factor_) inverse_.resize(points());
-  middle_ = x1_ = body.state().x;
+  x1_ = body.state().x;
   lacks_.set(1.0);
   assemble(false);
   for (std::size_t i = 0; i < points(); ++i)
@@ -137,9 +135,8 @@ void ClothStep::evaluate(const ContactRenewal& renewal) {
   if (method_ == Method::kEnergy) {
     work_ = model.step_force(x, x1_, h, force_);
   } else {
-    middle_ = x + (method_ == Method::kMidpoint ? 0.5 : 1.0) * way_;
     speed_ = way_ / h;
-    model.force(middle_, speed_, ForcePart::kAll, force_);
+    model.force(x1_, speed_, ForcePart::kAll, force_);
   }
   const double mu = mass_factor();
   for (Index i = 0; i < model.mass().size(); ++i)
@@ -186,8 +183,7 @@ void ClothStep::assemble(bool with_contact) {
   if (method_ == Method::kEnergy) {
     model.add_step_tangent(body_->state().x, x1_, h, kept, matrix_);
   } else {
-    const double theta = method_ == Method::kMidpoint ? 0.5 : 1.0;
-    model.add_tangent(middle_, speed_, ForcePart::kAll, theta, 1.0 / h, kept, matrix_);
+    model.add_tangent(x1_, speed_, ForcePart::kAll, 1.0, 1.0 / h, kept, matrix_);
   }
   contact_in_matrix_ = with_contact;
   if (with_contact)
@@ -254,8 +250,7 @@ void ClothStep::add_missing_terms() const {
   if (method_ == Method::kEnergy)
     model.add_missing_step_product(body_->state().x, x1_, h, in_, missing_);
   else
-    model.add_missing_product(middle_, speed_, method_ == Method::kMidpoint ? 0.5 : 1.0, in_,
-                              missing_);
+    model.add_missing_product(x1_, speed_, 1.0, in_, missing_);
   for (std::size_t i = 0; i < points(); ++i)
     if (!is_held(i)) out_.segment<3>(row_of(i)) += missing_.segment<3>(row_of(i));
 }

@@ -2,10 +2,11 @@
 // runtime/step/implicit_solve.h for z = x1 - x0, with a force F on a particle that is constant over
 // the step:
 //   implicit-euler   M (z - h v0)/h^2 = f(x1, z/h) + F,             v1 = z/h
-//   midpoint         2 M (z - h v0)/h^2 = f(x0 + z/2, z/h) + F,     v1 = 2 z/h - v0
 //   energy           2 M (z - h v0)/h^2 = step_force(x0, x1) + F,   v1 = 2 z/h - v0
-// Each receives the momentum h F and the work F.z. midpoint and energy receive the angular momentum
-// h (x0 + x1)/2 x F; implicit-euler damps its angular momentum in any case.
+// Each receives the momentum h F and the work F.z. energy receives the angular momentum
+// h (x0 + x1)/2 x F; implicit-euler damps its angular momentum in any case. A step of midpoint in
+// contact is one of energy: midpoint adds energy where stiff springs rotate in long steps, which
+// a cloth alone repeats by that rule (NodalOptions, guard).
 //
 // Contact points are the particles; each stands for an area of the sheet, and the margin is the
 // thickness of the cloth. A cloth has no inside, so that points of others do not collide with it.
@@ -86,7 +87,7 @@ class ClothStep final : public GuestStep {
   void end_whole(int parts) override;
 
  private:
-  enum class Method { kImplicitEuler, kMidpoint, kEnergy };
+  enum class Method { kImplicitEuler, kEnergy };
   struct Slope {
     std::size_t point;
     Eigen::Matrix3d by_end;
@@ -119,7 +120,7 @@ class ClothStep final : public GuestStep {
   bool contact_in_matrix_ = false;   // the symmetric part of contact is in the matrix
   bool known_ = false;               // forces are those at known_way_
   Eigen::VectorXd way_, known_way_;  // z
-  Eigen::VectorXd kept_, x1_, v1_, middle_, speed_;
+  Eigen::VectorXd kept_, x1_, v1_, speed_;
   Eigen::VectorXd force_, inertia_, pushed_, residual_;  // N
   StepWork work_;                                        // of step_force(), J
   mutable Eigen::VectorXd in_, out_, missing_;

@@ -179,6 +179,23 @@ TEST_F(TetsProgram, AGlbHasTheWholeMotionToAThousandthOfTheSize) {
   EXPECT_LE(report["files"][0]["position_error"].get<double>(), 1e-4);
 }
 
+// The bodies of these scenes have unsolved = "take"; with "cut" there is nothing to warn of.
+TEST_F(TetsProgram, StepsThatWereTakenUnsolvedAreWarnedOf) {
+  const auto warned = [this](const std::string& keys) {
+    const std::string body =
+        "[[bodies]]\nname = \"one\"\nkind = \"tets\"\nmodel = \"cube.tets\"\nposition = [0, 0, "
+        "0.02]\n";
+    const ProgramResult result = run(scene(0.5, body + keys), "--json");
+    EXPECT_EQ(result.code, 0) << result.err;
+    const std::string list = json::parse(result.out)["warnings"].dump();
+    return list.find("were solved") != std::string::npos &&
+           list.find("unsolved = ") != std::string::npos;
+  };
+  EXPECT_TRUE(warned("unsolved = \"take\"\nmax-iterations = 1\n"));
+  EXPECT_FALSE(warned("unsolved = \"cut\"\n"));
+  EXPECT_FALSE(warned(""));
+}
+
 TEST_F(TetsProgram, FlagsOfReducedBodiesAreRefusedByTheirName) {
   const std::string flags =
       "--load none\n--frequency 2\n--sweep 1,2\n--load-duration 1\n--signal a.csv\n--at 1\n"
@@ -215,6 +232,20 @@ TEST_F(TetsProgram, WhatASceneGetsWrongIsRefusedByItsKey) {
     const ProgramResult result = run(scene(0.1, cube("one", 0.2)) + keys);
     EXPECT_EQ(result.code, 3) << keys << result.err;
     EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+  }
+  // Next to a body of another kind.
+  for (const char* keys : {"contact-modulus = 0\n", "contact-stiffness = 0\n",
+                           "contact-margin = 0\n", "contact-margin = -1\n"}) {
+    const ProgramResult result =
+        run("step = 0.003\nduration = 0.1\n[[bodies]]\nname = \"ball\"\nkind = \"rigid\"\nshape = "
+            "\"sphere\"\nradius = 0.1\nmass = 1\nposition = [5, 0, 0]\n[[bodies]]\nname = \"one\"\n"
+            "kind = \"tets\"\nmodel = \"cube.tets\"\n" +
+            std::string(keys));
+    const std::string key(keys, std::string(keys).find(' '));
+    EXPECT_EQ(result.code, 3) << keys << result.err;
+    EXPECT_NE(result.err.find("line 14: body 'one': "), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find(key == "contact-modulus" ? "modulus" : key), std::string::npos)
+        << result.err;
   }
   const ProgramResult short_run = run(scene(0.004, cube("one", 0.2)));
   EXPECT_EQ(short_run.code, 3) << short_run.err;

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -79,8 +80,12 @@ void read_rubbing(TomlKeys& keys, double& friction, double& restitution) {
 
 void read_contact_stiffness(TomlKeys& keys, ContactOptions& contact) {
   keys.read("contact-stiffness", contact.stiffness);
+  if (!(contact.stiffness > 0.0 && std::isfinite(contact.stiffness)))
+    keys.fail("contact-stiffness", "contact-stiffness must be positive and finite");
   if (keys.has("contact-modulus")) {
     keys.read("contact-modulus", contact.modulus.emplace());
+    if (!(*contact.modulus > 0.0 && std::isfinite(*contact.modulus)))
+      keys.fail("contact-modulus", "contact needs a modulus above zero, in Pa");
     if (keys.has("contact-stiffness"))
       keys.fail("contact-modulus", "takes the place of `contact-stiffness`: leave one of them out");
   }
@@ -88,6 +93,8 @@ void read_contact_stiffness(TomlKeys& keys, ContactOptions& contact) {
 
 void read_contact_law(TomlKeys& keys, ContactOptions& contact) {
   keys.read("contact-margin", contact.margin);
+  if (!(contact.margin > 0.0 && contact.margin < 1.0))
+    keys.fail("contact-margin", "contact-margin must be above 0 and below 1 (a share of the size)");
   read_contact_stiffness(keys, contact);
   read_rubbing(keys, contact.friction, contact.restitution);
 }

@@ -77,6 +77,7 @@ class TetsRun {
   }
 
   Status follow();
+  Warnings warnings() const;
   TetsJson json() const;
   void print() const;
   const TetsEnding& ending() const { return ending_; }
@@ -197,6 +198,26 @@ Status TetsRun::follow() {
   return Success{};
 }
 
+Warnings TetsRun::warnings() const {
+  constexpr std::int64_t kFewUnsolved = 5;
+  Warnings found = keyframe_warnings({}, scene_.colliders);
+  std::size_t bodies = 0, worst = 0;
+  for (std::size_t i = 0; i < logs_.size(); ++i) {
+    const std::int64_t unsolved = logs_[i].report().unsolved;
+    if (scene_.bodies[i].options.unsolved == UnsolvedStep::kCut || unsolved <= kFewUnsolved)
+      continue;
+    ++bodies;
+    if (unsolved > logs_[worst].report().unsolved) worst = i;
+  }
+  if (bodies > 0)
+    found.push_back(fmt::format(
+        "{} of {} bodies took steps before they were solved, '{}' {} of {}, so that their contact "
+        "and friction may be wrong: `unsolved = \"cut\"` solves them, and takes longer",
+        bodies, logs_.size(), scene_.bodies[worst].name, logs_[worst].report().unsolved,
+        ending_.steps));
+  return found;
+}
+
 TetsJson TetsRun::json() const {
   const auto steps = static_cast<double>(ending_.steps);
   double share = 0.0, edges = 0.0, momentum = 0.0;
@@ -235,7 +256,7 @@ TetsJson TetsRun::json() const {
   json["energies_initial"] = energies_json(start);
   json["energies_final"] = energies_json(end);
   add_ending(ending_, json);
-  json["warnings"] = keyframe_warnings({}, scene_.colliders);
+  json["warnings"] = warnings();
   json["bodies"] = TetsJson::array();
   for (std::size_t i = 0; i < logs_.size(); ++i)
     json["bodies"].push_back(
@@ -254,7 +275,7 @@ void TetsRun::print() const {
       static_cast<double>(ending_.steps) / ending_.wall.sum(),
       scene_.step * static_cast<double>(ending_.steps) / ending_.wall.sum(),
       bodies_.group->sleeping());
-  print_warnings(keyframe_warnings({}, scene_.colliders));
+  print_warnings(warnings());
   for (std::size_t i = 0; i < std::min<std::size_t>(logs_.size(), 12); ++i) {
     const TetsReport& report = logs_[i].report();
     tell(

@@ -25,8 +25,8 @@ namespace tremolo {
 enum class UnsolvedStep {
   kCut,   // it is subdivided
   kTake,  // it is accepted, which is reported
-  // As kCut without contact; in contact a few corrections of implicit-euler, subdivided if they
-  // add energy.
+  // As kCut without contact; in contact it is solved to a thousandth, and accepted before that,
+  // which is reported, where corrections gain little.
   kTakeContact
 };
 

@@ -21,13 +21,22 @@ constexpr double kLastKinkShare = 1e-2;
 constexpr double kMostGain = 0.02;
 constexpr double kGuardRounding = 1e-12;
 constexpr int kMostParts = 8;
-// A step in contact has at most this many corrections, none after the residual is below this
-// tolerance (TetBodyOptions), each solved to this linear tolerance; it may add this fraction of the
-// energy.
+// With kTakeContact a step in contact is solved to this tolerance (TetBodyOptions).
+constexpr double kTryTolerance = 1e-3;
+// The first corrections of a body alone, and all of several bodies, are solved to this linear
+// tolerance. Forces between bodies jump, so that more corrections gain little: a step of several
+// has at most `kTries`. It ends unsolved after `kSlowTries`, if the last did not halve the residual
+// and that is below `kUnsolvedTolerance`.
+constexpr double kTryLinearTolerance = 0.1;
+constexpr int kQuickTries = 6;
+constexpr int kTries = 12;
+constexpr int kSlowTries = 2;
+constexpr double kUnsolvedTolerance = 0.2;
+// Otherwise it is taken again with at most this many corrections, none after the residual is below
+// this tolerance. A step that is not solved may add this fraction of the energy.
 constexpr int kContactCorrections = 2;
 constexpr int kContactParts = 4;
 constexpr double kContactTolerance = 0.01;
-constexpr double kContactLinearTolerance = 0.1;
 constexpr double kMostContactGain = 0.05;
 
 double sum_of(const std::vector<double>& values) {
@@ -88,6 +97,21 @@ double TetIsland::find_residual() {
   for_each(members_.size(),
            [this](std::size_t i) { squares_[i] = members_[i].body->close_residual(); });
   return std::sqrt(sum_of(squares_));
+}
+
+// least: of the tolerances.
+void TetIsland::set_stops(double least) {
+  for_each(members_.size(), [this, least](std::size_t i) {
+    const TetBody& body = *members_[i].body;
+    stops_[i] = body.stop_size(std::max(least, body.options_.tolerance));
+  });
+}
+
+// The size of all forces to which tolerances are relative, N.
+double TetIsland::size_of_forces() const {
+  double squared = 0.0;
+  for (const TetMember& member : members_) squared += std::pow(member.body->stop_size(1.0), 2);
+  return std::sqrt(squared);
 }
 
 bool TetIsland::small_enough() const {
@@ -328,28 +352,31 @@ bool TetIsland::solve_stage() {
   });
   for_each(members_.size(), [this](std::size_t i) { members_[i].body->guess(bounded_); });
   double size = find_residual();
-  for_each(members_.size(), [this](std::size_t i) {
-    const TetBody& body = *members_[i].body;
-    stops_[i] = body.stop_size(body.options_.tolerance);
-  });
+  set_stops(0.0);
   int most = 0;
   for (const TetMember& member : members_)
     most = std::max(most, member.body->options_.max_iterations);
-  int slow = 0;
-  bool kink = false;
+  const bool together = members_.size() > 1;
+  int slow = 0, tries = 0;
+  bool kink = false, pressed = false;
   for (int iteration = 0; iteration < most && !kink; ++iteration) {
     if (!std::isfinite(size)) return false;
     if (small_enough()) break;
     if (watch_contact_ && touching()) {
-      met_contact_ = true;
-      return false;
+      if (!pressed) set_stops(kTryTolerance);
+      pressed = met_contact_ = true;
+      if (small_enough()) break;
+      if (together && (tries == kTries || (tries >= kSlowTries && slow > 0))) break;
+      ++tries;
     }
     ++report_.iterations;
     const double before = size;
     double tolerance = 1.0;
     for (const TetMember& member : members_)
       tolerance = std::min(tolerance, member.body->options_.linear_tolerance);
-    find_correction(true, tolerance);
+    const bool quick = pressed && (together || tries <= kQuickTries);
+    if (quick) tolerance = std::max(tolerance, kTryLinearTolerance);
+    find_correction(!quick, tolerance);
     if (bounded_) {
       take_whole(size);
       continue;
@@ -358,9 +385,15 @@ bool TetIsland::solve_stage() {
     slow = size > 0.5 * before ? slow + 1 : 0;
     kink = (!taken && at_kink(size, kLastKinkShare)) ||
            (slow >= kSlowCorrections && at_kink(size, kKinkShare));
+    if (!taken && quick && together) break;
     if (!taken && !kink) return false;
   }
   if (!std::isfinite(size)) return false;
+  if (pressed && together && !small_enough()) {
+    if (!(size <= kUnsolvedTolerance * size_of_forces())) return false;
+    start_energy_ = island_energy() - contact_energy() + start_contact_energy_;
+    took_unsolved_ = kink = true;
+  }
   if (!small_enough() && !bounded_ && !kink && !at_kink(size, kLastKinkShare)) return false;
   report_.unsolved = report_.unsolved || !small_enough();
   // Moving a body changes its contact forces; only bodies without contact can be balanced.
@@ -485,13 +518,31 @@ bool TetIsland::contact_is_taken() const {
   });
 }
 
+double TetIsland::contact_energy() const {
+  double sum = 0.0;
+  for (const TetMember& member : members_)
+    if (member.contact != nullptr) sum += member.contact->look().energy;
+  return sum;
+}
+
 // Energy of the bodies at their trial positions, at which contacts were found, J.
 double TetIsland::island_energy() const {
-  double sum = 0.0;
-  for (const auto& [body, contact] : members_)
-    sum += body->kinetic_energy() + body->elastic_energy() + body->gravity_energy() +
-           (contact != nullptr ? contact->look().energy : 0.0);
+  double sum = contact_energy();
+  for (const TetMember& member : members_)
+    sum += member.body->kinetic_energy() + member.body->elastic_energy() +
+           member.body->gravity_energy();
   return sum;
+}
+
+// False if a step adds too much to the energy, which is not checked where a grab acts.
+bool TetIsland::adds_little(double before) const {
+  const double after = island_energy();
+  double moving = after;
+  for (const TetMember& member : members_) {
+    if (member.body->hand_) return true;
+    moving -= member.body->gravity_energy();
+  }
+  return after - before <= kMostContactGain * moving;
 }
 
 // One step of implicit-euler in contact: a few corrections from the present positions. last: it is
@@ -502,28 +553,18 @@ bool TetIsland::make_contact_step(double h, bool last) {
     member.body->guess(true);
   }
   double size = find_residual();
-  for_each(members_.size(), [this](std::size_t i) {
-    TetBody& body = *members_[i].body;
-    stops_[i] = body.stop_size(std::max(kContactTolerance, body.options_.tolerance));
-  });
+  set_stops(kContactTolerance);
   const double before = island_energy();
   for (int n = 0; n < kContactCorrections && std::isfinite(size) && !small_enough(); ++n) {
     ++report_.iterations;
-    find_correction(false, kContactLinearTolerance);
+    find_correction(false, kTryLinearTolerance);
     take_whole(size);
   }
   if (!std::isfinite(size)) return false;
   report_.unsolved = report_.unsolved || !small_enough();
   if (members_.size() == 1 && !touching()) members_.front().body->balance_momenta();
-  bool pulled = false;
-  for (const TetMember& member : members_) {
-    member.body->end();
-    pulled = pulled || member.body->hand_.has_value();
-  }
-  const double after = island_energy();
-  double moving = after;
-  for (const TetMember& member : members_) moving -= member.body->gravity_energy();
-  return last || pulled || after - before <= kMostContactGain * moving;
+  for (const TetMember& member : members_) member.body->end();
+  return adds_little(before) || last;
 }
 
 // If a part fails, the bodies' states are undefined.
@@ -559,8 +600,11 @@ bool TetIsland::make_parts(int parts, PartKind kind) {
 // The step, whole or in parts.
 bool TetIsland::make_any_step() {
   watch_contact_ = contact_is_taken();
-  met_contact_ = false;
-  if (make_watched_step(common_method(), members_.front().body->options_.step)) return true;
+  met_contact_ = took_unsolved_ = false;
+  start_contact_energy_ = contact_energy();
+  if (make_watched_step(common_method(), members_.front().body->options_.step) &&
+      (!took_unsolved_ || adds_little(start_energy_)))
+    return true;
   met_contact_ = met_contact_ || (watch_contact_ && touching());
   watch_contact_ = false;
   if (met_contact_ && (make_parts(1, PartKind::kContact) || make_parts(2, PartKind::kContact) ||

@@ -31,10 +31,13 @@
 // first ran into.
 //
 // If all bodies have kTakeContact and a method that damps, implicit-euler or bdf2, a step with
-// contact is such a step of implicit-euler: two corrections with R K R^T. Solving it fully takes a
-// hundred times as long, because contact forces are not smooth, and where elements are crushed
-// there may be no solution near. A step that adds more than a twentieth of the present energy is
-// divided into two, then four steps of the same kind.
+// contact is solved to a thousandth. A body alone has the corrections of any step, because its
+// friction needs them: the limits of friction and the points in contact change with each. Forces
+// between bodies are not smooth, so that a step of several may take a hundred times as long. It has
+// quick corrections with R K R^T, and ends, reported as unsolved, when one does not halve the
+// residual and a fifth of it is left at most. Where this fails, or adds more than a twentieth of
+// the present energy, the step is taken again as two corrections of implicit-euler from the present
+// positions, then divided into two and four such steps.
 //
 // Bodies of one island use the same method, so that their forces on each other are opposite. If
 // their methods differ, or not all have the previous step that bdf2 needs, it is implicit-euler.
@@ -98,12 +101,16 @@ class TetIsland {
   bool make_damped_step(TetBody& body, double h);
   bool make_watched_step(TetMethod method, double h);
   bool solve_stage();
+  double contact_energy() const;
   double island_energy() const;
+  bool adds_little(double before) const;
   bool make_contact_step(double h, bool last);
   bool contact_is_taken() const;
   bool at_kink(double size, double share) const;
   bool touching() const;
   double find_residual();
+  void set_stops(double least);
+  double size_of_forces() const;
   bool small_enough() const;
   void find_correction(bool exact, double tolerance);
   bool search(double tolerance);
@@ -119,8 +126,11 @@ class TetIsland {
   ThreadPool* pool_;
   std::span<const TetMember> members_;  // in a step
   bool bounded_ = false;                // all bodies take the result of max_iterations
-  bool watch_contact_ = false;          // a stage with contact is given up
-  bool met_contact_ = false;            // a stage was given up
+  bool watch_contact_ = false;          // a stage with contact may end unsolved
+  bool met_contact_ = false;            // it had contact
+  bool took_unsolved_ = false;          // it ended unsolved
+  // Of the start of the step, J; the first is known if it ended unsolved.
+  double start_energy_ = 0.0, start_contact_energy_ = 0.0;
   TetStepReport report_;
   std::vector<Coupling> couplings_;  // body by body: contacts, then the grab
   std::vector<TouchEnd> ends_;       // body by body
