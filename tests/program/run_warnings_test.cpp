@@ -106,6 +106,18 @@ double strength(const std::vector<double>& sound, double rate, double f) {
   return std::hypot(re, im) / static_cast<double>(sound.size());
 }
 
+TEST(SoundStep, AnEarNeedsASound) {
+  const testing::TemporaryFolder folder;
+  const std::string path = folder.file("cube.tremolo");
+  ASSERT_TRUE(write_basis(path, testing::corner_cube_data(kTurn * 2'000.0, kTurn * 20'000.0, 0.1)));
+  RunOptions options;
+  options.model = path;
+  options.listen = "5";
+  const Result<BodyScene> scene = body_scene(options);
+  ASSERT_FALSE(scene);
+  EXPECT_NE(scene.error().message.find("add --wav"), std::string::npos) << scene.error().message;
+}
+
 // A body of four modes, the highest of 20 kHz, which ep4 steps: in the file each is where it
 // belongs, where at one step a sample the highest was 11 % too low.
 TEST(SoundStep, TheFileHasTheFrequenciesOfTheModel) {

@@ -288,7 +288,7 @@ TEST(SceneReader, TellsFileLineAndKeyOfWhatIsWrong) {
       {kBody + "quaternion = [1, 1, 0, 0]\n",
        "line 4: body 'a': the quaternion is of length 1.41421, must be 1"},
       {kBody + "turn = [0, 0, 1, 9]\nquaternion = [1, 0, 0, 0]\n", "say one thing"},
-      {kBody + "kind = \"loose\"\n", "must be one of fixed, driven, free"},
+      {kBody + "kind = \"loose\"\n", "must be one of fixed, driven, free, rigid, tets, cloth"},
       {kBody + "integrator = \"euler\"\n", "unknown integrator 'euler'"},
       {kBody + "split = \"some\"\n", "line 4: body 'a'"},
       {"[[bodies]]\nmodel = \"m\"\n", "body 1: it has no `name`"},

@@ -156,8 +156,10 @@ void read_rigid(TomlKeys& keys, RigidSolid& solid) {
 
 void read_what(TomlKeys& keys, SceneBody& body) {
   constexpr FrameKind kKinds[] = {FrameKind::kFixed, FrameKind::kDriven, FrameKind::kFree,
-                                  FrameKind::kFree};
-  const std::size_t kind = keys.read_word("kind", {"fixed", "driven", "free", "rigid"}, 0);
+                                  FrameKind::kFree,  FrameKind::kFree,   FrameKind::kFree};
+  // Tables of the last two kinds are read elsewhere.
+  const std::size_t kind =
+      keys.read_word("kind", {"fixed", "driven", "free", "rigid", "tets", "cloth"}, 0);
   body.kind = kKinds[kind];
   if (kind == 3)
     read_rigid(keys, body.rigid.emplace());

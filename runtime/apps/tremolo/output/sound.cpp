@@ -51,7 +51,9 @@ Result<std::vector<VertexId>> listened_to(const std::string& listen, const Model
 
 }  // namespace
 
-Status check_sound(const std::string& path, double step) {
+Status check_sound(const std::string& path, const std::string& listen, double step) {
+  if (path.empty() && !listen.empty())
+    return usage_error("--listen chooses what --wav hears: add --wav OUT.wav");
   if (path.empty()) return Success{};
   if (std::filesystem::path(path).extension() != ".wav")
     return usage_error("--wav " + path + ": the file's name must end with .wav");

@@ -17,9 +17,10 @@ namespace tremolo {
 // The step that --wav takes where --step does not say another, s.
 inline constexpr double kSoundStep = 1.0 / 48000.0;
 
-// path: of --wav; step: s. Errors: kUsage for an ending that is not .wav, kContent for a step that
-// is not that of a whole number of samples a second from 8 000 to 192 000.
-Status check_sound(const std::string& path, double step);
+// path: of --wav; listen: of --listen; step: s. Errors: kUsage for an ending that is not .wav and
+// for a `listen` without a path, kContent for a step that is not that of a whole number of samples
+// a second from 8 000 to 192 000.
+Status check_sound(const std::string& path, const std::string& listen, double step);
 
 // The largest relative frequency error of an audible mode: 5 cents, less than an ear can
 // distinguish. Above it --wav takes several steps per sample.

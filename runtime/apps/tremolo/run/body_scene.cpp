@@ -58,7 +58,8 @@ Status check_values(const RunOptions& options) {
   if (format != "ply" && format != "obj" && format != "inc")
     return usage_error("surface-format '" + format + "': must be ply, obj or inc");
   if (!std::isfinite(options.scale)) return content_error("--scale must be finite");
-  if (Status status = check_sound(options.wav, options.step); !status) return status;
+  if (Status status = check_sound(options.wav, options.listen, options.step); !status)
+    return status;
   return check_combinations(options);
 }
 

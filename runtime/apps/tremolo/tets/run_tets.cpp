@@ -158,11 +158,13 @@ bool TetsRun::step_all(std::vector<TetStepReport>& steps) {
 bool TetsRun::inside_bound() {
   if (bound_.look(*bodies_.group)) return true;
   ending_.exit_code = exit_code(ErrorKind::kBound);
+  const bool bdf2 =
+      std::all_of(scene_.bodies.begin(), scene_.bodies.end(),
+                  [](const TetSceneBody& body) { return body.options.method == TetMethod::kBdf2; });
   ending_.reason = fmt::format(
       "at t = {:.6g} s the energy of the bodies, {:.3g} J, is more than {:g} times all that was "
-      "put "
-      "in; a shorter step, `integrator = \"bdf2\"` or `unsolved = \"cut\"` may help",
-      ending_.reached, bound_.energy(), kEnergyBound);
+      "put in; a shorter step{} or `unsolved = \"cut\"` may help",
+      ending_.reached, bound_.energy(), kEnergyBound, bdf2 ? "" : ", `integrator = \"bdf2\"`");
   return false;
 }
 

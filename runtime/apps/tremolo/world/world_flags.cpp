@@ -34,7 +34,7 @@ Status apply_flags(const GivenFlags& flags, SceneFile& file) {
     file.scene.step = kSoundStep;
     outputs.sound_steps = 0;
   }
-  if (Status s = check_sound(outputs.wav, file.scene.step); !s) return s;
+  if (Status s = check_sound(outputs.wav, outputs.listen, file.scene.step); !s) return s;
   if (Status s = apply_output_flags(flags, outputs); !s) return s;
   if (Status s = check_times(flags, file.scene.step, file.scene.duration); !s) return s;
   return check_scene(file.scene);
