@@ -136,7 +136,7 @@ Equations equations_of(const FitProblem& problem, const FitModel& model,
 
 // kContent with the combination that has no effect on the data.
 Status check_determined(const FitProblem& problem, const Equations& equations) {
-  constexpr double kNone = 1e-5;  // of the largest effect of a combination
+  constexpr double kNoEffect = 1e-5;  // of the largest effect of a combination
   const Index p = equations.jacobian.cols();
   if (equations.jacobian.rows() < p)
     return content_error(std::to_string(equations.jacobian.rows()) + " values are measured for " +
@@ -145,7 +145,7 @@ Status check_determined(const FitProblem& problem, const Equations& equations) {
   MatrixXd scaled = equations.jacobian;
   for (Index i = 0; i < scaled.rows(); ++i) scaled.row(i).normalize();
   const Eigen::JacobiSVD<MatrixXd> svd(scaled, Eigen::ComputeFullV);
-  if (svd.singularValues()[p - 1] > kNone * svd.singularValues()[0]) return Success{};
+  if (svd.singularValues()[p - 1] > kNoEffect * svd.singularValues()[0]) return Success{};
   std::string names;
   const VectorXd direction = svd.matrixV().col(p - 1);
   bool density = false;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/math/line_search.h"
@@ -19,6 +20,9 @@ constexpr double kLeastOfLargest = 0.01;
 constexpr double kLinearTolerance = 1e-4;
 constexpr int kMoreLinear = 8;  // of needs_factor()
 constexpr int kMostLinear = 400;
+// After so many corrections that do not halve the least residual it is rounding, if it is as small
+// as the last resort would take.
+constexpr int kStalled = 5;
 // A correction that GMRES did not solve to this is not used.
 constexpr double kUsable = 1e-2;
 
@@ -132,11 +136,16 @@ bool MixedIsland::try_following(int iteration, double size) {
 bool MixedIsland::solve(double heavier, bool hold) {
   evaluate({});
   measure();
+  double least = std::numeric_limits<double>::infinity();
+  int stalled = 0;
   for (int i = 0; i < kMostIterations; ++i) {
     evaluate(renewal(i, measure(), hold));
     double size = measure();
     if (!std::isfinite(size)) return false;
     if (size <= kConverged) return true;
+    stalled = size < 0.5 * least ? 0 : stalled + 1;
+    least = std::min(least, size);
+    if (stalled > kStalled && size <= near_rounding(true)) return true;
     ++report_.iterations;
     for (StepBody* body : bodies_) body->keep();
     if (limits_follow(i, size, hold) && try_following(i, size)) continue;
