@@ -169,7 +169,7 @@ class Tracer {
   }
 
   // More harmonics where the highest or those left out hold too much, fewer where they hold far
-  // less. Where more give no motion the curve goes on with those that it has.
+  // less. Where more give no motion the curve continues with those that it has.
   void adapt_harmonics() {
     while (equations_.harmonics() < options_.most_harmonics && too_few_harmonics()) {
       const Change change = pause_ > 0 ? Change::kRefused : add_harmonics();

@@ -1,4 +1,4 @@
-// How much of the indefinite terms Newton's matrix of a step lacks, so that it has a factor.
+// The share of the indefinite terms that Newton's matrix of a step lacks, so that it has a factor.
 #pragma once
 
 #include <algorithm>

@@ -35,7 +35,7 @@ std::string box(const std::string& name, double mass, const std::string& positio
 
 constexpr const char* kFloor = "[[colliders]]\nname = \"floor\"\nshape = \"plane\"\n";
 
-// What moves here is rounding, about which no balance says anything.
+// Only rounding moves here, about which no balance says anything.
 TEST_F(RigidProgram, BodiesJoinedAtRestStayThere) {
   const std::string bodies = "duration = 0.3\nstep = 0.003\n" + box("a", 1.0, "[0, 0, 0.3]") +
                              box("b", 1.0, "[0.4, 0, 0.3]");
