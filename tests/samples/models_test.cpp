@@ -2,6 +2,8 @@
 #include <cmath>
 #include <fstream>
 #include <numbers>
+#include <regex>
+#include <string>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -186,6 +188,23 @@ TEST(Sound, RingsWithTheModes) {
     ASSERT_GT(sound.size(), 70'000U);
     for (const double near : ring.heard) expect_ringing(sound, **model, near);
   }
+}
+
+// The bench reports times; its motions must come to an end, and points must push on the plane.
+TEST(Bench, MeasuresBodiesInAWorld) {
+  const testing::TemporaryFolder folder;
+  const testing::ProgramResult ran =
+      testing::run_program(folder.path(), TREMOLO_BIN_DIR
+                           "/tremolo bench --only frames --json --models-dir " TREMOLO_MODEL_DIR);
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const std::regex pushing("([0-9.]+) of 300 points push");
+  std::size_t planes = 0;
+  for (std::sregex_iterator found(ran.out.begin(), ran.out.end(), pushing), end; found != end;
+       ++found, ++planes) {
+    EXPECT_GT(std::stod((*found)[1]), 5.0);
+    EXPECT_LT(std::stod((*found)[1]), 60.0);
+  }
+  EXPECT_EQ(planes, 2U);
 }
 
 // The horse's default load acts at a vertex inside; the nearest one outside is heard.
