@@ -20,9 +20,9 @@ constexpr double kLeastOfLargest = 0.01;
 constexpr double kLinearTolerance = 1e-4;
 constexpr int kMoreLinear = 8;  // of needs_factor()
 constexpr int kMostLinear = 400;
-// After so many corrections that do not halve the least residual it is rounding, if it is as small
+// After so many corrections that do not lower the least residual it is rounding, if it is as small
 // as the last resort would take.
-constexpr int kStalled = 5;
+constexpr int kStalled = 10;
 // A correction that GMRES did not solve to this is not used.
 constexpr double kUsable = 1e-2;
 
@@ -143,7 +143,7 @@ bool MixedIsland::solve(double heavier, bool hold) {
     double size = measure();
     if (!std::isfinite(size)) return false;
     if (size <= kConverged) return true;
-    stalled = size < 0.5 * least ? 0 : stalled + 1;
+    stalled = size < 0.9 * least ? 0 : stalled + 1;
     least = std::min(least, size);
     if (stalled > kStalled && size <= near_rounding(true)) return true;
     ++report_.iterations;
