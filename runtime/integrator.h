@@ -84,7 +84,7 @@ inline DampingRatios damping_of(const IntegratorOptions& options) {
   return damping;
 }
 
-// The default of a body, a group of a World, the C header and the programs: it cannot explode, at
+// The default of a body, a group of a Crowd, the C header and the programs: it cannot explode, at
 // any step and load.
 inline constexpr std::string_view kDefaultIntegrator = "ep4";
 

@@ -20,9 +20,9 @@
  * A model is owned by the caller until tremolo_model_release; its bodies keep what they need, so it
  * may be released before them. A body is owned until tremolo_body_destroy. Both accept NULL.
  *
- * A world is owned until tremolo_world_destroy; it keeps what it needs of the models.
+ * A crowd is owned until tremolo_crowd_destroy; it keeps what it needs of the models.
  *
- * Threads. A model may be used by any number of threads, a body or a world by one at a time. The
+ * Threads. A model may be used by any number of threads, a body or a crowd by one at a time. The
  * error message belongs to the calling thread.
  *
  * Linking. `pkg-config --cflags --libs tremolo-c` is libtremolo.so, which exports the functions of
@@ -56,7 +56,7 @@ typedef enum tremolo_status {
 
 typedef struct tremolo_model tremolo_model;
 typedef struct tremolo_body tremolo_body;
-typedef struct tremolo_world tremolo_world;
+typedef struct tremolo_crowd tremolo_crowd;
 
 /* The reason of the last failure in this thread: one sentence, UTF-8, never NULL; empty if none
  * failed yet. Valid until the thread's next failing call. */
@@ -541,14 +541,14 @@ tremolo_status tremolo_contacts_separate(tremolo_contacts* contacts, uint64_t jo
 tremolo_status tremolo_contacts_joint(const tremolo_contacts* contacts, uint64_t joint,
                                       double force[3], double* energy, double* damped);
 
-/* ---- world: many bodies ----
+/* ---- crowd: many bodies ----
  *
  * Bodies in groups that share a model, a method, a step and a level of detail. Bodies of "ep4", the
  * default, "ep2", "avf", "verlet" and "imexv-linear" are stepped 16 (float) or 8 (double) at a
  * time; those of other methods, and all with stiffness damping, one by one. A new body sleeps and
- * costs nothing until a force, a state or tremolo_world_wake wakes it; it falls asleep when its
+ * costs nothing until a force, a state or tremolo_crowd_wake wakes it; it falls asleep when its
  * energy has been small for some time, and keeps its state. The result does not depend on the
- * number of threads. Details: runtime/world.h.
+ * number of threads. Details: runtime/crowd.h.
  */
 
 /* Fill with tremolo_group_options_init. `size` as in tremolo_body_options. */
@@ -566,58 +566,58 @@ typedef struct tremolo_group_options {
 void tremolo_group_options_init(tremolo_group_options* options);
 
 /* threads: number of threads in a step, the caller's included; 0: one for each core. */
-tremolo_status tremolo_world_create(uint32_t threads, tremolo_world** world);
-void tremolo_world_destroy(tremolo_world* world);
+tremolo_status tremolo_crowd_create(uint32_t threads, tremolo_crowd** crowd);
+void tremolo_crowd_destroy(tremolo_crowd* crowd);
 
 /* method: integrator, step and damping; NULL: the defaults of a body, "ep4". options: NULL for the
  * defaults. Fewer modes than the model's are for "verlet" and "imexv-linear"; for others load the
  * model with fewer. */
-tremolo_status tremolo_world_add_group(tremolo_world* world, const tremolo_model* model,
+tremolo_status tremolo_crowd_add_group(tremolo_crowd* crowd, const tremolo_model* model,
                                        const tremolo_body_options* method,
                                        const tremolo_group_options* options, uint32_t* group);
 
 /* A body at rest, asleep. Removing it hides it; its number is not used again. Moving changes
  * its group to another one of the same model, for example another level of detail. */
-tremolo_status tremolo_world_add_body(tremolo_world* world, uint32_t group, uint32_t* body);
-tremolo_status tremolo_world_remove_body(tremolo_world* world, uint32_t body);
-tremolo_status tremolo_world_move_body(tremolo_world* world, uint32_t body, uint32_t group);
+tremolo_status tremolo_crowd_add_body(tremolo_crowd* crowd, uint32_t group, uint32_t* body);
+tremolo_status tremolo_crowd_remove_body(tremolo_crowd* crowd, uint32_t body);
+tremolo_status tremolo_crowd_move_body(tremolo_crowd* crowd, uint32_t body, uint32_t group);
 
 /* As tremolo_body_apply_force; wakes the body. Clearing removes those that still act. */
-tremolo_status tremolo_world_apply_force(tremolo_world* world, uint32_t body, uint32_t vertex,
+tremolo_status tremolo_crowd_apply_force(tremolo_crowd* crowd, uint32_t body, uint32_t vertex,
                                          const double force[3], int32_t steps);
-tremolo_status tremolo_world_clear_forces(tremolo_world* world, uint32_t body);
+tremolo_status tremolo_crowd_clear_forces(tremolo_crowd* crowd, uint32_t body);
 
 /* Advances every body that is awake by one step of its group. Allocates nothing. TREMOLO_SOLVER if
  * bodies failed, also by an energy as at TREMOLO_BOUND: each returns to its last valid state,
  * without its forces, and sleeps; the others have taken their step. The message gives the reason of
  * the first failure. failed (may be NULL) receives the first `length` of their numbers;
  * failed_count (may be NULL) their count. */
-tremolo_status tremolo_world_step(tremolo_world* world, uint32_t* failed, size_t length,
+tremolo_status tremolo_crowd_step(tremolo_crowd* crowd, uint32_t* failed, size_t length,
                                   size_t* failed_count);
 
-size_t tremolo_world_awake(const tremolo_world* world); /* bodies; 0 for NULL */
-tremolo_status tremolo_world_wake(tremolo_world* world, uint32_t body);
-tremolo_status tremolo_world_sleep(tremolo_world* world, uint32_t body);
+size_t tremolo_crowd_awake(const tremolo_crowd* crowd); /* bodies; 0 for NULL */
+tremolo_status tremolo_crowd_wake(tremolo_crowd* crowd, uint32_t body);
+tremolo_status tremolo_crowd_sleep(tremolo_crowd* crowd, uint32_t body);
 
 /* As tremolo_body_state; length must be the group's number of modes. Setting wakes the body. */
-tremolo_status tremolo_world_state(const tremolo_world* world, uint32_t body, double* q, double* p,
+tremolo_status tremolo_crowd_state(const tremolo_crowd* crowd, uint32_t body, double* q, double* p,
                                    size_t length);
-tremolo_status tremolo_world_set_state(tremolo_world* world, uint32_t body, const double* q,
+tremolo_status tremolo_crowd_set_state(tremolo_crowd* crowd, uint32_t body, const double* q,
                                        const double* p, size_t length);
 
 /* As tremolo_body_energy. */
-tremolo_status tremolo_world_energy(const tremolo_world* world, uint32_t body, double* kinetic,
+tremolo_status tremolo_crowd_energy(const tremolo_crowd* crowd, uint32_t body, double* kinetic,
                                     double* potential, double* high_band);
 
 /* Only shown (nonzero) bodies have a surface. Updating rebuilds those that moved; updated (may be
  * NULL) receives their number. */
-tremolo_status tremolo_world_set_shown(tremolo_world* world, uint32_t body, int32_t shown);
-tremolo_status tremolo_world_update_surfaces(tremolo_world* world, size_t* updated);
+tremolo_status tremolo_crowd_set_shown(tremolo_crowd* crowd, uint32_t body, int32_t shown);
+tremolo_status tremolo_crowd_update_surfaces(tremolo_crowd* crowd, size_t* updated);
 
-/* Positions as of the last update, as tremolo_body_positions_float, in the world's own memory:
- * valid until the next call that changes the world. version (may be NULL) grows with every rebuild.
+/* Positions as of the last update, as tremolo_body_positions_float, in the crowd's own memory:
+ * valid until the next call that changes the crowd. version (may be NULL) grows with every rebuild.
  */
-tremolo_status tremolo_world_surface(const tremolo_world* world, uint32_t body,
+tremolo_status tremolo_crowd_surface(const tremolo_crowd* crowd, uint32_t body,
                                      const float** positions, size_t* length, uint64_t* version);
 
 /* ---- periodic motion: response curves and backbones ----
@@ -811,7 +811,7 @@ tremolo_status tremolo_recorder_create(double rate, tremolo_recorder** recorder)
 void tremolo_recorder_destroy(tremolo_recorder* recorder);
 
 /* A track is the motion of one body (also on bones), or of a model whose states the caller has,
- * such as those of a world. name: UTF-8, unique. track receives its number. TREMOLO_USAGE: there is
+ * such as those of a crowd. name: UTF-8, unique. track receives its number. TREMOLO_USAGE: there is
  * a frame already, or the name is empty or in use. */
 tremolo_status tremolo_recorder_add_body(tremolo_recorder* recorder, const tremolo_body* body,
                                          const char* name, size_t* track);

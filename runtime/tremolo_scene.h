@@ -16,12 +16,12 @@
  *   tremolo_tets_options_init(&options);
  *   options.file = "duck.tets";
  *   tremolo_scene_add_tets(scene, &place, &options);
- *   tremolo_scene_world_create(scene, 1, &world);
- *   tremolo_scene_world_find(world, "duck", &duck);
+ *   tremolo_world_create(scene, 1, &world);
+ *   tremolo_world_find(world, "duck", &duck);
  *   for (...) {
- *     tremolo_scene_world_step(world, 1, NULL);
- *     tremolo_scene_world_positions_float(world, duck, positions,
- *                                         3 * tremolo_scene_world_vertices(world, duck));
+ *     tremolo_world_step(world, 1, NULL);
+ *     tremolo_world_positions_float(world, duck, positions,
+ *                                         3 * tremolo_world_vertices(world, duck));
  *   }
  *
  * A world that is made by these calls has the same bits as one of a scene file with the same
@@ -46,7 +46,7 @@ extern "C" {
 /* The description of a scene. */
 typedef struct tremolo_scene tremolo_scene;
 /* A simulated scene. */
-typedef struct tremolo_scene_world tremolo_scene_world;
+typedef struct tremolo_world tremolo_world;
 
 /* ---- the scene ---- */
 
@@ -126,17 +126,17 @@ tremolo_status tremolo_scene_add_collider(tremolo_scene* scene,
  * missing, or threads cannot be started. TREMOLO_CONTENT: a value is out of range, two bodies have
  * one name, a body begins inside another or a collider by more than its margin, or gravity that
  * changes acts on tetrahedra; the message names the body. */
-tremolo_status tremolo_scene_world_create(const tremolo_scene* scene, uint32_t threads,
-                                          tremolo_scene_world** world);
-void tremolo_scene_world_destroy(tremolo_scene_world* world);
+tremolo_status tremolo_world_create(const tremolo_scene* scene, uint32_t threads,
+                                    tremolo_world** world);
+void tremolo_world_destroy(tremolo_world* world);
 
 /* Advances by `count` steps, or until bodies fail. done (may be NULL) receives the number of steps
  * taken, that in which bodies failed included. TREMOLO_SOLVER or TREMOLO_BOUND: the message names
  * the bodies that failed. They keep their state and are not stepped again; the others have taken
  * their step and continue in the next call. */
-tremolo_status tremolo_scene_world_step(tremolo_scene_world* world, int64_t count, int64_t* done);
-double tremolo_scene_world_time(const tremolo_scene_world* world);   /* s; 0 for NULL */
-int64_t tremolo_scene_world_steps(const tremolo_scene_world* world); /* 0 for NULL */
+tremolo_status tremolo_world_step(tremolo_world* world, int64_t count, int64_t* done);
+double tremolo_world_time(const tremolo_world* world);   /* s; 0 for NULL */
+int64_t tremolo_world_steps(const tremolo_world* world); /* 0 for NULL */
 
 typedef enum tremolo_body_kind {
   TREMOLO_REDUCED = 0, /* of a basis file, or on bones */
@@ -147,31 +147,30 @@ typedef enum tremolo_body_kind {
 
 /* Bodies are numbered from 0: reduced and rigid ones in the order in which they were added, then
  * bodies of tetrahedra, then cloths. 0 for NULL. */
-size_t tremolo_scene_world_bodies(const tremolo_scene_world* world);
+size_t tremolo_world_bodies(const tremolo_world* world);
 /* TREMOLO_USAGE: there is no body of that name. */
-tremolo_status tremolo_scene_world_find(const tremolo_scene_world* world, const char* name,
-                                        uint32_t* body);
+tremolo_status tremolo_world_find(const tremolo_world* world, const char* name, uint32_t* body);
 /* UTF-8, the world's; NULL if there is no such body. */
-const char* tremolo_scene_world_name(const tremolo_scene_world* world, uint32_t body);
-tremolo_status tremolo_scene_world_kind(const tremolo_scene_world* world, uint32_t body,
-                                        tremolo_body_kind* kind);
+const char* tremolo_world_name(const tremolo_world* world, uint32_t body);
+tremolo_status tremolo_world_kind(const tremolo_world* world, uint32_t body,
+                                  tremolo_body_kind* kind);
 
 /* The drawn surface: s vertices and t triangles. 0 for NULL and for a body that does not exist. */
-size_t tremolo_scene_world_vertices(const tremolo_scene_world* world, uint32_t body);
-size_t tremolo_scene_world_triangles(const tremolo_scene_world* world, uint32_t body);
+size_t tremolo_world_vertices(const tremolo_world* world, uint32_t body);
+size_t tremolo_world_triangles(const tremolo_world* world, uint32_t body);
 /* Three vertices per triangle; length must be 3 t. */
-tremolo_status tremolo_scene_world_triangle_corners(const tremolo_scene_world* world, uint32_t body,
-                                                    uint32_t* out, size_t length);
+tremolo_status tremolo_world_triangle_corners(const tremolo_world* world, uint32_t body,
+                                              uint32_t* out, size_t length);
 
 /* Positions of the surface's vertices, x y z x y z ..., m. length must be 3 s. */
-tremolo_status tremolo_scene_world_positions_float(const tremolo_scene_world* world, uint32_t body,
-                                                   float* out, size_t length);
-tremolo_status tremolo_scene_world_positions_double(const tremolo_scene_world* world, uint32_t body,
-                                                    double* out, size_t length);
+tremolo_status tremolo_world_positions_float(const tremolo_world* world, uint32_t body, float* out,
+                                             size_t length);
+tremolo_status tremolo_world_positions_double(const tremolo_world* world, uint32_t body,
+                                              double* out, size_t length);
 /* Their velocities, in the same order, m/s. length must be 3 s. TREMOLO_USAGE: a driven body, whose
  * frame has poses instead of a velocity. */
-tremolo_status tremolo_scene_world_velocities(const tremolo_scene_world* world, uint32_t body,
-                                              double* out, size_t length);
+tremolo_status tremolo_world_velocities(const tremolo_world* world, uint32_t body, double* out,
+                                        size_t length);
 
 /* The energy balance of a body, J. What a body has now: kinetic, potential (elastic), contact
  * (stored). at_start: their sum at the start. Given since then by each cause, negative where it was
@@ -189,33 +188,31 @@ typedef struct tremolo_energy_account {
   double remainder;
 } tremolo_energy_account;
 
-tremolo_status tremolo_scene_world_account(const tremolo_scene_world* world, uint32_t body,
-                                           tremolo_energy_account* account);
+tremolo_status tremolo_world_account(const tremolo_world* world, uint32_t body,
+                                     tremolo_energy_account* account);
 
 /* Momentum, kg m/s, and angular momentum about the world's origin, N m s; either may be NULL. */
-tremolo_status tremolo_scene_world_momentum(const tremolo_scene_world* world, uint32_t body,
-                                            double linear[3], double angular[3]);
+tremolo_status tremolo_world_momentum(const tremolo_world* world, uint32_t body, double linear[3],
+                                      double angular[3]);
 
 /* Contact of a body; any may be NULL. contacts: number of contacts that began. penetration: the
  * largest depth of a contact point at the end of any step, m. force: mean of contact's on the body
  * in the last step, N, world. points: with a force in it. */
-tremolo_status tremolo_scene_world_contact(const tremolo_scene_world* world, uint32_t body,
-                                           int64_t* contacts, double* penetration, double force[3],
-                                           int32_t* points);
+tremolo_status tremolo_world_contact(const tremolo_world* world, uint32_t body, int64_t* contacts,
+                                     double* penetration, double force[3], int32_t* points);
 
 /* 1 or 0; either may be NULL. failed: a step of the body failed: it is not stepped again. */
-tremolo_status tremolo_scene_world_look(const tremolo_scene_world* world, uint32_t body,
-                                        int32_t* asleep, int32_t* failed);
+tremolo_status tremolo_world_look(const tremolo_world* world, uint32_t body, int32_t* asleep,
+                                  int32_t* failed);
 
 /* Position, m, and quaternion (w, x, y, z) of the frame of a reduced or rigid body; either may be
  * NULL. TREMOLO_USAGE: a body of tetrahedra or a cloth, which has no frame. */
-tremolo_status tremolo_scene_world_pose(const tremolo_scene_world* world, uint32_t body,
-                                        double position[3], double quaternion[4]);
+tremolo_status tremolo_world_pose(const tremolo_world* world, uint32_t body, double position[3],
+                                  double quaternion[4]);
 
 /* As tremolo_body_apply_force. TREMOLO_USAGE also: a body of tetrahedra or a cloth. */
-tremolo_status tremolo_scene_world_apply_force(tremolo_scene_world* world, uint32_t body,
-                                               uint32_t vertex, const double force[3],
-                                               int32_t steps);
+tremolo_status tremolo_world_apply_force(tremolo_world* world, uint32_t body, uint32_t vertex,
+                                         const double force[3], int32_t steps);
 
 /* Grabs a vertex of a body of any kind by a spring (N/m) and a damper (N s/m) to a point that is at
  * the vertex until it is moved. hand: its number among those of the body. vertex: as in
@@ -223,23 +220,22 @@ tremolo_status tremolo_scene_world_apply_force(tremolo_scene_world* world, uint3
  * file or grid. A spring stiffer than mass and step allow is replaced, as there. Saved states have
  * the hand. TREMOLO_USAGE: a stiffness or damping that is negative or not finite, a particle that a
  * pin holds, a body without contact. TREMOLO_CONTENT: no such vertex, or it is inside. */
-tremolo_status tremolo_scene_world_grab(tremolo_scene_world* world, uint32_t body, uint32_t vertex,
-                                        double stiffness, double damping, uint64_t* hand);
+tremolo_status tremolo_world_grab(tremolo_world* world, uint32_t body, uint32_t vertex,
+                                  double stiffness, double damping, uint64_t* hand);
 /* place: of the hand at the end of the next step, m, world. force: on the body in the last step, N,
  * world. TREMOLO_USAGE: the body has no such hand; a place that is not finite. */
-tremolo_status tremolo_scene_world_move_hand(tremolo_scene_world* world, uint32_t body,
-                                             uint64_t hand, const double place[3]);
-tremolo_status tremolo_scene_world_hand_force(const tremolo_scene_world* world, uint32_t body,
-                                              uint64_t hand, double force[3]);
-tremolo_status tremolo_scene_world_let_go(tremolo_scene_world* world, uint32_t body, uint64_t hand);
+tremolo_status tremolo_world_move_hand(tremolo_world* world, uint32_t body, uint64_t hand,
+                                       const double place[3]);
+tremolo_status tremolo_world_hand_force(const tremolo_world* world, uint32_t body, uint64_t hand,
+                                        double force[3]);
+tremolo_status tremolo_world_let_go(tremolo_world* world, uint32_t body, uint64_t hand);
 
 /* As tremolo_body_save and tremolo_body_restore, of the whole world: the bytes are those of
  * `tremolo run --save`. TREMOLO_CONTENT, with the world unchanged: the bytes are damaged, of
  * another version or of another scene, which the message tells. */
-tremolo_status tremolo_scene_world_save(const tremolo_scene_world* world, void* bytes,
-                                        size_t capacity, size_t* size);
-tremolo_status tremolo_scene_world_restore(tremolo_scene_world* world, const void* bytes,
-                                           size_t size);
+tremolo_status tremolo_world_save(const tremolo_world* world, void* bytes, size_t capacity,
+                                  size_t* size);
+tremolo_status tremolo_world_restore(tremolo_world* world, const void* bytes, size_t size);
 
 #ifdef __cplusplus
 }

@@ -18,9 +18,9 @@
 #include "common/result.h"
 #include "runtime/contact/contact_law.h"
 #include "runtime/contact_body.h"
+#include "runtime/crowd.h"
 #include "runtime/model.h"
 #include "runtime/tremolo.h"
-#include "runtime/world.h"
 
 // NOLINTBEGIN(readability-identifier-naming): the names of the C header
 struct tremolo_model {
@@ -33,8 +33,8 @@ struct tremolo_body {
 struct tremolo_collider {
   tremolo::Collider shape;
 };
-struct tremolo_world {
-  tremolo::World world;
+struct tremolo_crowd {
+  tremolo::Crowd crowd;
 };
 // NOLINTEND(readability-identifier-naming)
 
@@ -102,11 +102,11 @@ inline ContactBody& behind(tremolo_body& handle) {
 inline const ContactBody& behind(const tremolo_body& handle) {
   return handle.body;
 }
-inline World& behind(tremolo_world& handle) {
-  return handle.world;
+inline Crowd& behind(tremolo_crowd& handle) {
+  return handle.crowd;
 }
-inline const World& behind(const tremolo_world& handle) {
-  return handle.world;
+inline const Crowd& behind(const tremolo_crowd& handle) {
+  return handle.crowd;
 }
 // Used by c_api_contacts.cpp.
 inline tremolo_contacts& behind(tremolo_contacts& handle) {
@@ -130,8 +130,8 @@ inline const char* name_of(const tremolo_collider*) {
 inline const char* name_of(const tremolo_body*) {
   return "the body";
 }
-inline const char* name_of(const tremolo_world*) {
-  return "the world";
+inline const char* name_of(const tremolo_crowd*) {
+  return "the crowd";
 }
 
 // Runs action(object behind the handle) -> Status; kUsage for NULL, also of a further argument.
@@ -158,7 +158,7 @@ tremolo_status with_all(std::initializer_list<Argument> arguments, const Action&
   });
 }
 
-// Copies the state or energy of a body or a world's body. p and the parts of the energy may be
+// Copies the state or energy of a body or a crowd's body. p and the parts of the energy may be
 // NULL. length: of q and p.
 Status copy_state(const State& state, double* q, double* p, std::size_t length);
 void copy_energy(const Energy& energy, double* kinetic, double* potential, double* high_band);

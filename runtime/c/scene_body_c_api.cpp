@@ -24,17 +24,17 @@ using tremolo::c_api::need_buffer;
 using tremolo::c_api::put;
 using tremolo::c_api::with_all;
 
-std::size_t count_of(const tremolo_scene_world& world) {
+std::size_t count_of(const tremolo_world& world) {
   return world.world.size() + world.guests.size();
 }
 
-bool exists(const tremolo_scene_world* world, std::uint32_t body) {
+bool exists(const tremolo_world* world, std::uint32_t body) {
   return world != nullptr && body < count_of(*world);
 }
 
 // A body of the world by its number: one of the SceneWorld's, or a guest.
 struct Known {
-  const tremolo_scene_world& all;
+  const tremolo_world& all;
   std::size_t number;
 
   const SceneWorld& world() const { return all.world; }
@@ -71,7 +71,7 @@ struct Known {
 
 // Runs action(Known) -> Status; kUsage if there is no such body.
 template <class Action>
-tremolo_status with_body(const tremolo_scene_world* world, std::uint32_t body,
+tremolo_status with_body(const tremolo_world* world, std::uint32_t body,
                          const Action& action) noexcept {
   return with_all({{world, "the world"}}, [&]() -> Status {
     if (exists(world, body)) return action(Known{*world, body});
@@ -101,8 +101,8 @@ Status need_hand(const Known& body, std::uint64_t hand) {
 }
 
 // As a scene's hand.
-Result<std::size_t> grab_guest(tremolo_scene_world& world, const Known& body,
-                               tremolo::VertexId vertex, double stiffness, double damping) {
+Result<std::size_t> grab_guest(tremolo_world& world, const Known& body, tremolo::VertexId vertex,
+                               double stiffness, double damping) {
   tremolo::MixedGuests& guests = *world.made.guests;
   const Result<std::size_t> point = guests.point_of_vertex(body.guest(), vertex);
   if (!point) return point.error();
@@ -135,7 +135,7 @@ void place_guest(const Known& body, bool velocities, Real* out) {
 }
 
 template <class Real>
-tremolo_status positions(const tremolo_scene_world* world, std::uint32_t body, Real* out,
+tremolo_status positions(const tremolo_world* world, std::uint32_t body, Real* out,
                          std::size_t length) noexcept {
   return with_body(world, body, [&](const Known& known) -> Status {
     if (Status s = need_buffer(out, length, 3 * known.vertices()); !s) return s;
@@ -211,12 +211,11 @@ tremolo::Momenta momenta_of(const Known& body) {
 
 }  // namespace
 
-size_t tremolo_scene_world_bodies(const tremolo_scene_world* world) {
+size_t tremolo_world_bodies(const tremolo_world* world) {
   return world == nullptr ? 0 : count_of(*world);
 }
 
-tremolo_status tremolo_scene_world_find(const tremolo_scene_world* world, const char* name,
-                                        uint32_t* body) {
+tremolo_status tremolo_world_find(const tremolo_world* world, const char* name, uint32_t* body) {
   return with_all({{world, "the world"}, {name, "the name"}, {body, "the place for the number"}},
                   [&]() -> Status {
                     for (std::size_t i = 0; i < count_of(*world); ++i) {
@@ -228,12 +227,12 @@ tremolo_status tremolo_scene_world_find(const tremolo_scene_world* world, const 
                   });
 }
 
-const char* tremolo_scene_world_name(const tremolo_scene_world* world, uint32_t body) {
+const char* tremolo_world_name(const tremolo_world* world, uint32_t body) {
   return exists(world, body) ? Known{*world, body}.name().c_str() : nullptr;
 }
 
-tremolo_status tremolo_scene_world_kind(const tremolo_scene_world* world, uint32_t body,
-                                        tremolo_body_kind* kind) {
+tremolo_status tremolo_world_kind(const tremolo_world* world, uint32_t body,
+                                  tremolo_body_kind* kind) {
   return with_body(world, body, [&](const Known& known) -> Status {
     if (Status s = need({{kind, "the place for the kind"}}); !s) return s;
     *kind = known.kind();
@@ -241,33 +240,33 @@ tremolo_status tremolo_scene_world_kind(const tremolo_scene_world* world, uint32
   });
 }
 
-size_t tremolo_scene_world_vertices(const tremolo_scene_world* world, uint32_t body) {
+size_t tremolo_world_vertices(const tremolo_world* world, uint32_t body) {
   return exists(world, body) ? Known{*world, body}.vertices() : 0;
 }
 
-size_t tremolo_scene_world_triangles(const tremolo_scene_world* world, uint32_t body) {
+size_t tremolo_world_triangles(const tremolo_world* world, uint32_t body) {
   return exists(world, body) ? Known{*world, body}.triangles().size() : 0;
 }
 
-tremolo_status tremolo_scene_world_triangle_corners(const tremolo_scene_world* world, uint32_t body,
-                                                    uint32_t* out, size_t length) {
+tremolo_status tremolo_world_triangle_corners(const tremolo_world* world, uint32_t body,
+                                              uint32_t* out, size_t length) {
   return with_body(world, body, [&](const Known& known) {
     return tremolo::c_api::fill_buffer(known.triangles(), out, length);
   });
 }
 
-tremolo_status tremolo_scene_world_positions_float(const tremolo_scene_world* world, uint32_t body,
-                                                   float* out, size_t length) {
+tremolo_status tremolo_world_positions_float(const tremolo_world* world, uint32_t body, float* out,
+                                             size_t length) {
   return positions(world, body, out, length);
 }
 
-tremolo_status tremolo_scene_world_positions_double(const tremolo_scene_world* world, uint32_t body,
-                                                    double* out, size_t length) {
-  return positions(world, body, out, length);
-}
-
-tremolo_status tremolo_scene_world_velocities(const tremolo_scene_world* world, uint32_t body,
+tremolo_status tremolo_world_positions_double(const tremolo_world* world, uint32_t body,
                                               double* out, size_t length) {
+  return positions(world, body, out, length);
+}
+
+tremolo_status tremolo_world_velocities(const tremolo_world* world, uint32_t body, double* out,
+                                        size_t length) {
   return with_body(world, body, [&](const Known& known) -> Status {
     if (Status s = need_buffer(out, length, 3 * known.vertices()); !s) return s;
     if (!known.is_guest()) return surface_velocities(known.own(), std::span(out, length));
@@ -276,8 +275,8 @@ tremolo_status tremolo_scene_world_velocities(const tremolo_scene_world* world, 
   });
 }
 
-tremolo_status tremolo_scene_world_account(const tremolo_scene_world* world, uint32_t body,
-                                           tremolo_energy_account* account) {
+tremolo_status tremolo_world_account(const tremolo_world* world, uint32_t body,
+                                     tremolo_energy_account* account) {
   return with_body(world, body, [&](const Known& known) -> Status {
     if (Status s = need({{account, "the place for the account"}}); !s) return s;
     *account = known.is_guest() ? account_of_guest(known) : account_of_own(known);
@@ -285,8 +284,8 @@ tremolo_status tremolo_scene_world_account(const tremolo_scene_world* world, uin
   });
 }
 
-tremolo_status tremolo_scene_world_momentum(const tremolo_scene_world* world, uint32_t body,
-                                            double linear[3], double angular[3]) {
+tremolo_status tremolo_world_momentum(const tremolo_world* world, uint32_t body, double linear[3],
+                                      double angular[3]) {
   return with_body(world, body, [&](const Known& known) -> Status {
     const tremolo::Momenta momenta = momenta_of(known);
     put(momenta.linear, linear);
@@ -295,9 +294,8 @@ tremolo_status tremolo_scene_world_momentum(const tremolo_scene_world* world, ui
   });
 }
 
-tremolo_status tremolo_scene_world_contact(const tremolo_scene_world* world, uint32_t body,
-                                           int64_t* contacts, double* penetration, double force[3],
-                                           int32_t* points) {
+tremolo_status tremolo_world_contact(const tremolo_world* world, uint32_t body, int64_t* contacts,
+                                     double* penetration, double force[3], int32_t* points) {
   return with_body(world, body, [&](const Known& known) -> Status {
     const SceneWorld& all = known.world();
     const bool guest = known.is_guest();
@@ -315,8 +313,8 @@ tremolo_status tremolo_scene_world_contact(const tremolo_scene_world* world, uin
   });
 }
 
-tremolo_status tremolo_scene_world_look(const tremolo_scene_world* world, uint32_t body,
-                                        int32_t* asleep, int32_t* failed) {
+tremolo_status tremolo_world_look(const tremolo_world* world, uint32_t body, int32_t* asleep,
+                                  int32_t* failed) {
   return with_body(world, body, [&](const Known& known) -> Status {
     const bool guest = known.is_guest();
     put(guest || !known.world().asleep(known.number) ? 0 : 1, asleep);
@@ -327,8 +325,8 @@ tremolo_status tremolo_scene_world_look(const tremolo_scene_world* world, uint32
   });
 }
 
-tremolo_status tremolo_scene_world_pose(const tremolo_scene_world* world, uint32_t body,
-                                        double position[3], double quaternion[4]) {
+tremolo_status tremolo_world_pose(const tremolo_world* world, uint32_t body, double position[3],
+                                  double quaternion[4]) {
   return with_body(world, body, [&](const Known& known) -> Status {
     if (Status s = need_own(known, "it has no frame"); !s) return s;
     const tremolo::Pose pose = known.own().pose();
@@ -339,8 +337,8 @@ tremolo_status tremolo_scene_world_pose(const tremolo_scene_world* world, uint32
   });
 }
 
-tremolo_status tremolo_scene_world_grab(tremolo_scene_world* world, uint32_t body, uint32_t vertex,
-                                        double stiffness, double damping, uint64_t* hand) {
+tremolo_status tremolo_world_grab(tremolo_world* world, uint32_t body, uint32_t vertex,
+                                  double stiffness, double damping, uint64_t* hand) {
   return with_body(world, body, [&](const Known& known) -> Status {
     if (Status s = need({{hand, "the place for the hand"}}); !s) return s;
     if (vertex > static_cast<std::uint32_t>(std::numeric_limits<tremolo::VertexId>::max()))
@@ -355,8 +353,8 @@ tremolo_status tremolo_scene_world_grab(tremolo_scene_world* world, uint32_t bod
   });
 }
 
-tremolo_status tremolo_scene_world_move_hand(tremolo_scene_world* world, uint32_t body,
-                                             uint64_t hand, const double place[3]) {
+tremolo_status tremolo_world_move_hand(tremolo_world* world, uint32_t body, uint64_t hand,
+                                       const double place[3]) {
   return with_body(world, body, [&](const Known& known) -> Status {
     if (Status s = need({{place, "the place"}}); !s) return s;
     if (!known.is_guest()) return world->world.body(body).move_hand(hand, Vector3d(place));
@@ -365,8 +363,8 @@ tremolo_status tremolo_scene_world_move_hand(tremolo_scene_world* world, uint32_
   });
 }
 
-tremolo_status tremolo_scene_world_hand_force(const tremolo_scene_world* world, uint32_t body,
-                                              uint64_t hand, double force[3]) {
+tremolo_status tremolo_world_hand_force(const tremolo_world* world, uint32_t body, uint64_t hand,
+                                        double force[3]) {
   return with_body(world, body, [&](const Known& known) -> Status {
     if (Status s = need({{force, "the place for the force"}}); !s) return s;
     if (Status s = need_hand(known, hand); !s) return s;
@@ -375,8 +373,7 @@ tremolo_status tremolo_scene_world_hand_force(const tremolo_scene_world* world, 
   });
 }
 
-tremolo_status tremolo_scene_world_let_go(tremolo_scene_world* world, uint32_t body,
-                                          uint64_t hand) {
+tremolo_status tremolo_world_let_go(tremolo_world* world, uint32_t body, uint64_t hand) {
   return with_body(world, body, [&](const Known& known) -> Status {
     if (!known.is_guest()) return world->world.body(body).release(hand);
     if (Status s = need_hand(known, hand); !s) return s;
@@ -385,9 +382,8 @@ tremolo_status tremolo_scene_world_let_go(tremolo_scene_world* world, uint32_t b
   });
 }
 
-tremolo_status tremolo_scene_world_apply_force(tremolo_scene_world* world, uint32_t body,
-                                               uint32_t vertex, const double force[3],
-                                               int32_t steps) {
+tremolo_status tremolo_world_apply_force(tremolo_world* world, uint32_t body, uint32_t vertex,
+                                         const double force[3], int32_t steps) {
   return with_body(world, body, [&](const Known& known) -> Status {
     if (Status s = need({{force, "the force"}}); !s) return s;
     if (Status s = need_own(known, "it takes no forces on vertices"); !s) return s;

@@ -27,7 +27,7 @@ struct tremolo_scene {
   std::vector<tremolo::Model::Pointer> models;
   tremolo::ClothScene around;
 };
-struct tremolo_scene_world {
+struct tremolo_world {
   // Of a body that is not one of the SceneWorld's.
   struct Guest {
     tremolo::GuestBound bound;
@@ -48,6 +48,6 @@ struct tremolo_scene_world {
 namespace tremolo::c_api {
 
 // True while the energy of a guest is compatible with what was put into it.
-bool look_at(const tremolo_scene_world& world, std::size_t guest, GuestBound& bound);
+bool look_at(const tremolo_world& world, std::size_t guest, GuestBound& bound);
 
 }  // namespace tremolo::c_api

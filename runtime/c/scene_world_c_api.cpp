@@ -11,8 +11,7 @@
 #include "common/text.h"
 #include "runtime/c/scene_c_api.h"
 
-bool tremolo::c_api::look_at(const tremolo_scene_world& world, std::size_t guest,
-                             GuestBound& bound) {
+bool tremolo::c_api::look_at(const tremolo_world& world, std::size_t guest, GuestBound& bound) {
   const GuestEnergy now = energy_of(*world.made.guests, guest);
   const ContactSums& sums = world.made.guests->sums(guest);
   return bound.look(now.kinetic + now.elastic, now.gravity, sums.work + sums.hand + sums.joint);
@@ -41,10 +40,10 @@ std::vector<Eigen::Index> drawn_particles(const tremolo::ClothParts& parts) {
   return particles;
 }
 
-void begin_guests(tremolo_scene_world& world) {
+void begin_guests(tremolo_world& world) {
   const tremolo::MixedGuests& guests = *world.made.guests;
   for (std::size_t i = 0; i < guests.size(); ++i) {
-    tremolo_scene_world::Guest& guest = world.guests.emplace_back();
+    tremolo_world::Guest& guest = world.guests.emplace_back();
     if (const tremolo::ClothStep* step = guests.cloth(i)) {
       const tremolo::SceneCloth& cloth = step->body().cloth();
       guest.driven = cloth.drag > 0.0 || !cloth.pins.empty();
@@ -78,7 +77,7 @@ Result<tremolo::Model::Pointer> model_of(const tremolo_scene& scene,
 }
 
 // The guests of the scene with its step and gravity.
-Status add_guests_of(const tremolo_scene& scene, tremolo_scene_world& world) {
+Status add_guests_of(const tremolo_scene& scene, tremolo_world& world) {
   std::vector<tremolo::TetSceneBody> tets = scene.tets;
   for (tremolo::TetSceneBody& body : tets) {
     body.options.step = scene.scene.step;
@@ -90,7 +89,7 @@ Status add_guests_of(const tremolo_scene& scene, tremolo_scene_world& world) {
   return Success{};
 }
 
-Status make_world(const tremolo_scene& given, std::uint32_t threads, tremolo_scene_world** world) {
+Status make_world(const tremolo_scene& given, std::uint32_t threads, tremolo_world** world) {
   if (Status s = check_names(given); !s) return s;
   const bool guests = !given.tets.empty() || !given.cloths.empty();
   tremolo::Scene scene = given.scene;
@@ -99,7 +98,7 @@ Status make_world(const tremolo_scene& given, std::uint32_t threads, tremolo_sce
   Result<SceneWorld> made = SceneWorld::create(
       scene, [&given](const tremolo::SceneBody& body) { return model_of(given, body); }, guests);
   if (!made) return made.error();
-  auto handle = std::make_unique<tremolo_scene_world>(tremolo_scene_world{std::move(*made)});
+  auto handle = std::make_unique<tremolo_world>(tremolo_world{std::move(*made)});
   if (Status s = handle->world.set_threads(threads); !s) return s;
   if (guests)
     if (Status s = add_guests_of(given, *handle); !s) return s;
@@ -108,7 +107,7 @@ Status make_world(const tremolo_scene& given, std::uint32_t threads, tremolo_sce
 }
 
 // One step. An error names all bodies that failed in it.
-Status step(tremolo_scene_world& world) {
+Status step(tremolo_world& world) {
   std::string failed;
   tremolo::ErrorKind kind = tremolo::ErrorKind::kSolver;
   const auto add = [&](const std::string& name, tremolo::ErrorKind why, const std::string& reason) {
@@ -120,7 +119,7 @@ Status step(tremolo_scene_world& world) {
         tremolo::failure_message(failure.report, world.world.time()));
   const std::string time = tremolo::number_text(world.world.time());
   for (std::size_t i = 0; i < world.guests.size(); ++i) {
-    tremolo_scene_world::Guest& guest = world.guests[i];
+    tremolo_world::Guest& guest = world.guests[i];
     if (guest.over) continue;
     const std::string& name = world.made.guests->name(i);
     guest.over = true;
@@ -139,17 +138,17 @@ Status step(tremolo_scene_world& world) {
 
 }  // namespace
 
-tremolo_status tremolo_scene_world_create(const tremolo_scene* scene, uint32_t threads,
-                                          tremolo_scene_world** world) {
+tremolo_status tremolo_world_create(const tremolo_scene* scene, uint32_t threads,
+                                    tremolo_world** world) {
   return with_all({{scene, "the scene"}, {world, "the place for the world"}},
                   [&] { return make_world(*scene, threads, world); });
 }
 
-void tremolo_scene_world_destroy(tremolo_scene_world* world) {
+void tremolo_world_destroy(tremolo_world* world) {
   delete world;
 }
 
-tremolo_status tremolo_scene_world_step(tremolo_scene_world* world, int64_t count, int64_t* done) {
+tremolo_status tremolo_world_step(tremolo_world* world, int64_t count, int64_t* done) {
   if (done != nullptr) *done = 0;
   return with_all({{world, kWorld}}, [&]() -> Status {
     if (count < 0) return usage_error("the number of steps is " + std::to_string(count));
@@ -162,16 +161,16 @@ tremolo_status tremolo_scene_world_step(tremolo_scene_world* world, int64_t coun
   });
 }
 
-double tremolo_scene_world_time(const tremolo_scene_world* world) {
+double tremolo_world_time(const tremolo_world* world) {
   return world == nullptr ? 0.0 : world->world.time();
 }
 
-int64_t tremolo_scene_world_steps(const tremolo_scene_world* world) {
+int64_t tremolo_world_steps(const tremolo_world* world) {
   return world == nullptr ? 0 : world->world.steps();
 }
 
-tremolo_status tremolo_scene_world_save(const tremolo_scene_world* world, void* bytes,
-                                        size_t capacity, size_t* size) {
+tremolo_status tremolo_world_save(const tremolo_world* world, void* bytes, size_t capacity,
+                                  size_t* size) {
   return with_all({{world, kWorld}, {size, "the place for the size"}}, [&]() -> Status {
     const std::vector<std::byte> saved = world->world.save();
     if (bytes != nullptr) {
@@ -185,8 +184,7 @@ tremolo_status tremolo_scene_world_save(const tremolo_scene_world* world, void* 
   });
 }
 
-tremolo_status tremolo_scene_world_restore(tremolo_scene_world* world, const void* bytes,
-                                           size_t size) {
+tremolo_status tremolo_world_restore(tremolo_world* world, const void* bytes, size_t size) {
   return with_all({{world, kWorld}, {bytes, "the bytes"}}, [&]() -> Status {
     if (Status s = world->world.restore(std::span(static_cast<const std::byte*>(bytes), size)); !s)
       return s;

@@ -200,11 +200,11 @@ TEST_F(CApiFrames, WhatIsWrongIsToldAndChangesNothing) {
   tremolo_body_destroy(other);
   options.size = sizeof(options);
   options.frame = TREMOLO_DRIVEN;
-  tremolo_world* world = nullptr;
+  tremolo_crowd* world = nullptr;
   uint32_t group = 0;
-  ASSERT_EQ(tremolo_world_create(1, &world), TREMOLO_OK);
-  EXPECT_EQ(tremolo_world_add_group(world, model_, &options, nullptr, &group), TREMOLO_USAGE);
-  tremolo_world_destroy(world);
+  ASSERT_EQ(tremolo_crowd_create(1, &world), TREMOLO_OK);
+  EXPECT_EQ(tremolo_crowd_add_group(world, model_, &options, nullptr, &group), TREMOLO_USAGE);
+  tremolo_crowd_destroy(world);
 }
 
 }  // namespace

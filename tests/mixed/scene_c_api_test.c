@@ -96,71 +96,71 @@ int tremolo_c_scene_world_round(const tremolo_scene* scene) {
   void* bytes = NULL;
   tremolo_body_kind kind = TREMOLO_REDUCED;
   tremolo_energy_account account;
-  tremolo_scene_world* world = NULL;
+  tremolo_world* world = NULL;
 
-  REQUIRE(tremolo_scene_world_create(scene, 1, &world) == TREMOLO_OK);
-  REQUIRE(tremolo_scene_world_bodies(world) == kKinds);
-  REQUIRE(tremolo_scene_world_step(world, 40, &done) == TREMOLO_OK && done == 40);
-  REQUIRE(tremolo_scene_world_steps(world) == 40);
-  REQUIRE(fabs(tremolo_scene_world_time(world) - 0.08) < 1e-12);
-  REQUIRE(tremolo_scene_world_save(world, NULL, 0, &size) == TREMOLO_OK && size > 1000);
+  REQUIRE(tremolo_world_create(scene, 1, &world) == TREMOLO_OK);
+  REQUIRE(tremolo_world_bodies(world) == kKinds);
+  REQUIRE(tremolo_world_step(world, 40, &done) == TREMOLO_OK && done == 40);
+  REQUIRE(tremolo_world_steps(world) == 40);
+  REQUIRE(fabs(tremolo_world_time(world) - 0.08) < 1e-12);
+  REQUIRE(tremolo_world_save(world, NULL, 0, &size) == TREMOLO_OK && size > 1000);
   bytes = malloc(size);
   REQUIRE(bytes != NULL);
-  REQUIRE(tremolo_scene_world_save(world, bytes, size - 1, &kept) == TREMOLO_USAGE);
-  REQUIRE(tremolo_scene_world_save(world, bytes, size, &kept) == TREMOLO_OK && kept == size);
+  REQUIRE(tremolo_world_save(world, bytes, size - 1, &kept) == TREMOLO_USAGE);
+  REQUIRE(tremolo_world_save(world, bytes, size, &kept) == TREMOLO_OK && kept == size);
 
   for (i = 0; i < kKinds; ++i) {
-    REQUIRE(tremolo_scene_world_find(world, names[i], &body) == TREMOLO_OK && body == i);
-    REQUIRE(strcmp(tremolo_scene_world_name(world, i), names[i]) == 0);
-    REQUIRE(tremolo_scene_world_kind(world, i, &kind) == TREMOLO_OK && kind == i);
-    n = 3 * tremolo_scene_world_vertices(world, i);
+    REQUIRE(tremolo_world_find(world, names[i], &body) == TREMOLO_OK && body == i);
+    REQUIRE(strcmp(tremolo_world_name(world, i), names[i]) == 0);
+    REQUIRE(tremolo_world_kind(world, i, &kind) == TREMOLO_OK && kind == i);
+    n = 3 * tremolo_world_vertices(world, i);
     REQUIRE(n > 0 && n <= kMost);
-    REQUIRE(tremolo_scene_world_positions_double(world, i, there, n) == TREMOLO_OK);
-    REQUIRE(tremolo_scene_world_positions_float(world, i, near, n) == TREMOLO_OK);
-    REQUIRE(tremolo_scene_world_velocities(world, i, speed, n) == TREMOLO_OK);
-    REQUIRE(tremolo_scene_world_positions_double(world, i, there, n - 1) == TREMOLO_USAGE);
+    REQUIRE(tremolo_world_positions_double(world, i, there, n) == TREMOLO_OK);
+    REQUIRE(tremolo_world_positions_float(world, i, near, n) == TREMOLO_OK);
+    REQUIRE(tremolo_world_velocities(world, i, speed, n) == TREMOLO_OK);
+    REQUIRE(tremolo_world_positions_double(world, i, there, n - 1) == TREMOLO_USAGE);
     for (k = 0; k < n; ++k) REQUIRE(fabs(there[k] - near[k]) < 1e-6);
-    size = 3 * tremolo_scene_world_triangles(world, i);
+    size = 3 * tremolo_world_triangles(world, i);
     REQUIRE(size > 0 && size <= kMost);
-    REQUIRE(tremolo_scene_world_triangle_corners(world, i, corners, size) == TREMOLO_OK);
+    REQUIRE(tremolo_world_triangle_corners(world, i, corners, size) == TREMOLO_OK);
     for (k = 0; k < size; ++k) REQUIRE(3 * corners[k] < n);
-    REQUIRE(tremolo_scene_world_account(world, i, &account) == TREMOLO_OK);
+    REQUIRE(tremolo_world_account(world, i, &account) == TREMOLO_OK);
     REQUIRE(account.kinetic >= 0.0 && account.potential >= 0.0 && account.contact >= 0.0);
     REQUIRE(account.friction <= 0.0 && account.restitution <= 0.0);
     REQUIRE(fabs(account.remainder) < 1e-6);
-    REQUIRE(tremolo_scene_world_momentum(world, i, linear, NULL) == TREMOLO_OK);
-    REQUIRE(tremolo_scene_world_contact(world, i, &contacts, NULL, force, &points) == TREMOLO_OK);
+    REQUIRE(tremolo_world_momentum(world, i, linear, NULL) == TREMOLO_OK);
+    REQUIRE(tremolo_world_contact(world, i, &contacts, NULL, force, &points) == TREMOLO_OK);
     REQUIRE(isfinite(force[2]) && points >= 0);
-    REQUIRE(tremolo_scene_world_look(world, i, &sleeps, &failed) == TREMOLO_OK && failed == 0);
+    REQUIRE(tremolo_world_look(world, i, &sleeps, &failed) == TREMOLO_OK && failed == 0);
     asleep += (uint32_t)sleeps;
     given = i < 2 ? TREMOLO_OK : TREMOLO_USAGE;
-    REQUIRE((int)tremolo_scene_world_pose(world, i, place, turn) == given);
-    REQUIRE((int)tremolo_scene_world_apply_force(world, i, 0, up, 1) == given);
+    REQUIRE((int)tremolo_world_pose(world, i, place, turn) == given);
+    REQUIRE((int)tremolo_world_apply_force(world, i, 0, up, 1) == given);
   }
   REQUIRE(contacts >= 0 && asleep == 0);
-  REQUIRE(tremolo_scene_world_find(world, "nobody", &body) == TREMOLO_USAGE);
-  REQUIRE(tremolo_scene_world_name(world, kKinds) == NULL);
-  REQUIRE(tremolo_scene_world_vertices(world, kKinds) == 0);
-  REQUIRE(tremolo_scene_world_kind(world, kKinds, &kind) == TREMOLO_USAGE);
+  REQUIRE(tremolo_world_find(world, "nobody", &body) == TREMOLO_USAGE);
+  REQUIRE(tremolo_world_name(world, kKinds) == NULL);
+  REQUIRE(tremolo_world_vertices(world, kKinds) == 0);
+  REQUIRE(tremolo_world_kind(world, kKinds, &kind) == TREMOLO_USAGE);
 
   /* The velocities are those of the next step of a millimetre's length, roughly. */
-  n = 3 * tremolo_scene_world_vertices(world, 3);
-  REQUIRE(tremolo_scene_world_positions_double(world, 3, before, n) == TREMOLO_OK);
-  REQUIRE(tremolo_scene_world_step(world, 1, NULL) == TREMOLO_OK);
-  REQUIRE(tremolo_scene_world_positions_double(world, 3, there, n) == TREMOLO_OK);
+  n = 3 * tremolo_world_vertices(world, 3);
+  REQUIRE(tremolo_world_positions_double(world, 3, before, n) == TREMOLO_OK);
+  REQUIRE(tremolo_world_step(world, 1, NULL) == TREMOLO_OK);
+  REQUIRE(tremolo_world_positions_double(world, 3, there, n) == TREMOLO_OK);
   for (k = 0; k < n; ++k) REQUIRE(fabs(there[k] - before[k] - 0.002 * speed[k]) < 1e-3);
 
   /* Back, and forward again. The forces on vertices are part of the saved state: there were none.
    */
-  REQUIRE(tremolo_scene_world_restore(world, bytes, kept) == TREMOLO_OK);
-  REQUIRE(tremolo_scene_world_steps(world) == 40);
-  REQUIRE(tremolo_scene_world_save(world, NULL, 0, &again) == TREMOLO_OK && again == kept);
-  REQUIRE(tremolo_scene_world_restore(world, bytes, kept / 2) == TREMOLO_CONTENT);
+  REQUIRE(tremolo_world_restore(world, bytes, kept) == TREMOLO_OK);
+  REQUIRE(tremolo_world_steps(world) == 40);
+  REQUIRE(tremolo_world_save(world, NULL, 0, &again) == TREMOLO_OK && again == kept);
+  REQUIRE(tremolo_world_restore(world, bytes, kept / 2) == TREMOLO_CONTENT);
   REQUIRE(strlen(tremolo_last_error()) > 0);
 
 done:
   free(bytes);
-  tremolo_scene_world_destroy(world);
+  tremolo_world_destroy(world);
   return line;
 }
 
@@ -168,7 +168,7 @@ int tremolo_c_scene_refusals(const char* tets) {
   int line = 0;
   const double huge[3] = {HUGE_VAL, 0.0, 0.0};
   tremolo_scene* scene = NULL;
-  tremolo_scene_world* world = NULL;
+  tremolo_world* world = NULL;
   tremolo_collider *ball = NULL, *plane = NULL;
   tremolo_scene_body place;
   tremolo_tets_options solid;
@@ -176,7 +176,7 @@ int tremolo_c_scene_refusals(const char* tets) {
   REQUIRE(tremolo_scene_create(0.002, NULL) == TREMOLO_USAGE);
   REQUIRE(tremolo_scene_create(0.002, &scene) == TREMOLO_OK);
   REQUIRE(tremolo_scene_set_gravity(scene, huge) == TREMOLO_USAGE);
-  REQUIRE(tremolo_scene_world_create(scene, 1, &world) == TREMOLO_CONTENT); /* no body */
+  REQUIRE(tremolo_world_create(scene, 1, &world) == TREMOLO_CONTENT); /* no body */
   REQUIRE(tremolo_collider_sphere(0.1, &ball) == TREMOLO_OK);
   REQUIRE(tremolo_collider_plane(&plane) == TREMOLO_OK);
   tremolo_scene_body_init(&place);
@@ -194,7 +194,7 @@ int tremolo_c_scene_refusals(const char* tets) {
   REQUIRE(tremolo_scene_add_tets(scene, &place, &solid) == TREMOLO_USAGE);
   solid.method = NULL;
   REQUIRE(tremolo_scene_add_tets(scene, &place, &solid) == TREMOLO_OK);
-  REQUIRE(tremolo_scene_world_create(scene, 1, &world) == TREMOLO_CONTENT);
+  REQUIRE(tremolo_world_create(scene, 1, &world) == TREMOLO_CONTENT);
   REQUIRE(strstr(tremolo_last_error(), "two bodies are called 'ball'") != NULL);
   tremolo_scene_destroy(scene);
   scene = NULL;
@@ -203,14 +203,14 @@ int tremolo_c_scene_refusals(const char* tets) {
   REQUIRE(tremolo_scene_add_rigid(scene, &place, ball, 1.0) == TREMOLO_OK);
   place.name = "cloth";
   REQUIRE(tremolo_scene_add_cloth(scene, &place, "rk4", NULL, NULL, 0) == TREMOLO_OK);
-  REQUIRE(tremolo_scene_world_create(scene, 1, &world) == TREMOLO_CONTENT);
+  REQUIRE(tremolo_world_create(scene, 1, &world) == TREMOLO_CONTENT);
   REQUIRE(strncmp(tremolo_last_error(), "cloth 'cloth'", 13) == 0);
   tremolo_scene_destroy(scene);
   scene = NULL;
 
   REQUIRE(tremolo_scene_create(0.002, &scene) == TREMOLO_OK);
   REQUIRE(tremolo_scene_add_rigid(scene, &place, plane, 1.0) == TREMOLO_OK);
-  REQUIRE(tremolo_scene_world_create(scene, 1, &world) == TREMOLO_CONTENT); /* a plane */
+  REQUIRE(tremolo_world_create(scene, 1, &world) == TREMOLO_CONTENT); /* a plane */
   tremolo_scene_destroy(scene);
   scene = NULL;
   REQUIRE(tremolo_scene_parse("bodies = 3", "here.toml", &scene) == TREMOLO_CONTENT);
@@ -220,7 +220,7 @@ int tremolo_c_scene_refusals(const char* tets) {
 
 done:
   tremolo_scene_destroy(scene);
-  tremolo_scene_world_destroy(world);
+  tremolo_world_destroy(world);
   tremolo_collider_destroy(ball);
   tremolo_collider_destroy(plane);
   return line;

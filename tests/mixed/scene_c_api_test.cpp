@@ -39,7 +39,7 @@ class SceneCApi : public ::testing::Test {
   }
   void TearDown() override {
     for (tremolo_scene* scene : scenes_) tremolo_scene_destroy(scene);
-    for (tremolo_scene_world* world : worlds_) tremolo_scene_world_destroy(world);
+    for (tremolo_world* world : worlds_) tremolo_world_destroy(world);
   }
 
   static std::string path(const std::string& name) { return folder_ + "/" + name; }
@@ -53,26 +53,25 @@ class SceneCApi : public ::testing::Test {
         << "line of scene_c_api_test.c; " << tremolo_last_error();
     return keep(scene);
   }
-  tremolo_scene_world* world_of(const tremolo_scene* scene, std::uint32_t threads = 1) {
-    tremolo_scene_world* world = nullptr;
-    EXPECT_EQ(tremolo_scene_world_create(scene, threads, &world), TREMOLO_OK)
-        << tremolo_last_error();
+  tremolo_world* world_of(const tremolo_scene* scene, std::uint32_t threads = 1) {
+    tremolo_world* world = nullptr;
+    EXPECT_EQ(tremolo_world_create(scene, threads, &world), TREMOLO_OK) << tremolo_last_error();
     return worlds_.emplace_back(world);
   }
-  static std::vector<std::byte> saved(const tremolo_scene_world* world) {
+  static std::vector<std::byte> saved(const tremolo_world* world) {
     std::size_t size = 0;
-    EXPECT_EQ(tremolo_scene_world_save(world, nullptr, 0, &size), TREMOLO_OK);
+    EXPECT_EQ(tremolo_world_save(world, nullptr, 0, &size), TREMOLO_OK);
     std::vector<std::byte> bytes(size);
-    EXPECT_EQ(tremolo_scene_world_save(world, bytes.data(), size, &size), TREMOLO_OK);
+    EXPECT_EQ(tremolo_world_save(world, bytes.data(), size, &size), TREMOLO_OK);
     return bytes;
   }
-  static void advance(tremolo_scene_world* world, int steps) {
-    ASSERT_EQ(tremolo_scene_world_step(world, steps, nullptr), TREMOLO_OK) << tremolo_last_error();
+  static void advance(tremolo_world* world, int steps) {
+    ASSERT_EQ(tremolo_world_step(world, steps, nullptr), TREMOLO_OK) << tremolo_last_error();
   }
 
   static inline std::string folder_;
   std::vector<tremolo_scene*> scenes_;
-  std::vector<tremolo_scene_world*> worlds_;
+  std::vector<tremolo_world*> worlds_;
 };
 
 // The scene of tremolo_c_scene_by_calls().
@@ -132,19 +131,18 @@ TEST_F(SceneCApi, AWorldByCallsHasTheBitsOfItsFile) {
   ASSERT_EQ(tremolo_scene_parse(kText.c_str(), path("elsewhere.toml").c_str(), &text), TREMOLO_OK)
       << tremolo_last_error();
   keep(text);
-  tremolo_scene_world* calls = world_of(by_calls());
-  tremolo_scene_world* of_file = world_of(file, 2);
-  tremolo_scene_world* of_text = world_of(text);
+  tremolo_world* calls = world_of(by_calls());
+  tremolo_world* of_file = world_of(file, 2);
+  tremolo_world* of_text = world_of(text);
   for (int k = 0; k < 3; ++k) {
-    for (tremolo_scene_world* world : worlds_) advance(world, 40);
+    for (tremolo_world* world : worlds_) advance(world, 40);
     EXPECT_TRUE(saved(calls) == saved(of_file)) << k;
     EXPECT_TRUE(saved(calls) == saved(of_text)) << k;
   }
   std::int64_t contacts = 0;
   for (std::uint32_t body = 0; body < 4; ++body) {
-    ASSERT_EQ(tremolo_scene_world_contact(calls, body, &contacts, nullptr, nullptr, nullptr),
-              TREMOLO_OK);
-    EXPECT_GT(contacts, 0) << tremolo_scene_world_name(calls, body);
+    ASSERT_EQ(tremolo_world_contact(calls, body, &contacts, nullptr, nullptr, nullptr), TREMOLO_OK);
+    EXPECT_GT(contacts, 0) << tremolo_world_name(calls, body);
   }
 }
 
@@ -155,13 +153,13 @@ TEST_F(SceneCApi, StatesAreThoseOfThePrograms) {
       folder_, TREMOLO_BIN_DIR "/tremolo run scene.toml --duration 0.1 --save end.saved");
   if (run.code == 127) GTEST_SKIP() << "the program is not built";
   ASSERT_EQ(run.code, 0) << run.err;
-  tremolo_scene_world* world = world_of(by_calls());
+  tremolo_world* world = world_of(by_calls());
   advance(world, 50);
   const std::string bytes = testing::slurp(path("end.saved"));
   const std::vector<std::byte> own = saved(world);
   EXPECT_TRUE(std::string(reinterpret_cast<const char*>(own.data()), own.size()) == bytes);
-  tremolo_scene_world* other = world_of(by_calls());
-  ASSERT_EQ(tremolo_scene_world_restore(other, bytes.data(), bytes.size()), TREMOLO_OK)
+  tremolo_world* other = world_of(by_calls());
+  ASSERT_EQ(tremolo_world_restore(other, bytes.data(), bytes.size()), TREMOLO_OK)
       << tremolo_last_error();
   advance(world, 30);
   advance(other, 30);
@@ -222,17 +220,17 @@ TEST_F(SceneCApi, HandsAndJointsOfAllKindsAreRestoredToTheBit) {
   keep(scene);
   for (const int before : {0, 5, 30, 40, 60}) {
     SCOPED_TRACE(before);
-    tremolo_scene_world* whole = world_of(scene);
+    tremolo_world* whole = world_of(scene);
     advance(whole, before);
     const std::vector<std::byte> bytes = saved(whole);
-    tremolo_scene_world* other = world_of(scene);
-    ASSERT_EQ(tremolo_scene_world_restore(other, bytes.data(), bytes.size()), TREMOLO_OK)
+    tremolo_world* other = world_of(scene);
+    ASSERT_EQ(tremolo_world_restore(other, bytes.data(), bytes.size()), TREMOLO_OK)
         << tremolo_last_error();
     advance(whole, 25);
     advance(other, 25);
     EXPECT_TRUE(saved(whole) == saved(other));
     // Back to an earlier moment, at which other hands and joints held.
-    ASSERT_EQ(tremolo_scene_world_restore(whole, bytes.data(), bytes.size()), TREMOLO_OK);
+    ASSERT_EQ(tremolo_world_restore(whole, bytes.data(), bytes.size()), TREMOLO_OK);
     advance(whole, 25);
     EXPECT_TRUE(saved(whole) == saved(other));
   }
@@ -243,19 +241,19 @@ TEST_F(SceneCApi, TheWorkOfHandsAndJointsIsInTheBalance) {
   tremolo_scene* scene = nullptr;
   ASSERT_EQ(tremolo_scene_parse((kText + kHeld).c_str(), path("held.toml").c_str(), &scene),
             TREMOLO_OK);
-  tremolo_scene_world* world = world_of(keep(scene));
+  tremolo_world* world = world_of(keep(scene));
   std::uint32_t sheet = 0, cube = 0;
-  ASSERT_EQ(tremolo_scene_world_find(world, "sheet", &sheet), TREMOLO_OK);
-  ASSERT_EQ(tremolo_scene_world_find(world, "cube", &cube), TREMOLO_OK);
+  ASSERT_EQ(tremolo_world_find(world, "sheet", &sheet), TREMOLO_OK);
+  ASSERT_EQ(tremolo_world_find(world, "cube", &cube), TREMOLO_OK);
   tremolo_energy_account account{};
   for (int i = 0; i < 60; ++i) {
     advance(world, 1);
-    ASSERT_EQ(tremolo_scene_world_account(world, sheet, &account), TREMOLO_OK);
+    ASSERT_EQ(tremolo_world_account(world, sheet, &account), TREMOLO_OK);
     ASSERT_LT(std::abs(account.remainder), 1e-10);
   }
   EXPECT_NE(account.hand, 0.0);
   EXPECT_NE(account.joint, 0.0);
-  ASSERT_EQ(tremolo_scene_world_account(world, cube, &account), TREMOLO_OK);
+  ASSERT_EQ(tremolo_world_account(world, cube, &account), TREMOLO_OK);
   EXPECT_NE(account.hand, 0.0);
   EXPECT_NE(account.joint, 0.0);
 }
@@ -283,7 +281,7 @@ stiffness = 50
             TREMOLO_OK)
       << tremolo_last_error();
   ASSERT_EQ(tremolo_scene_parse(kText.c_str(), path("bare.toml").c_str(), &bare), TREMOLO_OK);
-  tremolo_scene_world *wanted = world_of(keep(scene)), *world = world_of(keep(bare));
+  tremolo_world *wanted = world_of(keep(scene)), *world = world_of(keep(bare));
   struct Held {
     const char* body;
     std::uint32_t vertex;
@@ -293,35 +291,34 @@ stiffness = 50
        {Held{"sheet", 48, 20.0, 0.05}, {"cube", 0, 60.0, 0.2}, {"hard", 1, 50.0, 0.0}}) {
     std::uint32_t body = 0;
     std::uint64_t hand = 99;
-    ASSERT_EQ(tremolo_scene_world_find(world, held.body, &body), TREMOLO_OK);
-    ASSERT_EQ(
-        tremolo_scene_world_grab(world, body, held.vertex, held.stiffness, held.damping, &hand),
-        TREMOLO_OK)
+    ASSERT_EQ(tremolo_world_find(world, held.body, &body), TREMOLO_OK);
+    ASSERT_EQ(tremolo_world_grab(world, body, held.vertex, held.stiffness, held.damping, &hand),
+              TREMOLO_OK)
         << tremolo_last_error();
   }
   advance(wanted, 40);
   advance(world, 40);
-  for (std::uint32_t body = 0; body < tremolo_scene_world_bodies(world); ++body) {
-    std::vector<double> a(3 * tremolo_scene_world_vertices(world, body)), b(a.size());
-    ASSERT_EQ(tremolo_scene_world_positions_double(wanted, body, a.data(), a.size()), TREMOLO_OK);
-    ASSERT_EQ(tremolo_scene_world_positions_double(world, body, b.data(), b.size()), TREMOLO_OK);
+  for (std::uint32_t body = 0; body < tremolo_world_bodies(world); ++body) {
+    std::vector<double> a(3 * tremolo_world_vertices(world, body)), b(a.size());
+    ASSERT_EQ(tremolo_world_positions_double(wanted, body, a.data(), a.size()), TREMOLO_OK);
+    ASSERT_EQ(tremolo_world_positions_double(world, body, b.data(), b.size()), TREMOLO_OK);
     EXPECT_TRUE(a == b) << body;
   }
   std::uint32_t sheet = 0;
   double force[3] = {0.0, 0.0, 0.0};
   const double far[3] = {0.2, 0.2, 0.5};
-  ASSERT_EQ(tremolo_scene_world_find(world, "sheet", &sheet), TREMOLO_OK);
-  ASSERT_EQ(tremolo_scene_world_move_hand(world, sheet, 0, far), TREMOLO_OK);
+  ASSERT_EQ(tremolo_world_find(world, "sheet", &sheet), TREMOLO_OK);
+  ASSERT_EQ(tremolo_world_move_hand(world, sheet, 0, far), TREMOLO_OK);
   advance(world, 1);
-  ASSERT_EQ(tremolo_scene_world_hand_force(world, sheet, 0, force), TREMOLO_OK);
+  ASSERT_EQ(tremolo_world_hand_force(world, sheet, 0, force), TREMOLO_OK);
   EXPECT_GT(force[2], 1.0);
-  EXPECT_EQ(tremolo_scene_world_hand_force(world, sheet, 1, force), TREMOLO_USAGE) << "the cube's";
-  ASSERT_EQ(tremolo_scene_world_let_go(world, sheet, 0), TREMOLO_OK);
-  EXPECT_EQ(tremolo_scene_world_let_go(world, sheet, 0), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_world_hand_force(world, sheet, 1, force), TREMOLO_USAGE) << "the cube's";
+  ASSERT_EQ(tremolo_world_let_go(world, sheet, 0), TREMOLO_OK);
+  EXPECT_EQ(tremolo_world_let_go(world, sheet, 0), TREMOLO_USAGE);
   std::uint64_t hand = 0;
-  EXPECT_EQ(tremolo_scene_world_grab(world, sheet, 49, 1.0, 0.0, &hand), TREMOLO_CONTENT);
-  EXPECT_EQ(tremolo_scene_world_grab(world, sheet, 5, -1.0, 0.0, &hand), TREMOLO_USAGE);
-  EXPECT_EQ(tremolo_scene_world_grab(world, sheet, 6, 1.0, 0.0, &hand), TREMOLO_USAGE) << "a pin";
+  EXPECT_EQ(tremolo_world_grab(world, sheet, 49, 1.0, 0.0, &hand), TREMOLO_CONTENT);
+  EXPECT_EQ(tremolo_world_grab(world, sheet, 5, -1.0, 0.0, &hand), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_world_grab(world, sheet, 6, 1.0, 0.0, &hand), TREMOLO_USAGE) << "a pin";
 }
 
 TEST_F(SceneCApi, WrongHandsAndJointsAreToldWithTheirLine) {
@@ -346,8 +343,8 @@ TEST_F(SceneCApi, WrongHandsAndJointsAreToldWithTheirLine) {
     tremolo_status found =
         tremolo_scene_parse((kText + text).c_str(), path("wrong.toml").c_str(), &scene);
     if (found == TREMOLO_OK) {
-      tremolo_scene_world* world = nullptr;
-      found = tremolo_scene_world_create(keep(scene), 1, &world);
+      tremolo_world* world = nullptr;
+      found = tremolo_world_create(keep(scene), 1, &world);
     }
     EXPECT_EQ(found, TREMOLO_CONTENT);
     const std::string message = tremolo_last_error();

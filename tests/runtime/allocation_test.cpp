@@ -10,7 +10,7 @@
 #include "runtime/bodies/reduced/integrators/solve/newton.h"
 #include "runtime/body.h"
 #include "runtime/contact/collider.h"
-#include "runtime/world.h"
+#include "runtime/crowd.h"
 #include "tests/support/distance_fields.h"
 #include "tests/support/dynamics.h"
 #include "tests/support/linear_model.h"
@@ -123,10 +123,10 @@ TEST(Allocation, NoStepAllocatesWhereTheJacobianIsIndefinite) {
   }
 }
 
-TEST(Allocation, NoStepOfAWorldAllocatesNorDoItsSurfaces) {
+TEST(Allocation, NoStepOfACrowdAllocatesNorDoItsSurfaces) {
   const Model::Pointer model = testing::make_model(
       testing::random_strain_model(testing::spread_omega(9, 5.0, 900.0), 0.02, 61));
-  World world = std::move(*World::create(2));
+  Crowd world = std::move(*Crowd::create(2));
   for (const std::string_view method : {"imexv-linear", "ep4"}) {
     GroupOptions options{.integrator = method, .options = {.alpha = 6.0}};
     options.sleep = {.energy = 1e-2, .time = 0.05};
@@ -146,7 +146,7 @@ TEST(Allocation, NoStepOfAWorldAllocatesNorDoItsSurfaces) {
   std::size_t failed = 0, fell_asleep = 0;
   const long before = allocations;
   for (int k = 0; k < 600; ++k) {
-    const WorldReport& report = world.step();
+    const CrowdReport& report = world.step();
     failed += report.failed.size();
     fell_asleep += report.fell_asleep;
     world.update_surfaces();

@@ -9,8 +9,8 @@
 
 #include "runtime/body.h"
 #include "runtime/contact_body.h"
+#include "runtime/crowd.h"
 #include "runtime/tremolo.h"
-#include "runtime/world.h"
 #include "tests/support/dynamics.h"
 #include "tests/support/linear_model.h"
 
@@ -180,7 +180,7 @@ TEST(DampingRatio, BodiesInLanesMoveAsOneBody) {
     group.options.tolerance = 1e-12;
     group.options.ratios = some_ratios();
     group.sleep.time = kNever;
-    World world = std::move(*World::create(1));
+    Crowd world = std::move(*Crowd::create(1));
     const GroupId id = *world.add_group(model, group);
     std::vector<Body> bodies;
     for (unsigned b = 0; b < 9; ++b) {
@@ -269,7 +269,7 @@ TEST(DampingRatio, OutOfRangeOrTooManyAreRefused) {
   EXPECT_EQ(body.options().alpha, 1.0);
   EXPECT_FALSE(body.options().ratios.of_each_mode());
   // A group of fewer modes than the model has.
-  World world = std::move(*World::create(1));
+  Crowd world = std::move(*Crowd::create(1));
   GroupOptions group;
   group.integrator = "verlet";
   group.options = {.step = 5e-4};

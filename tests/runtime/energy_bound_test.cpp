@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/world.h"
+#include "runtime/crowd.h"
 #include "tests/support/dynamics.h"
 
 namespace tremolo {
@@ -130,7 +130,7 @@ TEST(EnergyBound, StableMotionAtTheEdgeOfAnExplicitMethodIsNoExplosion) {
     const IntegratorOptions options{.step = std::sqrt(1.0 - 1.0 / 40.0) * 2.0 / 900.0,
                                     .split = {.rule = SplitRule::kCount, .count = 1}};
     Body body = std::move(*Body::create(model, method, options));
-    World world = std::move(*World::create());
+    Crowd world = std::move(*Crowd::create());
     GroupOptions group{.integrator = method, .options = options};
     group.sleep.time = kNever;
     const BodyId lane = *world.add_body(*world.add_group(model, group));
@@ -184,7 +184,7 @@ TEST(EnergyBound, LookingChangesNoOrbit) {
   }
 }
 
-// ---- World ----
+// ---- Crowd ----
 
 struct LaneCase {
   std::string_view method;
@@ -197,7 +197,7 @@ constexpr LaneCase kLaneCases[] = {{"verlet", LanePrecision::kDouble},
                                    {"imexv-thesis", LanePrecision::kDouble}};
 
 // Bodies 0..count-1, of which every fifth has a state that explodes.
-std::vector<BodyId> add_crowd(World& world, GroupId group, unsigned count) {
+std::vector<BodyId> add_crowd(Crowd& world, GroupId group, unsigned count) {
   std::vector<BodyId> bodies;
   for (unsigned b = 0; b < count; ++b) {
     bodies.push_back(*world.add_body(group));
@@ -218,14 +218,14 @@ GroupOptions exploding_group(const LaneCase& lane) {
 TEST(EnergyBound, BodyOfAWorldThatExplodesIsPutBackToASoundStateAndToSleepAndIsNamed) {
   const Model::Pointer model = crowd_model(0.5);
   for (const LaneCase& lane : kLaneCases) {
-    World world = std::move(*World::create());
+    Crowd world = std::move(*Crowd::create());
     const std::vector<BodyId> bodies =
         add_crowd(world, *world.add_group(model, exploding_group(lane)), 21);
     std::vector<double> start;
     for (const BodyId body : bodies) start.push_back(world.energy(body)->total());
     std::vector<BodyId> failed;
     for (int k = 0; k < 400; ++k) {
-      const WorldReport& report = world.step();
+      const CrowdReport& report = world.step();
       ASSERT_EQ(report.failed.size(), report.why.size());
       for (std::size_t i = 0; i < report.failed.size(); ++i) {
         const BodyId body = report.failed[i];
@@ -250,7 +250,7 @@ TEST(EnergyBound, BodyOfAWorldThatExplodesIsPutBackToASoundStateAndToSleepAndIsN
 TEST(EnergyBound, WhereAnExplodedBodyIsPutDependsNeitherOnThreadsNorOnOthers) {
   const Model::Pointer model = crowd_model(0.5);
   const auto story = [&](const LaneCase& lane, unsigned threads, unsigned others) {
-    World world = std::move(*World::create(threads));
+    Crowd world = std::move(*Crowd::create(threads));
     const GroupId group = *world.add_group(model, exploding_group(lane));
     add_crowd(world, group, 8);
     for (unsigned b = 0; b < others; ++b) {
@@ -286,7 +286,7 @@ TEST(EnergyBound, ForcesOfALaneCountAsPutInAndSleepKeepsTheCount) {
     GroupOptions options{.integrator = lane.method, .precision = lane.precision};
     options.options.step = 1e-3;
     options.sleep.time = kNever;
-    World world = std::move(*World::create());
+    Crowd world = std::move(*Crowd::create());
     const BodyId body = *world.add_body(*world.add_group(model, options));
     for (int k = 0; k < 1000; ++k) {  // from rest, over and over, to 4e4 times the first energy
       if (k % 10 == 0) {
@@ -327,12 +327,12 @@ TEST(EnergyBound, ForceThatIsTooLargeIsRefusedOrNamedAndCanBeCleared) {
       ASSERT_TRUE(pushed.set_state(q, Eigen::VectorXd::Zero(kCrowdModes)));
       EXPECT_TRUE(pushed.step().converged) << method << size;
 
-      World world = std::move(*World::create());
+      Crowd world = std::move(*Crowd::create());
       GroupOptions options{.integrator = method, .options = {.step = 1e-3}};
       const BodyId one = *world.add_body(*world.add_group(model, options));
       for (int k = 0; k < 4; ++k) ASSERT_TRUE(world.apply_force(one, 5, {size, size, -size}, 5));
       for (int k = 0; k < 3 && *world.is_awake(one); ++k) {
-        const WorldReport& made = world.step();
+        const CrowdReport& made = world.step();
         if (!made.failed.empty()) {
           EXPECT_EQ(made.why[0], StepFailure::kLoad) << method << size;
         }
@@ -344,7 +344,7 @@ TEST(EnergyBound, ForceThatIsTooLargeIsRefusedOrNamedAndCanBeCleared) {
 
 TEST(EnergyBound, ForcesOfAWorldsBodyCanBeCleared) {
   for (const std::string_view method : {"ep4", "imexv-linear"}) {
-    World world = std::move(*World::create());
+    Crowd world = std::move(*Crowd::create());
     const GroupId group = *world.add_group(crowd_model(0.05), {.integrator = method});
     const BodyId pushed = *world.add_body(group), other = *world.add_body(group);
     for (const BodyId body : {pushed, other})
@@ -358,9 +358,9 @@ TEST(EnergyBound, ForcesOfAWorldsBodyCanBeCleared) {
   }
 }
 
-TEST(World, DefaultMethodIsOneThatCannotExplode) {
+TEST(Crowd, DefaultMethodIsOneThatCannotExplode) {
   EXPECT_EQ(GroupOptions{}.integrator, "ep4");
-  World world = std::move(*World::create());
+  Crowd world = std::move(*Crowd::create());
   const Model::Pointer model = crowd_model(0.5);
   const GroupId group = *world.add_group(model, {});
   const BodyId body = *world.add_body(group);

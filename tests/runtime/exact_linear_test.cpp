@@ -6,7 +6,7 @@
 
 #include "runtime/bodies/reduced/integrators/solve/damping.h"
 #include "runtime/body.h"
-#include "runtime/world.h"
+#include "runtime/crowd.h"
 #include "tests/support/dynamics.h"
 #include "tests/support/linear_model.h"
 #include "tests/support/quad_exponential.h"
@@ -276,7 +276,7 @@ TEST(ExactLinear, NumbersThatAreNotFiniteAreNoConvergenceAndChangeNothing) {
 
 TEST(ExactLinear, BodiesOfAWorldTakeTheSameSteps) {
   const Model::Pointer model = linear_model(audible());
-  Result<World> world = World::create(1);
+  Result<Crowd> world = Crowd::create(1);
   ASSERT_TRUE(world);
   GroupOptions options;
   options.integrator = "ep4";

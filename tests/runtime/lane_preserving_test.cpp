@@ -7,7 +7,7 @@
 
 #include "runtime/bodies/lanes/lane_group.h"
 #include "runtime/body.h"
-#include "runtime/world.h"
+#include "runtime/crowd.h"
 #include "tests/support/dynamics.h"
 
 namespace tremolo {
@@ -28,12 +28,12 @@ GroupOptions crowd_options(std::string_view method, double step, double alpha = 
 }
 
 struct Crowd {
-  World world;
+  Crowd world;
   std::vector<BodyId> bodies;
 
   Crowd(const Model::Pointer& model, const GroupOptions& options, const std::vector<State>& states,
         unsigned threads = 1)
-      : world(std::move(*World::create(threads))) {
+      : world(std::move(*Crowd::create(threads))) {
     const GroupId group = *world.add_group(model, options);
     for (const State& state : states) {
       bodies.push_back(*world.add_body(group));

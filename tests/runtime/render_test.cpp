@@ -4,8 +4,8 @@
 
 #include "formats/basis/basis_writer.h"
 #include "runtime/bodies/reduced/surface/surface.h"
+#include "runtime/crowd.h"
 #include "runtime/tremolo.h"
-#include "runtime/world.h"
 #include "tests/support/dynamics.h"
 #include "tests/support/sample_render.h"
 #include "tests/support/temporary_folder.h"
@@ -167,7 +167,7 @@ TEST(SmoothPatches, WithoutNormalsAreThePlacesOfAnObject) {
 
 TEST(Render, AWorldShowsItToo) {
   const Model::Pointer model = tube_model();
-  Result<World> world = World::create(2);
+  Result<Crowd> world = Crowd::create(2);
   ASSERT_TRUE(world);
   const Result<GroupId> group = world->add_group(model, {});
   ASSERT_TRUE(group);

@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "common/energy.h"
+#include "runtime/crowd.h"
 #include "runtime/energy.h"
 #include "runtime/tremolo.h"
-#include "runtime/world.h"
 #include "tests/support/run_program.h"
 
 namespace tremolo {
@@ -134,7 +134,7 @@ void Defaults::run_body() {
 }
 
 void Defaults::run_world() {
-  World world = std::move(*World::create());
+  Crowd world = std::move(*Crowd::create());
   const BodyId body = *world.add_body(*world.add_group(model_, {}));
   ASSERT_TRUE(world.apply_force(body, vertex_, force_, kPush));
   Orbit orbit = make_orbit();
@@ -144,7 +144,7 @@ void Defaults::run_world() {
     orbit.energy[k] = world.energy(body)->total();
   }
   EXPECT_TRUE(*world.is_awake(body));
-  check("World", orbit);
+  check("Crowd", orbit);
 }
 
 void Defaults::run_body_from_c() {
@@ -171,26 +171,26 @@ void Defaults::run_body_from_c() {
 
 void Defaults::run_world_from_c() {
   tremolo_model* model = nullptr;
-  tremolo_world* world = nullptr;
+  tremolo_crowd* world = nullptr;
   std::uint32_t group = 0, body = 0;
   ASSERT_EQ(tremolo_model_load(path().c_str(), 0, &model), TREMOLO_OK) << tremolo_last_error();
-  ASSERT_EQ(tremolo_world_create(1, &world), TREMOLO_OK);
-  ASSERT_EQ(tremolo_world_add_group(world, model, nullptr, nullptr, &group), TREMOLO_OK);
+  ASSERT_EQ(tremolo_crowd_create(1, &world), TREMOLO_OK);
+  ASSERT_EQ(tremolo_crowd_add_group(world, model, nullptr, nullptr, &group), TREMOLO_OK);
   tremolo_model_release(model);
-  ASSERT_EQ(tremolo_world_add_body(world, group, &body), TREMOLO_OK);
+  ASSERT_EQ(tremolo_crowd_add_body(world, group, &body), TREMOLO_OK);
   const auto vertex = static_cast<std::uint32_t>(vertex_);
-  ASSERT_EQ(tremolo_world_apply_force(world, body, vertex, force_.data(), kPush), TREMOLO_OK);
+  ASSERT_EQ(tremolo_crowd_apply_force(world, body, vertex, force_.data(), kPush), TREMOLO_OK);
   Orbit orbit = make_orbit();
   for (int k = 0; k < kSteps; ++k) {
     double kinetic = 0.0, potential = 0.0;
-    ASSERT_EQ(tremolo_world_step(world, nullptr, 0, nullptr), TREMOLO_OK) << tremolo_last_error();
-    ASSERT_EQ(tremolo_world_state(world, body, orbit.q.col(k).data(), nullptr,
+    ASSERT_EQ(tremolo_crowd_step(world, nullptr, 0, nullptr), TREMOLO_OK) << tremolo_last_error();
+    ASSERT_EQ(tremolo_crowd_state(world, body, orbit.q.col(k).data(), nullptr,
                                   static_cast<std::size_t>(model_->modes())),
               TREMOLO_OK);
-    ASSERT_EQ(tremolo_world_energy(world, body, &kinetic, &potential, nullptr), TREMOLO_OK);
+    ASSERT_EQ(tremolo_crowd_energy(world, body, &kinetic, &potential, nullptr), TREMOLO_OK);
     orbit.energy[k] = kinetic + potential;
   }
-  tremolo_world_destroy(world);
+  tremolo_crowd_destroy(world);
   check("C world", orbit);
 }
 
@@ -239,7 +239,7 @@ TEST(LanesUnderTheSamplesLoads, AreWatchedAndPutBackToASoundStateWhereTheyExplod
     }
     const double largest = measure.state().q.norm();
     for (const LanePrecision precision : {LanePrecision::kDouble, LanePrecision::kFloat}) {
-      World world = std::move(*World::create());
+      Crowd world = std::move(*Crowd::create());
       const GroupId group =
           *world.add_group(*model, {.integrator = "imexv-linear", .precision = precision});
       const BodyId body = *world.add_body(group);
@@ -248,7 +248,7 @@ TEST(LanesUnderTheSamplesLoads, AreWatchedAndPutBackToASoundStateWhereTheyExplod
       int step = 0;
       bool failed = false;
       for (; step < kSteps && !failed; ++step) {
-        const WorldReport& report = world.step();
+        const CrowdReport& report = world.step();
         failed = !report.failed.empty();
         if (failed) {
           EXPECT_EQ(report.why[0], StepFailure::kEnergy) << name;

@@ -29,7 +29,7 @@
 #include "runtime/energy_bound.h"
 #include "runtime/integrator.h"
 #include "runtime/model.h"
-#include "runtime/world.h"
+#include "runtime/crowd.h"
 
 namespace tremolo {
 
@@ -47,7 +47,7 @@ struct LaneScratch {
   LaneRow energy[2], harmonic[2];    // J
   LaneRow work[2], kick[2];          // J, of the step's load
   LanePreservingScratch preserving;
-  std::size_t thread = 0;  // of the world
+  std::size_t thread = 0;  // of the crowd
 };
 
 class LaneGroup {

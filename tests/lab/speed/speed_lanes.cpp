@@ -57,7 +57,7 @@ struct LaneField {
     for (std::size_t at = 0; at < x.size(); at += coefficients.modes)
       evaluate_lanes(coefficients, x[at].value, gradient[at].value, nullptr, vectors);
   }
-  // grad V of a body; lambda q added in double, as a World does.
+  // grad V of a body; lambda q added in double, as a Crowd does.
   Eigen::VectorXd force(const Model& model, const Eigen::VectorXd& q, std::size_t body) const {
     Eigen::VectorXd force = model.lambda().cwiseProduct(q);
     for (Eigen::Index i = 0; i < force.size(); ++i)

@@ -1,4 +1,4 @@
-// Many bodies: a world's step, sleep, levels of detail, surfaces.
+// Many bodies: a crowd's step, sleep, levels of detail, surfaces.
 #include "tests/lab/speed/speed_world.h"
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "runtime/world.h"
+#include "runtime/crowd.h"
 #include "tests/lab/work/failure.h"
 
 namespace tremolo::bench {
@@ -41,27 +41,27 @@ GroupOptions lane_options(LanePrecision precision, int modes = 0) {
   return options;
 }
 
-// A world with `awake` bodies that move and `asleep` that do not.
-World make_world(const Model::Pointer& model, const GroupOptions& options, unsigned threads,
+// A crowd with `awake` bodies that move and `asleep` that do not.
+Crowd make_world(const Model::Pointer& model, const GroupOptions& options, unsigned threads,
                  std::size_t awake, std::size_t asleep = 0) {
-  World world = or_fail(World::create(threads));
-  const GroupId group = or_fail(world.add_group(model, options));
+  Crowd crowd = or_fail(Crowd::create(threads));
+  const GroupId group = or_fail(crowd.add_group(model, options));
   const Eigen::Index modes = options.modes == 0 ? model->modes() : options.modes;
   const std::vector<Eigen::VectorXd> states = random_states(*model, awake);
   for (std::size_t b = 0; b < awake + asleep; ++b) {
-    const BodyId body = or_fail(world.add_body(group));
+    const BodyId body = or_fail(crowd.add_body(group));
     if (b < awake)
-      or_fail(world.set_state(body, states[b].head(modes), Eigen::VectorXd::Zero(modes)));
+      or_fail(crowd.set_state(body, states[b].head(modes), Eigen::VectorXd::Zero(modes)));
   }
-  return world;
+  return crowd;
 }
 
 // The largest difference of q between f32 and f64 lanes after 1000 steps (1 s), relative to the
 // body's largest q then; and the same of the energies, relative to the energy.
 std::string float_orbit_error(const Model::Pointer& model) {
   constexpr std::size_t kWatched = 64;
-  World f32 = make_world(model, lane_options(LanePrecision::kFloat), 1, kWatched);
-  World f64 = make_world(model, lane_options(LanePrecision::kDouble), 1, kWatched);
+  Crowd f32 = make_world(model, lane_options(LanePrecision::kFloat), 1, kWatched);
+  Crowd f64 = make_world(model, lane_options(LanePrecision::kDouble), 1, kWatched);
   for (int step = 0; step < 1000; ++step) {
     f32.step();
     f64.step();
@@ -88,9 +88,9 @@ std::vector<Body> make_bodies(const Model::Pointer& model, std::size_t count,
   return bodies;
 }
 
-// A step of worlds[w]; counts the bodies that failed.
-Work step_of(std::vector<World>& worlds, std::size_t w, std::size_t& failed) {
-  return [&worlds, &failed, w] { failed += worlds[w].step().failed.size(); };
+// A step of crowds[w]; counts the bodies that failed.
+Work step_of(std::vector<Crowd>& crowds, std::size_t w, std::size_t& failed) {
+  return [&crowds, &failed, w] { failed += crowds[w].step().failed.size(); };
 }
 
 void expect_no_failure(std::size_t failed) {
@@ -101,17 +101,17 @@ void expect_no_failure(std::size_t failed) {
 void measure_steps(const Model::Pointer& model, SpeedSection& section) {
   const GroupOptions f32 = lane_options(LanePrecision::kFloat);
   const GroupOptions f64 = lane_options(LanePrecision::kDouble);
-  std::vector<World> worlds;
+  std::vector<Crowd> crowds;
   for (const unsigned threads : {1u, 2u})
     for (const GroupOptions& options : {f32, f64})
-      worlds.push_back(make_world(model, options, threads, kBodies));
+      crowds.push_back(make_world(model, options, threads, kBodies));
   std::vector<Body> bodies = make_bodies(model, kBodies, f64.options);
   std::size_t failed = 0;
   const Work each = [&] {
     for (Body& body : bodies)
       if (!body.step().converged) ++failed;
   };
-  const auto step = [&](std::size_t w) { return step_of(worlds, w, failed); };
+  const auto step = [&](std::size_t w) { return step_of(crowds, w, failed); };
   const std::vector<double> one = by_turns({step(0), step(1), each}, 1, 40);
   const std::vector<double> wall = wall_by_turns({step(0), step(1), step(2), step(3)});
   expect_no_failure(failed);
@@ -134,13 +134,13 @@ void measure_steps(const Model::Pointer& model, SpeedSection& section) {
 void measure_default_step(const Model::Pointer& model, SpeedSection& section) {
   GroupOptions options;
   options.sleep.time = std::numeric_limits<double>::infinity();
-  std::vector<World> worlds;
+  std::vector<Crowd> crowds;
   for (const unsigned threads : {1u, 2u})
-    worlds.push_back(make_world(model, options, threads, kBodies));
+    crowds.push_back(make_world(model, options, threads, kBodies));
   std::size_t failed = 0;
-  const std::vector<double> one = by_turns({step_of(worlds, 0, failed)}, 1, 40);
+  const std::vector<double> one = by_turns({step_of(crowds, 0, failed)}, 1, 40);
   const std::vector<double> wall =
-      wall_by_turns({step_of(worlds, 0, failed), step_of(worlds, 1, failed)});
+      wall_by_turns({step_of(crowds, 0, failed), step_of(crowds, 1, failed)});
   expect_no_failure(failed);
   section.rows.push_back(microseconds(fmt::format("step of one of {} bodies, {}, r = {}", kBodies,
                                                   options.integrator, model->modes()),
@@ -163,17 +163,17 @@ Criterion force_criterion(const SpeedRow& force, const MachineProbe& probe) {
 
 void measure_sleep(const Model::Pointer& model, SpeedSection& section) {
   const GroupOptions f32 = lane_options(LanePrecision::kFloat);
-  World alone = make_world(model, f32, 1, kBodies);
-  World beside = make_world(model, f32, 1, kBodies, kSleeping);
-  World asleep = make_world(model, f32, 1, 0, kSleeping);
+  Crowd alone = make_world(model, f32, 1, kBodies);
+  Crowd beside = make_world(model, f32, 1, kBodies, kSleeping);
+  Crowd asleep = make_world(model, f32, 1, 0, kSleeping);
   const std::vector<double> busy = by_turns({[&] { alone.step(); }, [&] { beside.step(); }}, 1, 60);
   const std::vector<double> idle = by_turns({[&] { asleep.step(); }}, 1000, 20);
   section.rows.push_back(
       microseconds(fmt::format("step of {} bodies beside {} that sleep, {}, r = {}", kBodies,
                                kSleeping, f32.integrator, model->modes()),
-                   busy[1], busy[0], "against the same world without the sleeping ones"));
+                   busy[1], busy[0], "against the same crowd without the sleeping ones"));
   section.rows.push_back(microseconds(fmt::format("step of {} bodies that sleep", kSleeping),
-                                      idle[0], SpeedRow::kNone, "the whole world"));
+                                      idle[0], SpeedRow::kNone, "the whole crowd"));
   section.criteria.push_back(
       {fmt::format("{} sleeping bodies beside {} that move", kSleeping, kBodies),
        "<= 1.02 times the step without them, and <= 1 us alone",
@@ -182,8 +182,8 @@ void measure_sleep(const Model::Pointer& model, SpeedSection& section) {
 }
 
 void measure_detail(const Model::Pointer& model, SpeedSection& section) {
-  World first = make_world(model, lane_options(LanePrecision::kFloat, 15), 1, kBodies);
-  World all = make_world(model, lane_options(LanePrecision::kFloat), 1, kBodies);
+  Crowd first = make_world(model, lane_options(LanePrecision::kFloat, 15), 1, kBodies);
+  Crowd all = make_world(model, lane_options(LanePrecision::kFloat), 1, kBodies);
   const std::vector<double> seconds = by_turns({[&] { first.step(); }, [&] { all.step(); }}, 1, 60);
   section.rows.push_back(microseconds(
       fmt::format("step of one of {} bodies, the first 15 of {} modes", kBodies, model->modes()),
@@ -211,28 +211,28 @@ SpeedRow moved_surface(const Model& model, double seconds, double baseline,
 void measure_surfaces(const Model::Pointer& model, const MachineProbe& probe,
                       SpeedSection& section) {
   constexpr std::size_t kShown = 100;
-  World world = make_world(model, lane_options(LanePrecision::kFloat), 1, kShown);
+  Crowd crowd = make_world(model, lane_options(LanePrecision::kFloat), 1, kShown);
   const std::vector<Body> bodies = make_bodies(model, kShown, {});
   std::vector<float> positions(3 * model->drawn().rest.size());
   const auto show = [&](bool shown) {
-    for (BodyId body = 0; body < kShown; ++body) or_fail(world.set_shown(body, shown));
+    for (BodyId body = 0; body < kShown; ++body) or_fail(crowd.set_shown(body, shown));
   };
   show(true);
   const std::vector<double> step_and_build =
       by_turns({[&] {
-                  world.step();
-                  world.update_surfaces();
+                  crowd.step();
+                  crowd.update_surfaces();
                 },
-                [&] { world.step(); },
+                [&] { crowd.step(); },
                 [&] {
                   for (const Body& body : bodies) (void)body.surface(std::span<float>(positions));
                 }},
                1, 60);
-  world.update_surfaces();
-  const Work update = [&] { world.update_surfaces(); };
+  crowd.update_surfaces();
+  const Work update = [&] { crowd.update_surfaces(); };
   const std::vector<double> still = by_turns({update}, 1000, 20);
   show(false);
-  world.step();
+  crowd.step();
   const std::vector<double> hidden = by_turns({update}, 1000, 20);
   const double moved = std::max(0.0, step_and_build[0] - step_and_build[1]) / kShown;
   section.rows.push_back(moved_surface(*model, moved, step_and_build[2] / kShown, probe));

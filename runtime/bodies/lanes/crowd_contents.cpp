@@ -1,22 +1,22 @@
-// World: bodies in their groups, awake and asleep.
-#include "runtime/bodies/lanes/world_contents.h"
+// Crowd: bodies in their groups, awake and asleep.
+#include "runtime/bodies/lanes/crowd_contents.h"
 
 #include <algorithm>
 #include <utility>
 
 namespace tremolo {
-Status World::Contents::check_body(BodyId id) const {
+Status Crowd::Contents::check_body(BodyId id) const {
   if (id < bodies.size() && bodies[id].alive) return Success{};
-  return usage_error("the world has no body " + std::to_string(id));
+  return usage_error("the crowd has no body " + std::to_string(id));
 }
 
-Status World::Contents::check_group(GroupId group) const {
+Status Crowd::Contents::check_group(GroupId group) const {
   if (group < groups.size()) return Success{};
-  return usage_error("the world has no group " + std::to_string(group));
+  return usage_error("the crowd has no group " + std::to_string(group));
 }
 
-void World::Contents::read_state(const WorldBody& body, double* q, double* p) const {
-  const WorldGroup& group = groups[body.group];
+void Crowd::Contents::read_state(const CrowdBody& body, double* q, double* p) const {
+  const CrowdGroup& group = groups[body.group];
   if (!group.lanes) {
     const State& state = group.bodies[body.index]->state();
     std::copy(state.q.begin(), state.q.end(), q);
@@ -30,9 +30,9 @@ void World::Contents::read_state(const WorldBody& body, double* q, double* p) co
   }
 }
 
-void World::Contents::write_state(BodyId id, const double* q, const double* p) {
-  const WorldBody& body = bodies[id];
-  WorldGroup& group = groups[body.group];
+void Crowd::Contents::write_state(BodyId id, const double* q, const double* p) {
+  const CrowdBody& body = bodies[id];
+  CrowdGroup& group = groups[body.group];
   if (!group.lanes) {
     const auto modes = static_cast<Eigen::Index>(group.modes);
     // Both have the right length and are finite, so that set_state() does not fail.
@@ -49,10 +49,10 @@ void World::Contents::write_state(BodyId id, const double* q, const double* p) {
   mark_dirty(id);
 }
 
-void World::Contents::wake(BodyId id) {
-  WorldBody& body = bodies[id];
+void Crowd::Contents::wake(BodyId id) {
+  CrowdBody& body = bodies[id];
   if (body.slot != kAsleep) return;
-  WorldGroup& group = groups[body.group];
+  CrowdGroup& group = groups[body.group];
   body.slot = group.awake.size();
   group.awake.push_back(id);
   if (group.lanes)
@@ -61,10 +61,10 @@ void World::Contents::wake(BodyId id) {
     group.quiet[body.index] = 0.0;
 }
 
-void World::Contents::sleep(BodyId id) {
-  WorldBody& body = bodies[id];
+void Crowd::Contents::sleep(BodyId id) {
+  CrowdBody& body = bodies[id];
   if (body.slot == kAsleep) return;
-  WorldGroup& group = groups[body.group];
+  CrowdGroup& group = groups[body.group];
   if (body.built_at < group.steps) mark_dirty(id);
   if (group.lanes) {
     group.lanes->save(body.slot, group.saved_state(body), group.saved_bounds[body.index]);
@@ -77,9 +77,9 @@ void World::Contents::sleep(BodyId id) {
   body.slot = kAsleep;
 }
 
-void World::Contents::clear_forces(BodyId id) {
-  WorldBody& body = bodies[id];
-  WorldGroup& group = groups[body.group];
+void Crowd::Contents::clear_forces(BodyId id) {
+  CrowdBody& body = bodies[id];
+  CrowdGroup& group = groups[body.group];
   if (!group.lanes) {
     group.bodies[body.index]->clear_forces();
   } else if (body.forces > 0) {
@@ -89,8 +89,8 @@ void World::Contents::clear_forces(BodyId id) {
 }
 
 // Reserves memory for one more body, with all that a step may need for it.
-Status World::Contents::reserve_index(GroupId g) {
-  WorldGroup& group = groups[g];
+Status Crowd::Contents::reserve_index(GroupId g) {
+  CrowdGroup& group = groups[g];
   if (group.lanes) {
     if (group.free_indices.empty()) {
       group.free_indices.push_back(group.indices++);
@@ -114,9 +114,9 @@ Status World::Contents::reserve_index(GroupId g) {
   return Success{};
 }
 
-void World::Contents::join(BodyId id, GroupId g) {
-  WorldGroup& group = groups[g];
-  WorldBody& body = bodies[id];
+void Crowd::Contents::join(BodyId id, GroupId g) {
+  CrowdGroup& group = groups[g];
+  CrowdBody& body = bodies[id];
   body.group = g;
   body.index = group.free_indices.back();
   group.free_indices.pop_back();
@@ -126,10 +126,10 @@ void World::Contents::join(BodyId id, GroupId g) {
   group.saved_bounds[body.index] = {};
 }
 
-void World::Contents::leave(BodyId id) {
+void Crowd::Contents::leave(BodyId id) {
   sleep(id);
   show(id, false);
-  WorldGroup& group = groups[bodies[id].group];
+  CrowdGroup& group = groups[bodies[id].group];
   if (!group.lanes) group.bodies[bodies[id].index].reset();
   group.free_indices.push_back(bodies[id].index);
 }

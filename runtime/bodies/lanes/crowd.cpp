@@ -1,4 +1,4 @@
-#include "runtime/world.h"
+#include "runtime/crowd.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "common/processor.h"
-#include "runtime/bodies/lanes/world_contents.h"
+#include "runtime/bodies/lanes/crowd_contents.h"
 #include "runtime/energy.h"
 #include "runtime/load.h"
 
@@ -43,12 +43,12 @@ Status check_sleep(const SleepOptions& sleep) {
 
 }  // namespace
 
-World::World(std::unique_ptr<Contents> contents) : contents_(std::move(contents)) {}
-World::World(World&&) noexcept = default;
-World& World::operator=(World&&) noexcept = default;
-World::~World() = default;
+Crowd::Crowd(std::unique_ptr<Contents> contents) : contents_(std::move(contents)) {}
+Crowd::Crowd(Crowd&&) noexcept = default;
+Crowd& Crowd::operator=(Crowd&&) noexcept = default;
+Crowd::~Crowd() = default;
 
-Result<World> World::create(unsigned threads) {
+Result<Crowd> Crowd::create(unsigned threads) {
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
   if (threads > kMostThreads)
     return content_error(std::to_string(threads) + " threads: at most " +
@@ -60,10 +60,10 @@ Result<World> World::create(unsigned threads) {
     return system_error(std::string("threads cannot be had: ") + error.what());
   }
   contents->scratch.resize(threads);
-  return World(std::move(contents));
+  return Crowd(std::move(contents));
 }
 
-Result<GroupId> World::add_group(Model::Pointer model, const GroupOptions& options) {
+Result<GroupId> Crowd::add_group(Model::Pointer model, const GroupOptions& options) {
   // Checks the name and the options, for methods in lanes too.
   Result<std::unique_ptr<Integrator>> made =
       make_integrator(options.integrator, model, options.options);
@@ -76,7 +76,7 @@ Result<GroupId> World::add_group(Model::Pointer model, const GroupOptions& optio
   const Eigen::Index modes = options.modes == 0 ? available : options.modes;
   const auto moving = static_cast<std::size_t>(modes);
   if (Status s = check_ratios(options.options.ratios, moving); !s) return s.error();
-  WorldGroup group;
+  CrowdGroup group;
   // Lanes support only the damping at rest. On a linear model ep4 is a closed form.
   const bool linear = model->potential().linear();
   const bool strain_damped = options.options.beta > 0.0 && !linear;
@@ -106,7 +106,7 @@ Result<GroupId> World::add_group(Model::Pointer model, const GroupOptions& optio
   group.quiet_time = options.sleep.time;
   group.model = std::move(model);
   for (std::size_t thread = 0; thread < contents_->scratch.size(); ++thread) {
-    WorldScratch& scratch = contents_->scratch[thread];
+    CrowdScratch& scratch = contents_->scratch[thread];
     scratch.lanes.thread = thread;
     if (group.lanes) group.lanes->make_scratch(scratch.lanes);
     const std::size_t most = std::max(scratch.q.size(), group.modes);
@@ -119,7 +119,7 @@ Result<GroupId> World::add_group(Model::Pointer model, const GroupOptions& optio
   return static_cast<GroupId>(contents_->groups.size() - 1);
 }
 
-Result<BodyId> World::add_body(GroupId group) {
+Result<BodyId> Crowd::add_body(GroupId group) {
   if (Status s = contents_->check_group(group); !s) return s.error();
   if (Status s = contents_->reserve_index(group); !s) return s.error();
   const auto id = static_cast<BodyId>(contents_->bodies.size());
@@ -130,11 +130,11 @@ Result<BodyId> World::add_body(GroupId group) {
   return id;
 }
 
-Status World::move_body(BodyId id, GroupId to) {
+Status Crowd::move_body(BodyId id, GroupId to) {
   Contents& all = *contents_;
   if (Status s = all.check_body(id); !s) return s;
   if (Status s = all.check_group(to); !s) return s;
-  const WorldGroup& from = all.groups[all.bodies[id].group];
+  const CrowdGroup& from = all.groups[all.bodies[id].group];
   if (from.model != all.groups[to].model)
     return usage_error("a body cannot go to a group of another model");
   if (all.bodies[id].group == to) return Success{};
@@ -151,19 +151,19 @@ Status World::move_body(BodyId id, GroupId to) {
   return Success{};
 }
 
-Status World::remove_body(BodyId id) {
+Status Crowd::remove_body(BodyId id) {
   if (Status s = contents_->check_body(id); !s) return s;
   contents_->leave(id);
   contents_->bodies[id].alive = false;
   return Success{};
 }
 
-Status World::apply_force(BodyId id, VertexId vertex, const Eigen::Vector3d& force, int steps) {
+Status Crowd::apply_force(BodyId id, VertexId vertex, const Eigen::Vector3d& force, int steps) {
   if (Status s = contents_->check_body(id); !s) return s;
   if (steps < 1)
     return usage_error("a force acts for at least one step, got " + std::to_string(steps));
-  WorldBody& body = contents_->bodies[id];
-  WorldGroup& group = contents_->groups[body.group];
+  CrowdBody& body = contents_->bodies[id];
+  CrowdGroup& group = contents_->groups[body.group];
   if (group.lanes) {
     Result<Eigen::VectorXd> reduced = reduce_force(*group.model, vertex, force);
     if (!reduced) return reduced.error();
@@ -176,13 +176,13 @@ Status World::apply_force(BodyId id, VertexId vertex, const Eigen::Vector3d& for
   return Success{};
 }
 
-Status World::clear_forces(BodyId id) {
+Status Crowd::clear_forces(BodyId id) {
   if (Status s = contents_->check_body(id); !s) return s;
   contents_->clear_forces(id);
   return Success{};
 }
 
-Status World::set_state(BodyId id, const Eigen::VectorXd& q, const Eigen::VectorXd& p) {
+Status Crowd::set_state(BodyId id, const Eigen::VectorXd& q, const Eigen::VectorXd& p) {
   if (Status s = contents_->check_body(id); !s) return s;
   const auto modes =
       static_cast<Eigen::Index>(contents_->groups[contents_->bodies[id].group].modes);
@@ -192,54 +192,54 @@ Status World::set_state(BodyId id, const Eigen::VectorXd& q, const Eigen::Vector
   return Success{};
 }
 
-Status World::wake(BodyId id) {
+Status Crowd::wake(BodyId id) {
   if (Status s = contents_->check_body(id); !s) return s;
   contents_->wake(id);
   return Success{};
 }
 
-Status World::sleep(BodyId id) {
+Status Crowd::sleep(BodyId id) {
   if (Status s = contents_->check_body(id); !s) return s;
   contents_->sleep(id);
   return Success{};
 }
 
-const WorldReport& World::step() {
+const CrowdReport& Crowd::step() {
   contents_->step(0, static_cast<GroupId>(contents_->groups.size()));
   return contents_->report;
 }
 
-Result<WorldReport> World::step(GroupId group) {
+Result<CrowdReport> Crowd::step(GroupId group) {
   if (Status s = contents_->check_group(group); !s) return s.error();
   contents_->step(group, group + 1);
   return contents_->report;
 }
 
-std::size_t World::awake() const {
+std::size_t Crowd::awake() const {
   std::size_t count = 0;
-  for (const WorldGroup& group : contents_->groups) count += group.awake.size();
+  for (const CrowdGroup& group : contents_->groups) count += group.awake.size();
   return count;
 }
 
-Result<bool> World::is_awake(BodyId id) const {
+Result<bool> Crowd::is_awake(BodyId id) const {
   if (Status s = contents_->check_body(id); !s) return s.error();
   return contents_->bodies[id].slot != kAsleep;
 }
 
-Result<State> World::state(BodyId id) const {
+Result<State> Crowd::state(BodyId id) const {
   if (Status s = contents_->check_body(id); !s) return s.error();
-  const WorldBody& body = contents_->bodies[id];
+  const CrowdBody& body = contents_->bodies[id];
   const auto modes = static_cast<Eigen::Index>(contents_->groups[body.group].modes);
   State state{Eigen::VectorXd(modes), Eigen::VectorXd(modes)};
   contents_->read_state(body, state.q.data(), state.p.data());
   return state;
 }
 
-Result<Energy> World::energy(BodyId id) const {
+Result<Energy> Crowd::energy(BodyId id) const {
   Result<State> state = this->state(id);
   if (!state) return state.error();
-  const WorldBody& body = contents_->bodies[id];
-  const WorldGroup& group = contents_->groups[body.group];
+  const CrowdBody& body = contents_->bodies[id];
+  const CrowdGroup& group = contents_->groups[body.group];
   if (!group.lanes) return group.bodies[body.index]->energy();
   const Potential& potential = group.model->potential();
   const auto modes = static_cast<Eigen::Index>(group.modes);
@@ -253,15 +253,15 @@ Result<Energy> World::energy(BodyId id) const {
                             state->p, group.low)};
 }
 
-Status World::set_shown(BodyId id, bool shown) {
+Status Crowd::set_shown(BodyId id, bool shown) {
   if (Status s = contents_->check_body(id); !s) return s;
   contents_->show(id, shown);
   return Success{};
 }
 
-Result<SurfaceView> World::surface(BodyId id) const {
+Result<SurfaceView> Crowd::surface(BodyId id) const {
   if (Status s = contents_->check_body(id); !s) return s.error();
-  const WorldBody& body = contents_->bodies[id];
+  const CrowdBody& body = contents_->bodies[id];
   if (!body.shown) return usage_error("body " + std::to_string(id) + " is not shown");
   const std::size_t count = 3 * contents_->groups[body.group].model->drawn().rest.size();
   return SurfaceView{{body.surface.data(), count}, body.version};

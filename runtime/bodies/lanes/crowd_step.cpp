@@ -1,8 +1,8 @@
-// World: the step.
+// Crowd: the step.
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/bodies/lanes/world_contents.h"
+#include "runtime/bodies/lanes/crowd_contents.h"
 
 namespace tremolo {
 namespace {
@@ -16,7 +16,7 @@ StepFailure failure_of(const LaneGroup::Outcome& outcome, std::size_t lane) {
 
 }  // namespace
 
-void World::Contents::step(GroupId first, GroupId end) {
+void Crowd::Contents::step(GroupId first, GroupId end) {
   report = {};
   failed.clear();
   failures.clear();
@@ -37,12 +37,12 @@ void World::Contents::step(GroupId first, GroupId end) {
   report.why = failures;
 }
 
-void World::Contents::add_forces(WorldGroup& group) {
+void Crowd::Contents::add_forces(CrowdGroup& group) {
   for (const WorldForce& force : group.forces)
     group.lanes->add_force(bodies[force.body].slot, force.force.data());
 }
 
-void World::Contents::run_task(WorldGroup& group, std::size_t task, WorldScratch& mine) {
+void Crowd::Contents::run_task(CrowdGroup& group, std::size_t task, CrowdScratch& mine) {
   const int look = group.look();
   if (group.lanes) {
     group.outcomes[task] =
@@ -59,7 +59,7 @@ void World::Contents::run_task(WorldGroup& group, std::size_t task, WorldScratch
 }
 
 // From the last slot down: a body that leaves is replaced by the last, which is already done.
-void World::Contents::finish(WorldGroup& group) {
+void Crowd::Contents::finish(CrowdGroup& group) {
   const bool looked = group.look() != 0;
   ++group.steps;
   for (WorldForce& force : group.forces)
@@ -83,7 +83,7 @@ void World::Contents::finish(WorldGroup& group) {
   }
 }
 
-void World::Contents::finish_body(WorldGroup& group, std::size_t slot, StepFailure failure,
+void Crowd::Contents::finish_body(CrowdGroup& group, std::size_t slot, StepFailure failure,
                                   bool quiet) {
   const bool has_failed = failure != StepFailure::kNone;
   if (!has_failed && !quiet) return;

@@ -1,4 +1,4 @@
-// The members of a World; internal to runtime/bodies/lanes/.
+// The members of a Crowd; internal to runtime/bodies/lanes/.
 #pragma once
 
 #include <optional>
@@ -6,9 +6,9 @@
 
 #include "runtime/bodies/lanes/lane_group.h"
 #include "runtime/bodies/reduced/surface/surface.h"
+#include "runtime/crowd.h"
 #include "runtime/math/kernels/lanes.h"
 #include "runtime/math/thread_pool.h"
-#include "runtime/world.h"
 
 namespace tremolo {
 
@@ -21,8 +21,8 @@ struct WorldForce {
   Eigen::VectorXd force;  // reduced
 };
 
-// A body of the world.
-struct WorldBody {
+// A body of the crowd.
+struct CrowdBody {
   GroupId group = 0;
   std::size_t index = 0;       // of its saved state or its Body in the group
   std::size_t slot = kAsleep;  // in the group's list of awake bodies, or kAsleep
@@ -36,7 +36,7 @@ struct WorldBody {
 };
 
 // Either `lanes` and `saved_states`, or `bodies`.
-struct WorldGroup {
+struct CrowdGroup {
   Model::Pointer model;
   std::string integrator;
   IntegratorOptions options;
@@ -61,9 +61,9 @@ struct WorldGroup {
   std::vector<BodyId> awake;  // by slot
 
   std::size_t shown = 0;
-  std::vector<BodyId> dirty;  // of the shown bodies, see WorldBody
+  std::vector<BodyId> dirty;  // of the shown bodies, see CrowdBody
 
-  double* saved_state(const WorldBody& body) {
+  double* saved_state(const CrowdBody& body) {
     return saved_states.data() + 4 * modes * body.index;
   }
   std::size_t tasks() const { return lanes ? lanes->blocks() : awake.size(); }
@@ -79,27 +79,27 @@ struct SurfaceBatch {
 };
 
 // Buffers of one thread.
-struct WorldScratch {
+struct CrowdScratch {
   LaneScratch lanes;
   std::vector<double> q, p;    // the largest number of modes
   std::vector<float> q_float;  // kSurfaceBodies of them
 };
 
-struct World::Contents {
+struct Crowd::Contents {
   std::unique_ptr<ThreadPool> pool;
-  std::vector<WorldScratch> scratch;  // one per thread
-  std::vector<WorldGroup> groups;
-  std::vector<WorldBody> bodies;
+  std::vector<CrowdScratch> scratch;  // one per thread
+  std::vector<CrowdGroup> groups;
+  std::vector<CrowdBody> bodies;
   std::vector<BodyId> failed;
   std::vector<StepFailure> failures;  // of those
-  WorldReport report;
+  CrowdReport report;
   std::vector<std::size_t> task_ends;  // one per group
   std::vector<BodyId> dirty_bodies;
   std::vector<SurfaceBatch> batches;
 
   Status check_body(BodyId body) const;
   Status check_group(GroupId group) const;
-  void read_state(const WorldBody& body, double* q, double* p) const;
+  void read_state(const CrowdBody& body, double* q, double* p) const;
   void write_state(BodyId id, const double* q, const double* p);  // q, p: of the group's modes
   void wake(BodyId id);
   void sleep(BodyId id);
@@ -111,14 +111,14 @@ struct World::Contents {
 
   // Steps the groups [first, end).
   void step(GroupId first, GroupId end);
-  void add_forces(WorldGroup& group);
-  void run_task(WorldGroup& group, std::size_t task, WorldScratch& scratch);
-  void finish(WorldGroup& group);
-  void finish_body(WorldGroup& group, std::size_t slot, StepFailure failure, bool quiet);
+  void add_forces(CrowdGroup& group);
+  void run_task(CrowdGroup& group, std::size_t task, CrowdScratch& scratch);
+  void finish(CrowdGroup& group);
+  void finish_body(CrowdGroup& group, std::size_t slot, StepFailure failure, bool quiet);
   void clear_forces(BodyId id);
 
   void list_dirty();
-  void build(const SurfaceBatch& batch, WorldScratch& scratch);
+  void build(const SurfaceBatch& batch, CrowdScratch& scratch);
 };
 
 }  // namespace tremolo

@@ -1,17 +1,17 @@
-// tremolo_world_*: many bodies from C.
+// tremolo_crowd_*: many bodies from C.
 #include <algorithm>
 
 #include "runtime/c/c_api.h"
 
 namespace {
 
+using tremolo::Crowd;
 using tremolo::Error;
 using tremolo::ErrorKind;
 using tremolo::GroupOptions;
 using tremolo::Result;
 using tremolo::Status;
 using tremolo::Success;
-using tremolo::World;
 using tremolo::c_api::need;
 using tremolo::c_api::with;
 
@@ -21,7 +21,7 @@ Result<GroupOptions> to_group_options(const tremolo_body_options* method,
   const Result<tremolo_body_options> body = tremolo::c_api::complete_body_options(method);
   if (!body) return body.error();
   if (body->frame != TREMOLO_FIXED)
-    return tremolo::usage_error("bodies of a world are fixed: their frame must be TREMOLO_FIXED");
+    return tremolo::usage_error("bodies of a crowd are fixed: their frame must be TREMOLO_FIXED");
   const Result<tremolo_group_options> group =
       tremolo::c_api::complete(given, tremolo_group_options_init, "tremolo_group_options_init");
   if (!group) return group.error();
@@ -75,25 +75,25 @@ void tremolo_group_options_init(tremolo_group_options* options) {
               .sleep_time = defaults.sleep.time};
 }
 
-tremolo_status tremolo_world_create(uint32_t threads, tremolo_world** world) {
+tremolo_status tremolo_crowd_create(uint32_t threads, tremolo_crowd** crowd) {
   return tremolo::c_api::guarded([&]() -> Status {
-    if (Status s = need({{world, "the place for the world"}}); !s) return s;
-    Result<World> made = World::create(threads);
+    if (Status s = need({{crowd, "the place for the crowd"}}); !s) return s;
+    Result<Crowd> made = Crowd::create(threads);
     if (!made) return made.error();
-    *world = new tremolo_world{std::move(*made)};
+    *crowd = new tremolo_crowd{std::move(*made)};
     return Success{};
   });
 }
 
-void tremolo_world_destroy(tremolo_world* world) {
-  delete world;
+void tremolo_crowd_destroy(tremolo_crowd* crowd) {
+  delete crowd;
 }
 
-tremolo_status tremolo_world_add_group(tremolo_world* world, const tremolo_model* model,
+tremolo_status tremolo_crowd_add_group(tremolo_crowd* crowd, const tremolo_model* model,
                                        const tremolo_body_options* method,
                                        const tremolo_group_options* options, uint32_t* group) {
-  return with(world, {{model, "the model"}, {group, "the place for the group"}},
-              [&](World& known) -> Status {
+  return with(crowd, {{model, "the model"}, {group, "the place for the group"}},
+              [&](Crowd& known) -> Status {
                 std::string name;
                 const Result<GroupOptions> full = to_group_options(method, options, name);
                 if (!full) return full.error();
@@ -101,37 +101,37 @@ tremolo_status tremolo_world_add_group(tremolo_world* world, const tremolo_model
               });
 }
 
-tremolo_status tremolo_world_add_body(tremolo_world* world, uint32_t group, uint32_t* body) {
-  return with(world, {{body, "the place for the body"}},
-              [&](World& known) -> Status { return keep(known.add_body(group), body); });
+tremolo_status tremolo_crowd_add_body(tremolo_crowd* crowd, uint32_t group, uint32_t* body) {
+  return with(crowd, {{body, "the place for the body"}},
+              [&](Crowd& known) -> Status { return keep(known.add_body(group), body); });
 }
 
-tremolo_status tremolo_world_remove_body(tremolo_world* world, uint32_t body) {
-  return with(world, [&](World& known) { return known.remove_body(body); });
+tremolo_status tremolo_crowd_remove_body(tremolo_crowd* crowd, uint32_t body) {
+  return with(crowd, [&](Crowd& known) { return known.remove_body(body); });
 }
 
-tremolo_status tremolo_world_move_body(tremolo_world* world, uint32_t body, uint32_t group) {
-  return with(world, [&](World& known) { return known.move_body(body, group); });
+tremolo_status tremolo_crowd_move_body(tremolo_crowd* crowd, uint32_t body, uint32_t group) {
+  return with(crowd, [&](Crowd& known) { return known.move_body(body, group); });
 }
 
-tremolo_status tremolo_world_apply_force(tremolo_world* world, uint32_t body, uint32_t vertex,
+tremolo_status tremolo_crowd_apply_force(tremolo_crowd* crowd, uint32_t body, uint32_t vertex,
                                          const double force[3], int32_t steps) {
-  return with(world, {{force, "the force"}}, [&](World& known) -> Status {
+  return with(crowd, {{force, "the force"}}, [&](Crowd& known) -> Status {
     const Result<tremolo::VertexId> id = tremolo::c_api::to_vertex(vertex);
     if (!id) return id.error();
     return known.apply_force(body, *id, Eigen::Vector3d(force), steps);
   });
 }
 
-tremolo_status tremolo_world_clear_forces(tremolo_world* world, uint32_t body) {
-  return with(world, [&](World& known) { return known.clear_forces(body); });
+tremolo_status tremolo_crowd_clear_forces(tremolo_crowd* crowd, uint32_t body) {
+  return with(crowd, [&](Crowd& known) { return known.clear_forces(body); });
 }
 
-tremolo_status tremolo_world_step(tremolo_world* world, uint32_t* failed, size_t length,
+tremolo_status tremolo_crowd_step(tremolo_crowd* crowd, uint32_t* failed, size_t length,
                                   size_t* failed_count) {
   if (failed_count != nullptr) *failed_count = 0;
-  return with(world, [&](World& known) -> Status {
-    const tremolo::WorldReport& report = known.step();
+  return with(crowd, [&](Crowd& known) -> Status {
+    const tremolo::CrowdReport& report = known.step();
     if (report.failed.empty()) return Success{};
     if (failed != nullptr)
       std::copy_n(report.failed.begin(), std::min(length, report.failed.size()), failed);
@@ -143,30 +143,30 @@ tremolo_status tremolo_world_step(tremolo_world* world, uint32_t* failed, size_t
   });
 }
 
-size_t tremolo_world_awake(const tremolo_world* world) {
-  return world == nullptr ? 0 : world->world.awake();
+size_t tremolo_crowd_awake(const tremolo_crowd* crowd) {
+  return crowd == nullptr ? 0 : crowd->crowd.awake();
 }
 
-tremolo_status tremolo_world_wake(tremolo_world* world, uint32_t body) {
-  return with(world, [&](World& known) { return known.wake(body); });
+tremolo_status tremolo_crowd_wake(tremolo_crowd* crowd, uint32_t body) {
+  return with(crowd, [&](Crowd& known) { return known.wake(body); });
 }
 
-tremolo_status tremolo_world_sleep(tremolo_world* world, uint32_t body) {
-  return with(world, [&](World& known) { return known.sleep(body); });
+tremolo_status tremolo_crowd_sleep(tremolo_crowd* crowd, uint32_t body) {
+  return with(crowd, [&](Crowd& known) { return known.sleep(body); });
 }
 
-tremolo_status tremolo_world_state(const tremolo_world* world, uint32_t body, double* q, double* p,
+tremolo_status tremolo_crowd_state(const tremolo_crowd* crowd, uint32_t body, double* q, double* p,
                                    size_t length) {
-  return with(world, [&](const World& known) -> Status {
+  return with(crowd, [&](const Crowd& known) -> Status {
     const Result<tremolo::State> state = known.state(body);
     if (!state) return state.error();
     return tremolo::c_api::copy_state(*state, q, p, length);
   });
 }
 
-tremolo_status tremolo_world_energy(const tremolo_world* world, uint32_t body, double* kinetic,
+tremolo_status tremolo_crowd_energy(const tremolo_crowd* crowd, uint32_t body, double* kinetic,
                                     double* potential, double* high_band) {
-  return with(world, [&](const World& known) -> Status {
+  return with(crowd, [&](const Crowd& known) -> Status {
     const Result<tremolo::Energy> energy = known.energy(body);
     if (!energy) return energy.error();
     tremolo::c_api::copy_energy(*energy, kinetic, potential, high_band);
@@ -174,9 +174,9 @@ tremolo_status tremolo_world_energy(const tremolo_world* world, uint32_t body, d
   });
 }
 
-tremolo_status tremolo_world_set_state(tremolo_world* world, uint32_t body, const double* q,
+tremolo_status tremolo_crowd_set_state(tremolo_crowd* crowd, uint32_t body, const double* q,
                                        const double* p, size_t length) {
-  return with(world, {{q, "the coordinates"}, {p, "the momenta"}}, [&](World& known) -> Status {
+  return with(crowd, {{q, "the coordinates"}, {p, "the momenta"}}, [&](Crowd& known) -> Status {
     const Result<tremolo::State> now = known.state(body);
     if (!now) return now.error();
     if (Status s = tremolo::c_api::need_buffer(q, length, static_cast<size_t>(now->q.size())); !s)
@@ -186,23 +186,23 @@ tremolo_status tremolo_world_set_state(tremolo_world* world, uint32_t body, cons
   });
 }
 
-tremolo_status tremolo_world_set_shown(tremolo_world* world, uint32_t body, int32_t shown) {
-  return with(world, [&](World& known) { return known.set_shown(body, shown != 0); });
+tremolo_status tremolo_crowd_set_shown(tremolo_crowd* crowd, uint32_t body, int32_t shown) {
+  return with(crowd, [&](Crowd& known) { return known.set_shown(body, shown != 0); });
 }
 
-tremolo_status tremolo_world_update_surfaces(tremolo_world* world, size_t* updated) {
-  return with(world, [&](World& known) -> Status {
+tremolo_status tremolo_crowd_update_surfaces(tremolo_crowd* crowd, size_t* updated) {
+  return with(crowd, [&](Crowd& known) -> Status {
     const size_t count = known.update_surfaces();
     if (updated != nullptr) *updated = count;
     return Success{};
   });
 }
 
-tremolo_status tremolo_world_surface(const tremolo_world* world, uint32_t body,
+tremolo_status tremolo_crowd_surface(const tremolo_crowd* crowd, uint32_t body,
                                      const float** positions, size_t* length, uint64_t* version) {
-  return with(world,
+  return with(crowd,
               {{positions, "the place for the positions"}, {length, "the place for the length"}},
-              [&](const World& known) -> Status {
+              [&](const Crowd& known) -> Status {
                 const Result<tremolo::SurfaceView> view = known.surface(body);
                 if (!view) return view.error();
                 *positions = view->positions.data();

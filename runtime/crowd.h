@@ -17,7 +17,7 @@
 // force acts on it. Its q and p are then frozen: the remaining energy is neither shown as motion
 // nor lost, and when the body wakes it continues from there. No step visits a sleeping body: it
 // costs memory and no time. Its time does not advance. It misses no signal, because forces in a
-// World are given for a number of steps.
+// Crowd are given for a number of steps.
 //
 // Failure. A step fails if it gives a number that is not finite, its solve gives up, or a check
 // finds an energy far above the energy put in (runtime/energy_bound.h: its method has exploded).
@@ -26,7 +26,7 @@
 // a body that steps by itself returns at most to the state before the failed step if that is valid.
 // When it is woken it continues from there.
 //
-// Not thread-safe: one call at a time. step() and update_surfaces() use the world's own threads and
+// Not thread-safe: one call at a time. step() and update_surfaces() use the crowd's own threads and
 // allocate nothing.
 #pragma once
 
@@ -76,7 +76,7 @@ struct GroupOptions {
 };
 
 // Report of the last step. The spans are valid until the next step.
-struct WorldReport {
+struct CrowdReport {
   std::size_t stepped = 0;
   std::size_t fell_asleep = 0;  // by themselves
   // Returned to a valid state and asleep; the order may change between versions.
@@ -86,20 +86,20 @@ struct WorldReport {
 
 // The surface of a shown body.
 struct SurfaceView {
-  // x y z x y z ..., m, same as Body::surface; valid until the world's next non-const
+  // x y z x y z ..., m, same as Body::surface; valid until the crowd's next non-const
   // call.
   std::span<const float> positions;
   std::uint64_t version = 0;  // grows with every rebuild; 0 before the first
 };
 
-class World {
+class Crowd {
  public:
   // threads: number of threads in step(), the caller's included; 0: one for each core. Error
   // kSystem: the threads cannot be started.
-  static Result<World> create(unsigned threads = 1);
-  World(World&&) noexcept;
-  World& operator=(World&&) noexcept;
-  ~World();
+  static Result<Crowd> create(unsigned threads = 1);
+  Crowd(Crowd&&) noexcept;
+  Crowd& operator=(Crowd&&) noexcept;
+  ~Crowd();
 
   // Errors: as make_integrator; kUsage for a number of modes or sleep options out of range.
   Result<GroupId> add_group(Model::Pointer model, const GroupOptions& options);
@@ -127,9 +127,9 @@ class World {
   Status sleep(BodyId body);  // at once, at any energy; forces that still act end
 
   // One step of every body that is awake, each by its group's step.
-  const WorldReport& step();
+  const CrowdReport& step();
   // The same for one group; the other groups do not move. Error kUsage: no such group.
-  Result<WorldReport> step(GroupId group);
+  Result<CrowdReport> step(GroupId group);
 
   std::size_t awake() const;  // bodies
   Result<bool> is_awake(BodyId body) const;
@@ -146,7 +146,7 @@ class World {
 
  private:
   struct Contents;
-  explicit World(std::unique_ptr<Contents> contents);
+  explicit Crowd(std::unique_ptr<Contents> contents);
   std::unique_ptr<Contents> contents_;
 };
 
