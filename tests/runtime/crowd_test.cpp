@@ -27,30 +27,30 @@ Eigen::VectorXd some_p(unsigned body) {
   return random_vector(kCrowdModes, 1.0, 500 + body);
 }
 
-struct Crowd {
+struct Troop {
   Crowd crowd;
   GroupId group;
   std::vector<BodyId> bodies;
 };
 
-Crowd make_crowd(const Model::Pointer& model, const GroupOptions& options, unsigned count,
+Troop make_troop(const Model::Pointer& model, const GroupOptions& options, unsigned count,
                  unsigned threads = 1) {
-  Crowd crowd{std::move(*Crowd::create(threads)), 0, {}};
-  const Result<GroupId> group = crowd.crowd.add_group(model, options);
+  Troop troop{std::move(*Crowd::create(threads)), 0, {}};
+  const Result<GroupId> group = troop.crowd.add_group(model, options);
   EXPECT_TRUE(group) << (group ? "" : group.error().message);
-  crowd.group = *group;
+  troop.group = *group;
   for (unsigned b = 0; b < count; ++b) {
-    crowd.bodies.push_back(*crowd.crowd.add_body(crowd.group));
-    EXPECT_TRUE(crowd.crowd.set_state(crowd.bodies.back(), some_q(b), some_p(b)));
+    troop.bodies.push_back(*troop.crowd.add_body(troop.group));
+    EXPECT_TRUE(troop.crowd.set_state(troop.bodies.back(), some_q(b), some_p(b)));
   }
-  return crowd;
+  return troop;
 }
 
 // The largest difference of q and of p to Body after `steps` steps with forces, relative to the
 // largest q and p.
 double difference_to_bodies(const Model::Pointer& model, const GroupOptions& options, int steps) {
   constexpr unsigned kCount = 21;  // a whole block, and one that is not full
-  Crowd crowd = make_crowd(model, options, kCount, 2);
+  Troop troop = make_troop(model, options, kCount, 2);
   std::vector<Body> bodies;
   for (unsigned b = 0; b < kCount; ++b) {
     bodies.push_back(std::move(*Body::create(model, options.integrator, options.options)));
@@ -60,17 +60,17 @@ double difference_to_bodies(const Model::Pointer& model, const GroupOptions& opt
     if (k % 7 == 3)
       for (unsigned b = 0; b < kCount; b += 2) {
         const Eigen::Vector3d force(0.5 * b, -3.0, 2.0);
-        EXPECT_TRUE(crowd.crowd.apply_force(crowd.bodies[b], 5, force, 2 + k % 3));
+        EXPECT_TRUE(troop.crowd.apply_force(troop.bodies[b], 5, force, 2 + k % 3));
         EXPECT_TRUE(bodies[b].apply_force(5, force, 2 + k % 3));
       }
-    const CrowdReport& report = crowd.crowd.step();
+    const CrowdReport& report = troop.crowd.step();
     EXPECT_EQ(report.stepped, kCount);
     EXPECT_TRUE(report.failed.empty());
     for (Body& body : bodies) EXPECT_TRUE(body.step().converged);
   }
   double q = 0.0, p = 0.0, dq = 0.0, dp = 0.0;
   for (unsigned b = 0; b < kCount; ++b) {
-    const State state = *crowd.crowd.state(crowd.bodies[b]);
+    const State state = *troop.crowd.state(troop.bodies[b]);
     q = std::max(q, bodies[b].state().q.norm());
     p = std::max(p, bodies[b].state().p.norm());
     dq = std::max(dq, (state.q - bodies[b].state().q).norm());
@@ -176,24 +176,24 @@ TEST(Crowd, ResultIsTheSameBitForBitWithAnyNumberOfThreads) {
 TEST(Crowd, BodyDoesNotFeelTheOthersComeAndGo) {
   const Model::Pointer model = crowd_model();
   const GroupOptions options = group_options("imexv-linear");
-  Crowd alone = make_crowd(model, options, 1);
-  Crowd crowd = make_crowd(model, options, 30);
+  Troop alone = make_troop(model, options, 1);
+  Troop troop = make_troop(model, options, 30);
   std::mt19937 random(5);
   for (int k = 0; k < 200; ++k) {
     // The body itself loses its lane, gets the last one and may be moved on at once.
     if (k % 4 == 1) {
-      ASSERT_TRUE(crowd.crowd.sleep(0));
-      ASSERT_TRUE(crowd.crowd.wake(0));
+      ASSERT_TRUE(troop.crowd.sleep(0));
+      ASSERT_TRUE(troop.crowd.wake(0));
     }
     for (int change = 0; change < 6; ++change) {
-      const BodyId other = crowd.bodies[1 + random() % 29];
-      ASSERT_TRUE(random() % 2 == 0 ? crowd.crowd.sleep(other) : crowd.crowd.wake(other));
+      const BodyId other = troop.bodies[1 + random() % 29];
+      ASSERT_TRUE(random() % 2 == 0 ? troop.crowd.sleep(other) : troop.crowd.wake(other));
     }
     alone.crowd.step();
-    crowd.crowd.step();
+    troop.crowd.step();
   }
-  EXPECT_EQ(alone.crowd.state(0)->q, crowd.crowd.state(0)->q);
-  EXPECT_EQ(alone.crowd.state(0)->p, crowd.crowd.state(0)->p);
+  EXPECT_EQ(alone.crowd.state(0)->q, troop.crowd.state(0)->q);
+  EXPECT_EQ(alone.crowd.state(0)->p, troop.crowd.state(0)->p);
 }
 
 TEST(Crowd, NewBodySleepsAndAForceWakesIt) {
@@ -212,60 +212,60 @@ TEST(Crowd, DampedBodyFallsAsleepBelowTheThresholdAndMovesOnFromThere) {
   for (const std::string_view method : {"imexv-linear", "ep4"}) {
     GroupOptions options = group_options(method, 3.0);
     options.sleep = {.energy = 1e-3, .time = 0.1};
-    Crowd crowd = make_crowd(model, options, 3);
+    Troop troop = make_troop(model, options, 3);
     int steps = 0;
-    while (crowd.crowd.awake() > 0 && ++steps < 5000) crowd.crowd.step();
-    ASSERT_EQ(crowd.crowd.awake(), 0u) << method;
-    const State frozen = *crowd.crowd.state(1);
+    while (troop.crowd.awake() > 0 && ++steps < 5000) troop.crowd.step();
+    ASSERT_EQ(troop.crowd.awake(), 0u) << method;
+    const State frozen = *troop.crowd.state(1);
     EXPECT_GT(frozen.q.norm(), 0.0);
-    EXPECT_LE(crowd.crowd.energy(1)->total(), 1e-3);
-    for (int k = 0; k < 10; ++k) EXPECT_EQ(crowd.crowd.step().stepped, 0u);
-    EXPECT_EQ(crowd.crowd.state(1)->q, frozen.q);
-    ASSERT_TRUE(crowd.crowd.wake(1));
-    EXPECT_EQ(crowd.crowd.state(1)->p, frozen.p);
+    EXPECT_LE(troop.crowd.energy(1)->total(), 1e-3);
+    for (int k = 0; k < 10; ++k) EXPECT_EQ(troop.crowd.step().stepped, 0u);
+    EXPECT_EQ(troop.crowd.state(1)->q, frozen.q);
+    ASSERT_TRUE(troop.crowd.wake(1));
+    EXPECT_EQ(troop.crowd.state(1)->p, frozen.p);
     Body body = std::move(*Body::create(model, method, options.options));
     ASSERT_TRUE(body.set_state(frozen.q, frozen.p));
-    crowd.crowd.step();
+    troop.crowd.step();
     body.step();
     // Rounding of one step; an ep4 that continues still has the filter of its last step, so that
     // the two solves end at different points within their tolerance.
     const double allowed = method == "ep4" ? 1e-9 : 1e-14;
-    EXPECT_LE((crowd.crowd.state(1)->q - body.state().q).norm(), allowed * frozen.q.norm());
+    EXPECT_LE((troop.crowd.state(1)->q - body.state().q).norm(), allowed * frozen.q.norm());
   }
 }
 
 TEST(Crowd, BodyStaysAwakeForTheTimeAskedAndWhileAForceActs) {
   GroupOptions options = group_options("imexv-linear");
   options.sleep = {.energy = 1e6, .time = 0.3};
-  Crowd crowd = make_crowd(crowd_model(), options, 2);
-  ASSERT_TRUE(crowd.crowd.apply_force(1, 5, {1.0, 0.0, 0.0}, 400));
+  Troop troop = make_troop(crowd_model(), options, 2);
+  ASSERT_TRUE(troop.crowd.apply_force(1, 5, {1.0, 0.0, 0.0}, 400));
   int steps = 0;
-  while (*crowd.crowd.is_awake(0)) {
-    crowd.crowd.step();
+  while (*troop.crowd.is_awake(0)) {
+    troop.crowd.step();
     ASSERT_LT(++steps, 1000);
   }
   EXPECT_GE(steps * options.options.step, 0.3 - 1e-9);
   EXPECT_LE(steps * options.options.step, 0.3 + 8 * options.options.step);  // checked every 8th
-  while (steps++ < 399) crowd.crowd.step();
-  EXPECT_TRUE(*crowd.crowd.is_awake(1));
-  for (int k = 0; k < 200; ++k) crowd.crowd.step();
-  EXPECT_FALSE(*crowd.crowd.is_awake(1));
+  while (steps++ < 399) troop.crowd.step();
+  EXPECT_TRUE(*troop.crowd.is_awake(1));
+  for (int k = 0; k < 200; ++k) troop.crowd.step();
+  EXPECT_FALSE(*troop.crowd.is_awake(1));
 }
 
 TEST(Crowd, WhatSleepsByDefaultIsMovedByLessThanATenThousandthOfItsSize) {
   const Model::Pointer model = crowd_model();
   GroupOptions options = group_options("imexv-linear", 3.0);
   options.sleep = {.time = 0.1};
-  Crowd crowd = make_crowd(model, options, 5);
-  for (int k = 0; k < 20000 && crowd.crowd.awake() > 0; ++k) crowd.crowd.step();
-  ASSERT_EQ(crowd.crowd.awake(), 0u);
+  Troop troop = make_troop(model, options, 5);
+  for (int k = 0; k < 20000 && troop.crowd.awake() > 0; ++k) troop.crowd.step();
+  ASSERT_EQ(troop.crowd.awake(), 0u);
   Eigen::Vector3d least = model->surface().rest[0], most = least;
   for (const Eigen::Vector3d& rest : model->surface().rest) {
     least = least.cwiseMin(rest);
     most = most.cwiseMax(rest);
   }
-  for (const BodyId body : crowd.bodies) {
-    const Eigen::VectorXd moved = model->surface().rows * crowd.crowd.state(body)->q;
+  for (const BodyId body : troop.bodies) {
+    const Eigen::VectorXd moved = model->surface().rows * troop.crowd.state(body)->q;
     // The bound holds exactly for the first mode; the others, which this model lets move as far at
     // higher frequency, are below it.
     EXPECT_LE(moved.cwiseAbs().maxCoeff(), 1.2e-4 * (most - least).maxCoeff());
@@ -278,23 +278,23 @@ TEST(Crowd, BodyThatLeavesTheNumbersIsPutBackAndToSleepAndHarmsNoOther) {
   for (const std::string_view method : {"verlet", "imexv-linear", "ep4"})
     for (const BodyId bad : {5u, 11u}) {  // amid the others, and the last
       const GroupOptions options = group_options(method);
-      Crowd crowd = make_crowd(model, options, 12), without = make_crowd(model, options, 12);
-      ASSERT_TRUE(crowd.crowd.set_state(bad, huge, huge));
-      ASSERT_TRUE(crowd.crowd.apply_force(bad, 5, {1.0, 0.0, 0.0}, 9));
-      const CrowdReport& report = crowd.crowd.step();
+      Troop troop = make_troop(model, options, 12), without = make_troop(model, options, 12);
+      ASSERT_TRUE(troop.crowd.set_state(bad, huge, huge));
+      ASSERT_TRUE(troop.crowd.apply_force(bad, 5, {1.0, 0.0, 0.0}, 9));
+      const CrowdReport& report = troop.crowd.step();
       ASSERT_EQ(report.failed.size(), 1u) << method;
       EXPECT_EQ(report.failed[0], bad);
-      EXPECT_FALSE(*crowd.crowd.is_awake(bad));
-      EXPECT_EQ(crowd.crowd.state(bad)->q, huge);
-      EXPECT_EQ(crowd.crowd.state(bad)->p, huge);
+      EXPECT_FALSE(*troop.crowd.is_awake(bad));
+      EXPECT_EQ(troop.crowd.state(bad)->q, huge);
+      EXPECT_EQ(troop.crowd.state(bad)->p, huge);
       without.crowd.step();
       for (int k = 0; k < 20; ++k) {
-        EXPECT_TRUE(crowd.crowd.step().failed.empty());
+        EXPECT_TRUE(troop.crowd.step().failed.empty());
         without.crowd.step();
       }
-      for (const BodyId body : crowd.bodies) {
+      for (const BodyId body : troop.bodies) {
         if (body != bad) {
-          EXPECT_EQ(crowd.crowd.state(body)->q, without.crowd.state(body)->q);
+          EXPECT_EQ(troop.crowd.state(body)->q, without.crowd.state(body)->q);
         }
       }
     }
@@ -304,22 +304,22 @@ TEST(Crowd, BodiesThatFallAsleepTogetherAreThoseAndNoOthers) {
   const Model::Pointer model = crowd_model();
   for (const std::string_view method : {"imexv-linear", "ep4"}) {
     GroupOptions options = group_options(method);
-    Crowd awake = make_crowd(model, options, 21);
+    Troop awake = make_troop(model, options, 21);
     options.sleep = {.energy = 1e6, .time = 0.02};  // the first look finds all of them quiet
-    Crowd crowd = make_crowd(model, options, 21);
+    Troop troop = make_troop(model, options, 21);
     for (BodyId body = 0; body < 21; body += 3)
-      for (Crowd* crowd : {&awake.crowd, &crowd.crowd})
+      for (Crowd* crowd : {&awake.crowd, &troop.crowd})
         ASSERT_TRUE(crowd->apply_force(body, 5, {1.0, 0.0, 0.0}, 12));
     std::size_t slept = 0;
     for (int k = 0; k < 12; ++k) {
-      slept += crowd.crowd.step().fell_asleep;
+      slept += troop.crowd.step().fell_asleep;
       awake.crowd.step();
     }
     EXPECT_EQ(slept, 14u) << method;
     for (BodyId body = 0; body < 21; ++body) {
-      EXPECT_EQ(*crowd.crowd.is_awake(body), body % 3 == 0);
+      EXPECT_EQ(*troop.crowd.is_awake(body), body % 3 == 0);
       if (body % 3 == 0) {
-        EXPECT_EQ(crowd.crowd.state(body)->q, awake.crowd.state(body)->q);
+        EXPECT_EQ(troop.crowd.state(body)->q, awake.crowd.state(body)->q);
       }
     }
   }
@@ -327,8 +327,8 @@ TEST(Crowd, BodiesThatFallAsleepTogetherAreThoseAndNoOthers) {
 
 TEST(Crowd, SurfacesAreRebuiltForBodiesThatMovedAndAreShown) {
   const Model::Pointer model = crowd_model();
-  Crowd crowd = make_crowd(model, group_options("imexv-linear"), 11);
-  Crowd& crowd = crowd.crowd;
+  Troop troop = make_troop(model, group_options("imexv-linear"), 11);
+  Crowd& crowd = troop.crowd;
   EXPECT_EQ(crowd.update_surfaces(), 0u);
   EXPECT_FALSE(crowd.surface(2));
   for (BodyId body = 0; body < 7; ++body) ASSERT_TRUE(crowd.set_shown(body, true));
@@ -363,14 +363,14 @@ TEST(Crowd, SurfacesAreRebuiltForBodiesThatMovedAndAreShown) {
 TEST(Crowd, SurfaceOfABodyThatFellAsleepIsItsLast) {
   GroupOptions options = group_options("imexv-linear", 3.0);
   options.sleep = {.energy = 1e-2, .time = 0.01};
-  Crowd crowd = make_crowd(crowd_model(), options, 1);
-  ASSERT_TRUE(crowd.crowd.set_shown(0, true));
+  Troop troop = make_troop(crowd_model(), options, 1);
+  ASSERT_TRUE(troop.crowd.set_shown(0, true));
   int steps = 0;
-  while (crowd.crowd.awake() > 0 && ++steps < 5000) {
-    crowd.crowd.step();
-    EXPECT_EQ(crowd.crowd.update_surfaces(), 1u);  // also after the step that ends with its sleep
+  while (troop.crowd.awake() > 0 && ++steps < 5000) {
+    troop.crowd.step();
+    EXPECT_EQ(troop.crowd.update_surfaces(), 1u);  // also after the step that ends with its sleep
   }
-  EXPECT_EQ(crowd.crowd.update_surfaces(), 0u);
+  EXPECT_EQ(troop.crowd.update_surfaces(), 0u);
 }
 
 TEST(Crowd, FewerModesMoveAsTheModelLoadedWithFewer) {
@@ -398,52 +398,52 @@ TEST(Crowd, FewerModesMoveAsTheModelLoadedWithFewer) {
 
 TEST(Crowd, MovingToAnotherGroupKeepsTheCoordinatesBothHave) {
   const Model::Pointer model = crowd_model();
-  Crowd crowd = make_crowd(model, group_options("imexv-linear"), 4);
+  Troop troop = make_troop(model, group_options("imexv-linear"), 4);
   GroupOptions coarse = group_options("imexv-linear");
   coarse.modes = 5;
-  const GroupId few = *crowd.crowd.add_group(model, coarse);
-  const GroupId single = *crowd.crowd.add_group(model, group_options("ep4"));
-  ASSERT_TRUE(crowd.crowd.set_shown(1, true));
-  ASSERT_TRUE(crowd.crowd.move_body(1, few));
-  EXPECT_TRUE(*crowd.crowd.is_awake(1));
-  EXPECT_EQ(crowd.crowd.state(1)->q, some_q(1).head(5));
-  crowd.crowd.step();
-  EXPECT_EQ(crowd.crowd.update_surfaces(), 1u);
-  const State state = *crowd.crowd.state(1);
-  ASSERT_TRUE(crowd.crowd.move_body(1, single));
-  EXPECT_EQ(crowd.crowd.state(1)->p.head(5), state.p);
-  EXPECT_EQ(crowd.crowd.state(1)->p.tail(4), Eigen::VectorXd::Zero(4));
-  EXPECT_EQ(crowd.crowd.step().stepped, 4u);
-  ASSERT_TRUE(crowd.crowd.move_body(1, crowd.group));
-  EXPECT_EQ(crowd.crowd.step().stepped, 4u);
-  const GroupId other = *crowd.crowd.add_group(crowd_model(), group_options("verlet"));
-  EXPECT_FALSE(crowd.crowd.move_body(1, other));
+  const GroupId few = *troop.crowd.add_group(model, coarse);
+  const GroupId single = *troop.crowd.add_group(model, group_options("ep4"));
+  ASSERT_TRUE(troop.crowd.set_shown(1, true));
+  ASSERT_TRUE(troop.crowd.move_body(1, few));
+  EXPECT_TRUE(*troop.crowd.is_awake(1));
+  EXPECT_EQ(troop.crowd.state(1)->q, some_q(1).head(5));
+  troop.crowd.step();
+  EXPECT_EQ(troop.crowd.update_surfaces(), 1u);
+  const State state = *troop.crowd.state(1);
+  ASSERT_TRUE(troop.crowd.move_body(1, single));
+  EXPECT_EQ(troop.crowd.state(1)->p.head(5), state.p);
+  EXPECT_EQ(troop.crowd.state(1)->p.tail(4), Eigen::VectorXd::Zero(4));
+  EXPECT_EQ(troop.crowd.step().stepped, 4u);
+  ASSERT_TRUE(troop.crowd.move_body(1, troop.group));
+  EXPECT_EQ(troop.crowd.step().stepped, 4u);
+  const GroupId other = *troop.crowd.add_group(crowd_model(), group_options("verlet"));
+  EXPECT_FALSE(troop.crowd.move_body(1, other));
 }
 
 TEST(Crowd, RemovedBodyIsGoneAndItsNumberIsNotUsedAgain) {
-  Crowd crowd = make_crowd(crowd_model(), group_options("imexv-linear"), 3);
-  Crowd whole = make_crowd(crowd_model(), group_options("imexv-linear"), 3);
-  ASSERT_TRUE(crowd.crowd.remove_body(0));
-  EXPECT_FALSE(crowd.crowd.wake(0));
-  EXPECT_FALSE(crowd.crowd.remove_body(0));
-  const BodyId added = *crowd.crowd.add_body(crowd.group);
+  Troop troop = make_troop(crowd_model(), group_options("imexv-linear"), 3);
+  Troop whole = make_troop(crowd_model(), group_options("imexv-linear"), 3);
+  ASSERT_TRUE(troop.crowd.remove_body(0));
+  EXPECT_FALSE(troop.crowd.wake(0));
+  EXPECT_FALSE(troop.crowd.remove_body(0));
+  const BodyId added = *troop.crowd.add_body(troop.group);
   EXPECT_EQ(added, 3u);
-  EXPECT_EQ(crowd.crowd.state(added)->q, Eigen::VectorXd::Zero(kCrowdModes));  // not the old one's
-  EXPECT_EQ(crowd.crowd.step().stepped, 2u);
+  EXPECT_EQ(troop.crowd.state(added)->q, Eigen::VectorXd::Zero(kCrowdModes));  // not the old one's
+  EXPECT_EQ(troop.crowd.step().stepped, 2u);
   whole.crowd.step();
-  EXPECT_EQ(crowd.crowd.state(2)->q, whole.crowd.state(2)->q);
+  EXPECT_EQ(troop.crowd.state(2)->q, whole.crowd.state(2)->q);
 }
 
 TEST(Crowd, OneGroupCanStepAlone) {
   const Model::Pointer model = crowd_model();
-  Crowd crowd = make_crowd(model, group_options("imexv-linear"), 2);
-  const GroupId other = *crowd.crowd.add_group(model, group_options("verlet"));
-  const BodyId body = *crowd.crowd.add_body(other);
-  ASSERT_TRUE(crowd.crowd.set_state(body, some_q(9), some_p(9)));
-  EXPECT_EQ(crowd.crowd.step(other)->stepped, 1u);
-  EXPECT_EQ(crowd.crowd.state(0)->q, some_q(0));
-  EXPECT_NE(crowd.crowd.state(body)->q, some_q(9));
-  EXPECT_FALSE(crowd.crowd.step(7));
+  Troop troop = make_troop(model, group_options("imexv-linear"), 2);
+  const GroupId other = *troop.crowd.add_group(model, group_options("verlet"));
+  const BodyId body = *troop.crowd.add_body(other);
+  ASSERT_TRUE(troop.crowd.set_state(body, some_q(9), some_p(9)));
+  EXPECT_EQ(troop.crowd.step(other)->stepped, 1u);
+  EXPECT_EQ(troop.crowd.state(0)->q, some_q(0));
+  EXPECT_NE(troop.crowd.state(body)->q, some_q(9));
+  EXPECT_FALSE(troop.crowd.step(7));
 }
 
 TEST(Crowd, WrongArgumentsAreUsageErrorsThatChangeNothing) {
