@@ -148,8 +148,10 @@ void MixedGuests::meet_joints(std::size_t guest) {
   }
 }
 
-// False: a joint between the two lets them pass through each other.
+// False: a joint between the two lets them pass through each other, or the filter does.
 bool MixedGuests::may_touch(std::size_t guest, bool to_guest, std::size_t other) const {
+  if (filter_ && !filter_(kFirstGuest + guest, to_guest ? kFirstGuest + other : other))
+    return false;
   return std::none_of(joined_.begin(), joined_.end(), [&](const Link& link) {
     const GuestJoint& joint = link.joint;
     if (!link.used || joint.joint.touch || joint.to_guest != to_guest) return false;

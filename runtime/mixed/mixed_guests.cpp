@@ -8,9 +8,6 @@
 namespace tremolo {
 namespace {
 
-// Memories know obstacles by one number: bodies by theirs, colliders from here on.
-constexpr std::size_t kFirstCollider = std::size_t{1} << 40;
-
 Status check(const ContactOptions& options) {
   if (!(options.margin > 0.0) || !(options.stiffness > 0.0) || !std::isfinite(options.margin) ||
       !std::isfinite(options.stiffness))
@@ -51,8 +48,7 @@ Result<std::size_t> MixedGuests::add(std::string name, TetBody body, const Conta
   auto step = std::make_unique<TetStep>(*guest->tet_body, known->second, contact, std::move(hull));
   guest->tets = step.get();
   guest->step = std::move(step);
-  guests_.push_back(std::move(guest));
-  return guests_.size() - 1;
+  return keep(std::move(guest));
 }
 
 Result<std::size_t> MixedGuests::add(ClothBody body, const ContactOptions& contact) {
@@ -71,8 +67,40 @@ Result<std::size_t> MixedGuests::add(ClothBody body, const ContactOptions& conta
   auto step = std::make_unique<ClothStep>(*guest->cloth_body, contact);
   guest->cloth = step.get();
   guest->step = std::move(step);
-  guests_.push_back(std::move(guest));
-  return guests_.size() - 1;
+  return keep(std::move(guest));
+}
+
+// The number of a body that was removed before, or the next one.
+std::size_t MixedGuests::keep(std::unique_ptr<Guest> guest) {
+  const auto free = std::find_if(guests_.begin(), guests_.end(),
+                                 [](const auto& one) { return one->removed && one->old; });
+  const auto number = static_cast<std::size_t>(free - guests_.begin());
+  if (free == guests_.end())
+    guests_.push_back(std::move(guest));
+  else
+    *free = std::move(guest);
+  return number;
+}
+
+void MixedGuests::remove(std::size_t i) {
+  Guest& guest = *guests_[i];
+  for (Hand& held : hands_)
+    if (held.used && held.hand.guest == i) held.used = false;
+  for (Link& link : joined_) {
+    const GuestJoint& joint = link.joint;
+    if (joint.guest == i || (joint.to_guest && joint.other == i)) link.used = false;
+  }
+  guest.removed = guest.failed = true;
+  guest.step.reset();
+  guest.tets = nullptr;
+  guest.cloth = nullptr;
+  guest.tet_body.reset();
+  guest.cloth_body.reset();
+}
+
+void MixedGuests::separate_from(std::size_t body) {
+  for (Link& link : joined_)
+    if (!link.joint.to_guest && link.joint.other == body) link.used = false;
 }
 
 std::size_t MixedGuests::point_near(std::size_t i, const Eigen::Vector3d& place) const {
@@ -117,6 +145,7 @@ void MixedGuests::start(std::span<const PlacedCollider> colliders) {
   report_ = {};
   in_islands_ = 0;
   for (std::size_t i = 0; i < guests_.size(); ++i) {
+    guests_[i]->old = guests_[i]->removed;
     if (guests_[i]->failed) continue;
     GuestStep& step = *guests_[i]->step;
     step.set_pull(pull_of(i));
@@ -148,7 +177,7 @@ bool MixedGuests::meet_hull(StepBody& points, std::size_t number, std::size_t gu
   if (guests_[guest]->tets == nullptr) return false;
   if (counts_.hulls == hulls_.size()) hulls_.emplace_back();
   HullContact& contact = hulls_[counts_.hulls];
-  if (!contact.gather(points, *guests_[guest]->tets, bodies_ + guest, length_)) return false;
+  if (!contact.gather(points, *guests_[guest]->tets, kFirstGuest + guest, length_)) return false;
   ++counts_.hulls;
   contact.shared = shared;
   met_.push_back({number, bodies_ + guest, &contact});
@@ -428,7 +457,8 @@ void MixedGuests::book(std::size_t guest) {
 
 // Everything else is of one step.
 void MixedGuests::carry(StateStream& stream, std::size_t bodies) {
-  for (const auto& guest : guests_) carry_guest(stream, bodies, *guest);
+  for (const auto& guest : guests_)
+    if (!guest->removed) carry_guest(stream, bodies, *guest);
   carry_links(stream);
 }
 
@@ -436,7 +466,8 @@ void MixedGuests::carry_guest(StateStream& stream, std::size_t bodies, Guest& gu
   stream(guest.sums, guest.contacts, guest.deepest, guest.slip, guest.failed, guest.touched);
   guest.step->carry(stream);
   for (const ContactedPoint& point : guest.step->contacted())
-    stream.require(point.on_body ? point.obstacle < bodies + size()
+    stream.require(point.on_body ? point.obstacle < bodies || (point.obstacle >= kFirstGuest &&
+                                                               point.obstacle - kFirstGuest < size())
                                  : point.obstacle >= kFirstCollider);
 }
 

@@ -49,6 +49,15 @@ class MixedGuests final : public IslandGuests {
   // contact: stiffness or modulus alone; the cloth itself has the rest.
   Result<std::size_t> add(ClothBody body, const ContactOptions& contact = {});
 
+  // Removes a guest with its hands and joints. Its number is that of a body that is added after
+  // the next step; until then no function but removed() may be called with it.
+  void remove(std::size_t i);
+  bool removed(std::size_t i) const { return guests_[i]->removed; }
+  // Ends the joints of guests with a body of the group.
+  void separate_from(std::size_t body);
+  // As BodyGroup::set_filter().
+  void set_filter(PairFilter filter) { filter_ = std::move(filter); }
+
   const std::string& name(std::size_t i) const { return guests_[i]->name; }
   // Null: the guest is of the other kind.
   TetStep* tets(std::size_t i) { return guests_[i]->tets; }
@@ -145,6 +154,7 @@ class MixedGuests final : public IslandGuests {
     std::int64_t contacts = 0;
     double deepest = 0.0, slip = 0.0;
     bool failed = false, touched = false;
+    bool removed = false, old = false;  // old: before the last step
   };
   // A hand or a joint; those that are not in use have been released.
   struct Hand {
@@ -171,6 +181,7 @@ class MixedGuests final : public IslandGuests {
     std::size_t bent = 0, hulls = 0, colliders = 0, rates = 0, met = 0, links = 0;
   };
 
+  std::size_t keep(std::unique_ptr<Guest> guest);
   void meet(std::span<const std::size_t> guests, std::span<ContactStep* const> contacts);
   double pull_of(std::size_t guest) const;
   void meet_hands(std::size_t guest);
@@ -203,6 +214,7 @@ class MixedGuests final : public IslandGuests {
   std::vector<std::pair<const TetModel*, std::shared_ptr<const TetPoints>>> points_;
   std::span<const PlacedCollider> colliders_;
   std::size_t bodies_ = 0;  // of the group
+  PairFilter filter_;
   // Contacts of a step; the first ones are in use.
   std::deque<BentContact> bent_;
   std::deque<HullContact> hulls_;

@@ -27,11 +27,11 @@ GroupOptions crowd_options(std::string_view method, double step, double alpha = 
   return options;
 }
 
-struct Crowd {
+struct Troop {
   Crowd world;
   std::vector<BodyId> bodies;
 
-  Crowd(const Model::Pointer& model, const GroupOptions& options, const std::vector<State>& states,
+  Troop(const Model::Pointer& model, const GroupOptions& options, const std::vector<State>& states,
         unsigned threads = 1)
       : world(std::move(*Crowd::create(threads))) {
     const GroupId group = *world.add_group(model, options);
@@ -64,7 +64,7 @@ double difference(const State& a, const State& b) {
 double difference_to_lone(const GroupOptions& options, int steps, double nonlinearity = 0.02) {
   const Model::Pointer model = crowd_model(nonlinearity);
   const std::vector<State> states = crowd_states(11);
-  Crowd crowd(model, options, states);
+  Troop troop(model, options, states);
   std::vector<Body> lone;
   for (const State& state : states) {
     lone.push_back(std::move(*Body::create(model, options.integrator, options.options)));
@@ -74,15 +74,15 @@ double difference_to_lone(const GroupOptions& options, int steps, double nonline
     if (k % 9 == 4)
       for (std::size_t b = 0; b < lone.size(); b += 2) {
         const Eigen::Vector3d force(0.5 * static_cast<double>(b), -3.0, 2.0);
-        EXPECT_TRUE(crowd.world.apply_force(crowd.bodies[b], 5, force, 2));
+        EXPECT_TRUE(troop.world.apply_force(troop.bodies[b], 5, force, 2));
         EXPECT_TRUE(lone[b].apply_force(5, force, 2));
       }
-    crowd.run(1);
+    troop.run(1);
     for (Body& body : lone) EXPECT_TRUE(body.step().converged);
   }
   double worst = 0.0;
   for (std::size_t b = 0; b < lone.size(); ++b)
-    worst = std::max(worst, difference(crowd.state(b), lone[b].state()));
+    worst = std::max(worst, difference(troop.state(b), lone[b].state()));
   return worst;
 }
 
@@ -108,10 +108,10 @@ TEST(LanePreserving, LanesFollowABodyToTheTolerance) {
 
 // Error of 0.5 s in the strongly nonlinear state.
 double error_at(std::string_view method, double alpha, int steps, const State& exact) {
-  Crowd crowd(make_model(strong_strain_model()), crowd_options(method, 0.5 / steps, alpha, 1e-12),
+  Troop troop(make_model(strong_strain_model()), crowd_options(method, 0.5 / steps, alpha, 1e-12),
               {strong_state()});
-  crowd.run(steps);
-  return (crowd.state(0).q - exact.q).norm();
+  troop.run(steps);
+  return (troop.state(0).q - exact.q).norm();
 }
 
 // Against Runge and Kutta's method on the strain form of the energy, whose error at 2 000 steps is
@@ -133,12 +133,12 @@ TEST(LanePreserving, Ep4IsOfFourthOrderAndTheOthersOfSecond) {
 // they may all have one sign.
 TEST(LanePreserving, EnergyStaysToRounding) {
   for (const char* method : kMethods) {
-    Crowd crowd(crowd_model(), crowd_options(method, 3e-3), crowd_states(9));
+    Troop troop(crowd_model(), crowd_options(method, 3e-3), crowd_states(9));
     std::vector<double> before;
-    for (std::size_t b = 0; b < 9; ++b) before.push_back(crowd.energy(b));
-    crowd.run(2000);
+    for (std::size_t b = 0; b < 9; ++b) before.push_back(troop.energy(b));
+    troop.run(2000);
     for (std::size_t b = 0; b < 9; ++b)
-      EXPECT_NEAR(crowd.energy(b) / before[b], 1.0, 2000 * 1e-15) << method;
+      EXPECT_NEAR(troop.energy(b) / before[b], 1.0, 2000 * 1e-15) << method;
   }
 }
 
@@ -187,15 +187,15 @@ TEST(LanePreserving, DampingAndLoadsBalanceTheEnergyToRounding) {
 TEST(LanePreserving, MotionRunsBackWhenMomentaAreReversed) {
   for (const char* method : kMethods) {
     const std::vector<State> start = crowd_states(3);
-    Crowd crowd(crowd_model(), crowd_options(method, 3e-3, 0.0, 1e-13), start);
-    crowd.run(100);
+    Troop troop(crowd_model(), crowd_options(method, 3e-3, 0.0, 1e-13), start);
+    troop.run(100);
     for (std::size_t b = 0; b < 3; ++b) {
-      const State end = crowd.state(b);
-      EXPECT_TRUE(crowd.world.set_state(crowd.bodies[b], end.q, -end.p));
+      const State end = troop.state(b);
+      EXPECT_TRUE(troop.world.set_state(troop.bodies[b], end.q, -end.p));
     }
-    crowd.run(100);
+    troop.run(100);
     for (std::size_t b = 0; b < 3; ++b) {
-      State end = crowd.state(b);
+      State end = troop.state(b);
       end.p = -end.p;
       EXPECT_LE(difference(end, start[b]), 1e-8) << method;
     }
@@ -207,10 +207,10 @@ TEST(LanePreserving, MotionRunsBackWhenMomentaAreReversed) {
 TEST(LanePreserving, ALaneThatNeedsTheSolverOfOneBodyDoesNotChangeTheOthers) {
   const Model::Pointer model = crowd_model(0.3);
   std::vector<State> states = crowd_states(8);
-  Crowd calm(model, crowd_options("ep4", 3e-3), states);
+  Troop calm(model, crowd_options("ep4", 3e-3), states);
   states[3].q *= 40.0;
   states[3].p *= 300.0;
-  Crowd wild(model, crowd_options("ep4", 3e-3), states);
+  Troop wild(model, crowd_options("ep4", 3e-3), states);
   Result<Body> body = Body::create(model, "ep4", {.step = 3e-3});
   ASSERT_TRUE(body);
   ASSERT_TRUE(body->set_state(states[3].q, states[3].p));
@@ -238,20 +238,20 @@ TEST(LanePreserving, ABodysBitsDependNeitherOnTheOthersNorOnThreads) {
       GroupOptions options = crowd_options(method, 3e-3, 0.3);
       options.precision = precision;
       const std::vector<State> states = crowd_states(37);
-      Crowd alone(crowd_model(), options, {states[35], states[36]});
-      Crowd crowd(crowd_model(), options, states, 3);
+      Troop alone(crowd_model(), options, {states[35], states[36]});
+      Troop troop(crowd_model(), options, states, 3);
       std::mt19937 random(5);
       for (int k = 0; k < 60; ++k) {
         for (int change = 0; change < 6; ++change) {
-          const BodyId other = crowd.bodies[random() % 35];
-          ASSERT_TRUE(random() % 2 == 0 ? crowd.world.sleep(other) : crowd.world.wake(other));
+          const BodyId other = troop.bodies[random() % 35];
+          ASSERT_TRUE(random() % 2 == 0 ? troop.world.sleep(other) : troop.world.wake(other));
         }
         alone.run(1);
-        crowd.run(1);
+        troop.run(1);
       }
       for (const std::size_t b : {0u, 1u}) {
-        EXPECT_EQ(alone.state(b).q, crowd.state(35 + b).q) << method;
-        EXPECT_EQ(alone.state(b).p, crowd.state(35 + b).p) << method;
+        EXPECT_EQ(alone.state(b).q, troop.state(35 + b).q) << method;
+        EXPECT_EQ(alone.state(b).p, troop.state(35 + b).p) << method;
       }
     }
 }
@@ -262,12 +262,12 @@ TEST(LanePreserving, FloatLanesKeepTheEnergyToFloatRounding) {
   for (const char* method : kMethods) {
     GroupOptions options = crowd_options(method, 3e-3);
     options.precision = LanePrecision::kFloat;
-    Crowd crowd(crowd_model(), options, crowd_states(17));
+    Troop troop(crowd_model(), options, crowd_states(17));
     std::vector<double> before;
-    for (std::size_t b = 0; b < 17; ++b) before.push_back(crowd.energy(b));
-    crowd.run(500);
+    for (std::size_t b = 0; b < 17; ++b) before.push_back(troop.energy(b));
+    troop.run(500);
     for (std::size_t b = 0; b < 17; ++b)
-      EXPECT_NEAR(crowd.energy(b) / before[b], 1.0, 500 * 6e-8) << method;
+      EXPECT_NEAR(troop.energy(b) / before[b], 1.0, 500 * 6e-8) << method;
   }
 }
 

@@ -88,8 +88,10 @@ bool BodyGroup::is_joined(std::size_t i) const {
                      [i](const Link& link) { return link.a == i || link.b == i; });
 }
 
-// False: the bodies are joined by a joint that lets them pass through each other.
+// False: the bodies are joined by a joint that lets them pass through each other, or the filter
+// does.
 bool BodyGroup::may_touch(std::size_t a, std::size_t b) const {
+  if (filter_ && !filter_(a, b)) return false;
   return std::none_of(links_.begin(), links_.end(), [a, b](const Link& link) {
     return link.a == a && link.b == b && !link.joint.touch;
   });

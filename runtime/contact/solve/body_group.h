@@ -14,8 +14,11 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -44,7 +47,24 @@ class BodyGroup {
   // Sets the number of threads in step(), the caller's included; 0: one for each core. Default: 1.
   // Error kSystem, with nothing changed: the threads cannot be started.
   Status set_threads(unsigned threads);
-  unsigned threads() const { return pool_ ? pool_->threads() : 1; }
+  unsigned threads() const { return jobs_ ? jobs_->workers : pool_ ? pool_->threads() : 1; }
+  // Threads of the caller's, in place of the group's. run: calls job(data, index, worker) once for
+  // each index below count, on any threads, and returns when all are done; worker < workers is one
+  // of its own for each call at a time. It must not throw.
+  struct Jobs {
+    unsigned workers = 1;
+    std::function<void(std::size_t count, void (*job)(void*, std::size_t, unsigned), void* data)>
+        run;
+  };
+  // Empty: the group's own threads again.
+  void set_jobs(std::optional<Jobs> jobs) { jobs_ = std::move(jobs); }
+  // Pairs of bodies for which it returns false pass through each other. Called by the thread that
+  // calls step(). Empty: none do.
+  void set_filter(PairFilter filter) { filter_ = std::move(filter); }
+  // The next step has that many bodies, at least as many as the last one.
+  void make_room(std::size_t bodies) {
+    if (!rest_.empty()) rest_.resize(bodies);
+  }
   // Sets the bodies of other kinds that are stepped with the group's; null: none. They must outlive
   // the group. Bodies in contact with them do not fall asleep.
   void set_guests(IslandGuests* guests) { guests_ = guests; }
@@ -180,6 +200,8 @@ class BodyGroup {
   std::size_t used_ = 0;
   std::vector<Touch> touches_;
   std::unique_ptr<ThreadPool> pool_;  // null: the caller alone
+  std::optional<Jobs> jobs_;          // in its place
+  PairFilter filter_;
   std::vector<Worker> workers_;       // one a thread
 };
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <system_error>
 #include <thread>
+#include <type_traits>
 
 #include "common/processor.h"
 #include "common/union_find.h"
@@ -28,6 +29,12 @@ Status BodyGroup::set_threads(unsigned threads) {
 // Calls work(index, thread) for each index below count.
 template <class Work>
 void BodyGroup::share(std::size_t count, Work&& work) {
+  if (jobs_) {
+    const auto job = [](void* at, std::size_t index, unsigned worker) {
+      (*static_cast<std::remove_reference_t<Work>*>(at))(index, worker);
+    };
+    return jobs_->run(count, job, &work);
+  }
   if (pool_) return pool_->run(count, work);
   for (std::size_t i = 0; i < count; ++i) work(i, 0U);
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -12,6 +13,14 @@
 #include "runtime/contact/solve/contact_island.h"
 
 namespace tremolo {
+
+// Contact knows the bodies of a group by their numbers there, its guests by their numbers from
+// kFirstGuest on, and guests know colliders from kFirstCollider on.
+inline constexpr std::size_t kFirstGuest = std::size_t{1} << 39;
+inline constexpr std::size_t kFirstCollider = std::size_t{1} << 40;
+
+// True if two bodies, by these numbers, may touch each other.
+using PairFilter = std::function<bool(std::size_t, std::size_t)>;
 
 // A part of a step that is taken in parts (step_parts.h): its ends, as fractions of the step, and
 // the colliders' motions in it.
