@@ -28,23 +28,23 @@ GroupOptions crowd_options(std::string_view method, double step, double alpha = 
 }
 
 struct Troop {
-  Crowd world;
+  Crowd crowd;
   std::vector<BodyId> bodies;
 
   Troop(const Model::Pointer& model, const GroupOptions& options, const std::vector<State>& states,
         unsigned threads = 1)
-      : world(std::move(*Crowd::create(threads))) {
-    const GroupId group = *world.add_group(model, options);
+      : crowd(std::move(*Crowd::create(threads))) {
+    const GroupId group = *crowd.add_group(model, options);
     for (const State& state : states) {
-      bodies.push_back(*world.add_body(group));
-      EXPECT_TRUE(world.set_state(bodies.back(), state.q, state.p));
+      bodies.push_back(*crowd.add_body(group));
+      EXPECT_TRUE(crowd.set_state(bodies.back(), state.q, state.p));
     }
   }
   void run(int steps) {
-    for (int k = 0; k < steps; ++k) EXPECT_TRUE(world.step().failed.empty()) << k;
+    for (int k = 0; k < steps; ++k) EXPECT_TRUE(crowd.step().failed.empty()) << k;
   }
-  State state(std::size_t body) const { return *world.state(bodies[body]); }
-  double energy(std::size_t body) const { return world.energy(bodies[body])->total(); }
+  State state(std::size_t body) const { return *crowd.state(bodies[body]); }
+  double energy(std::size_t body) const { return crowd.energy(bodies[body])->total(); }
 };
 
 // States of the model of nine coordinates, from small to far beyond linear.
@@ -74,7 +74,7 @@ double difference_to_lone(const GroupOptions& options, int steps, double nonline
     if (k % 9 == 4)
       for (std::size_t b = 0; b < lone.size(); b += 2) {
         const Eigen::Vector3d force(0.5 * static_cast<double>(b), -3.0, 2.0);
-        EXPECT_TRUE(troop.world.apply_force(troop.bodies[b], 5, force, 2));
+        EXPECT_TRUE(troop.crowd.apply_force(troop.bodies[b], 5, force, 2));
         EXPECT_TRUE(lone[b].apply_force(5, force, 2));
       }
     troop.run(1);
@@ -191,7 +191,7 @@ TEST(LanePreserving, MotionRunsBackWhenMomentaAreReversed) {
     troop.run(100);
     for (std::size_t b = 0; b < 3; ++b) {
       const State end = troop.state(b);
-      EXPECT_TRUE(troop.world.set_state(troop.bodies[b], end.q, -end.p));
+      EXPECT_TRUE(troop.crowd.set_state(troop.bodies[b], end.q, -end.p));
     }
     troop.run(100);
     for (std::size_t b = 0; b < 3; ++b) {
@@ -244,7 +244,7 @@ TEST(LanePreserving, ABodysBitsDependNeitherOnTheOthersNorOnThreads) {
       for (int k = 0; k < 60; ++k) {
         for (int change = 0; change < 6; ++change) {
           const BodyId other = troop.bodies[random() % 35];
-          ASSERT_TRUE(random() % 2 == 0 ? troop.world.sleep(other) : troop.world.wake(other));
+          ASSERT_TRUE(random() % 2 == 0 ? troop.crowd.sleep(other) : troop.crowd.wake(other));
         }
         alone.run(1);
         troop.run(1);
