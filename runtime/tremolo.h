@@ -44,6 +44,11 @@
 extern "C" {
 #endif
 
+/* The version of this header; tremolo_version() is that of the library. */
+#define TREMOLO_VERSION_MAJOR 0
+#define TREMOLO_VERSION_MINOR 1
+#define TREMOLO_VERSION_PATCH 0
+
 typedef enum tremolo_status {
   TREMOLO_OK = 0,
   TREMOLO_SYSTEM = 1,  /* I/O or memory failed */
@@ -64,6 +69,13 @@ const char* tremolo_last_error(void);
 
 /* "major.minor.patch"; static. */
 const char* tremolo_version(void);
+
+/* Receives messages of the whole library, UTF-8, from the thread that they concern: the reason of
+ * each call that fails, and warnings of calls that do not do all that was asked. It must not call
+ * the library. NULL: nobody does, as at first. Set it while no other call is under way. */
+typedef enum tremolo_log_level { TREMOLO_LOG_ERROR = 0, TREMOLO_LOG_WARNING = 1 } tremolo_log_level;
+typedef void (*tremolo_log)(void* user, tremolo_log_level level, const char* message);
+void tremolo_set_log(tremolo_log log, void* user);
 
 /* ---- model ---- */
 
@@ -96,6 +108,15 @@ tremolo_status tremolo_model_frequencies(const tremolo_model* model, double* out
  * must be 3 t. */
 tremolo_status tremolo_model_triangle_corners(const tremolo_model* model, uint32_t* out,
                                               size_t length);
+
+/* For skinning, on a GPU for example: vertex i is at rest + sum over k of basis[i][k] c[k], in the
+ * body's frame, where c are the coordinates of tremolo_body_coordinates. rest: x y z x y z ..., m,
+ * length 3 s. basis: for each vertex x, y and z of column 0, then of column 1, and so on; length 3
+ * s times the number of columns, which is 0 for NULL. It is r, or more in a model with local
+ * responses. */
+size_t tremolo_model_columns(const tremolo_model* model);
+tremolo_status tremolo_model_rest(const tremolo_model* model, float* out, size_t length);
+tremolo_status tremolo_model_basis(const tremolo_model* model, float* out, size_t length);
 
 /* For each of the surface's vertices the vertex of the source mesh for forces: its own id,
  * ascending, on the boundary; on a render surface the one with the largest weight. length must be
@@ -209,6 +230,10 @@ tremolo_status tremolo_body_positions_double(const tremolo_body* body, double* o
  * share theirs. length, of both buffers, must be 3 s. */
 tremolo_status tremolo_body_surface_float(const tremolo_body* body, float* positions,
                                           float* normals, size_t length);
+
+/* The weights of the columns of tremolo_model_basis; length must be tremolo_model_columns. Of a
+ * body on several bones they are only the deformation. */
+tremolo_status tremolo_body_coordinates(const tremolo_body* body, double* out, size_t length);
 
 /* The first hit of a ray. */
 typedef struct tremolo_hit {

@@ -4,6 +4,8 @@ namespace tremolo::c_api {
 namespace {
 
 thread_local std::string last_error;
+tremolo_log log_to = nullptr;
+void* log_user = nullptr;
 
 }  // namespace
 
@@ -13,7 +15,12 @@ tremolo_status fail(tremolo_status status, const char* message) noexcept {
   } catch (...) {
     last_error.clear();  // no memory even for the message
   }
+  log(TREMOLO_LOG_ERROR, message);
   return status;
+}
+
+void log(tremolo_log_level level, const char* message) noexcept {
+  if (log_to != nullptr) log_to(log_user, level, message);
 }
 
 tremolo_status to_status(ErrorKind kind) noexcept {
@@ -74,6 +81,11 @@ Result<VertexId> to_vertex(std::uint32_t vertex) {
 
 const char* tremolo_last_error(void) {
   return tremolo::c_api::last_error.c_str();
+}
+
+void tremolo_set_log(tremolo_log log, void* user) {
+  tremolo::c_api::log_to = log;
+  tremolo::c_api::log_user = user;
 }
 
 const char* tremolo_version(void) {

@@ -43,6 +43,8 @@ namespace tremolo::c_api {
 // Keeps the message for this thread and returns the status.
 tremolo_status fail(tremolo_status status, const char* message) noexcept;
 tremolo_status to_status(ErrorKind kind) noexcept;
+// Tells the log of tremolo_set_log().
+void log(tremolo_log_level level, const char* message) noexcept;
 
 // Runs action() -> Status.
 template <class Action>

@@ -85,6 +85,33 @@ tremolo_status tremolo_model_triangle_corners(const tremolo_model* model, uint32
   });
 }
 
+size_t tremolo_model_columns(const tremolo_model* model) {
+  if (model == nullptr) return 0;
+  const tremolo::DrawnSurface drawn = model->pointer->drawn();
+  return static_cast<size_t>(drawn.rows.cols() + drawn.response.cols());
+}
+
+tremolo_status tremolo_model_rest(const tremolo_model* model, float* out, size_t length) {
+  return fill(model, out, length, 3 * tremolo_model_surface_vertices(model),
+              [&](const Model& known) {
+                for (const Eigen::Vector3d& x : known.drawn().rest)
+                  for (const double value : x) *out++ = static_cast<float>(value);
+              });
+}
+
+tremolo_status tremolo_model_basis(const tremolo_model* model, float* out, size_t length) {
+  const std::size_t needed =
+      3 * tremolo_model_surface_vertices(model) * tremolo_model_columns(model);
+  return fill(model, out, length, needed, [&](const Model& known) {
+    const tremolo::DrawnSurface drawn = known.drawn();
+    for (Eigen::Index row = 0; row < drawn.rows.rows(); row += 3)
+      for (const tremolo::BasisRows* rows : {&drawn.rows, &drawn.response})
+        for (Eigen::Index k = 0; k < rows->cols(); ++k)
+          for (Eigen::Index axis = 0; axis < 3; ++axis)
+            *out++ = static_cast<float>((*rows)(row + axis, k));
+  });
+}
+
 tremolo_status tremolo_model_surface_ids(const tremolo_model* model, uint32_t* out, size_t length) {
   return fill(model, out, length, tremolo_model_surface_vertices(model), [&](const Model& known) {
     for (const tremolo::VertexId id : known.drawn().mesh_vertices)

@@ -117,6 +117,12 @@ SurfacePlace place_of(uint32_t triangle, const double weights[3]) {
 
 }  // namespace
 
+tremolo_status tremolo_body_coordinates(const tremolo_body* body, double* out, size_t length) {
+  return with(body, [&](const ContactBody& known) {
+    return tremolo::c_api::fill_buffer(known.shown(), out, length);
+  });
+}
+
 tremolo_status tremolo_body_pick(const tremolo_body* body, const double origin[3],
                                  const double direction[3], tremolo_hit* hit) {
   return with(body, {{origin, "the origin"}, {direction, "the direction"}, {hit, "the hit"}},

@@ -16,131 +16,23 @@ using tremolo::Result;
 using tremolo::Status;
 using tremolo::Success;
 using tremolo::usage_error;
-using tremolo::c_api::need;
+using tremolo::c_api::cloth_body;
+using tremolo::c_api::reduced_body;
+using tremolo::c_api::rigid_body;
+using tremolo::c_api::scene_collider;
+using tremolo::c_api::scene_joint;
+using tremolo::c_api::tets_body;
 using tremolo::c_api::with_all;
-
-// A model that calls added is named by its number after this, which begins no path.
-constexpr char kGivenModel = '\0';
 
 tremolo::SceneGravity constant(const Vector3d& gravity) {
   return {{}, {gravity}};
 }
 
-Result<tremolo_scene_body> complete_place(const tremolo_scene_body* place) {
-  if (Status s = need({{place, "the body's place"}}); !s) return s.error();
-  const auto full =
-      tremolo::c_api::complete(place, tremolo_scene_body_init, "tremolo_scene_body_init");
-  if (!full) return full.error();
-  if (full->name == nullptr || *full->name == '\0')
-    return usage_error("a body of a scene needs a name");
-  return full;
-}
-
-tremolo::ContactOptions contact_of(const tremolo_scene_body& place) {
-  tremolo::ContactOptions contact{.points = place.points,
-                                  .margin = place.margin,
-                                  .stiffness = place.stiffness,
-                                  .friction = place.friction,
-                                  .restitution = place.restitution};
-  if (place.modulus != 0.0) contact.modulus = place.modulus;
-  return contact;
-}
-
-// A reduced or rigid body without its model and its method.
-Result<tremolo::SceneBody> body_at(const tremolo_scene_body* given) {
-  const Result<tremolo_scene_body> place = complete_place(given);
-  if (!place) return place.error();
-  tremolo::SceneBody body;
-  body.name = place->name;
-  if (Status s = take(body.pose, tremolo::c_api::to_pose(place->position, place->quaternion)); !s)
-    return s.error();
-  body.velocity = Vector3d(place->velocity);
-  body.spin = Vector3d(place->spin);
-  body.contact = contact_of(*place);
-  return body;
-}
-
-Status set_method(const tremolo_body_options* given, tremolo::SceneBody& body) {
-  const Result<tremolo_body_options> full = tremolo::c_api::complete_body_options(given);
-  if (!full) return full.error();
-  if (full->integrator != nullptr) body.integrator = full->integrator;
-  if (Status s = take(body.options, tremolo::c_api::to_integrator_options(*full)); !s) return s;
-  return take(body.kind, tremolo::c_api::to_frame(full->frame));
-}
-
-// Bodies of one model share it.
-std::string number_of(const tremolo::Model::Pointer& model,
-                      std::vector<tremolo::Model::Pointer>& models) {
-  const auto found = std::find(models.begin(), models.end(), model);
-  const auto number = found - models.begin();
-  if (found == models.end()) models.push_back(model);
-  return kGivenModel + std::to_string(number);
-}
-
-Status add_reduced(tremolo_scene& scene, const tremolo_scene_body* place,
-                   const tremolo_model& model, const tremolo_body_options* method,
-                   const tremolo_collider* shape) {
-  Result<tremolo::SceneBody> body = body_at(place);
-  if (!body) return body.error();
-  if (Status s = set_method(method, *body); !s) return s;
-  if (shape != nullptr) body->contact.shape = shape->shape;
-  body->model = number_of(model.pointer, scene.models);
-  scene.scene.bodies.push_back(std::move(*body));
-  return Success{};
-}
-
-Status add_rigid(tremolo_scene& scene, const tremolo_scene_body* place,
-                 const tremolo_collider& shape, double mass) {
-  Result<tremolo::SceneBody> body = body_at(place);
-  if (!body) return body.error();
-  body->kind = tremolo::FrameKind::kFree;
-  body->rigid.emplace();
-  body->rigid->shape = shape.shape;
-  body->rigid->mass = mass;
-  scene.scene.bodies.push_back(std::move(*body));
-  return Success{};
-}
-
-Status add_tets(tremolo_scene& scene, const tremolo_scene_body* given,
-                const tremolo_tets_options* options) {
-  const Result<tremolo_scene_body> place = complete_place(given);
-  if (!place) return place.error();
-  const auto full =
-      tremolo::c_api::complete(options, tremolo_tets_options_init, "tremolo_tets_options_init");
-  if (!full) return full.error();
-  if (Status s = need({{full->file, "the body's file"}}); !s) return s;
-  tremolo::TetSceneBody body;
-  body.name = place->name;
-  body.model = full->file;
-  if (Status s = take(body.pose, tremolo::c_api::to_pose(place->position, place->quaternion)); !s)
-    return s;
-  body.velocity = Vector3d(place->velocity);
-  body.spin = Vector3d(place->spin);
-  if (Status s = take(body.options, tremolo::c_api::to_tets_options(*full)); !s) return s;
-  body.contact = contact_of(*place);
-  body.friction = body.contact.friction;
-  scene.tets.push_back(std::move(body));
-  return Success{};
-}
-
-Status add_cloth(tremolo_scene& scene, const tremolo_scene_body* given, const char* method,
-                 const tremolo_cloth_options* options, tremolo::ClothPin pin) {
-  const Result<tremolo_scene_body> place = complete_place(given);
-  if (!place) return place.error();
-  const auto full =
-      tremolo::c_api::complete(options, tremolo_cloth_options_init, "tremolo_cloth_options_init");
-  if (!full) return full.error();
-  tremolo::ClothSceneBody body;
-  body.scene = scene.around;
-  if (method != nullptr) body.scene.integrator = method;
-  tremolo::SceneCloth cloth = tremolo::c_api::to_cloth(*full, place->name);
-  if (!pin.particles.empty()) cloth.pins.push_back(std::move(pin));
-  body.scene.cloths = {std::move(cloth)};
-  body.velocity = Vector3d(place->velocity);
-  const tremolo::ContactOptions contact = contact_of(*place);
-  body.contact.stiffness = contact.stiffness;
-  body.contact.modulus = contact.modulus;
-  scene.cloths.push_back(std::move(body));
+// Adds what `made` has to the list.
+template <class Value>
+Status keep(Result<Value> made, std::vector<Value>& list) {
+  if (!made) return made.error();
+  list.push_back(std::move(*made));
   return Success{};
 }
 
@@ -212,51 +104,40 @@ tremolo_status tremolo_scene_add_reduced(tremolo_scene* scene, const tremolo_sce
                                          const tremolo_model* model,
                                          const tremolo_body_options* method,
                                          const tremolo_collider* shape) {
-  return with_all({{scene, "the scene"}, {model, "the model"}},
-                  [&] { return add_reduced(*scene, place, *model, method, shape); });
+  return with_all({{scene, "the scene"}, {model, "the model"}}, [&] {
+    return keep(reduced_body(place, *model, method, shape, scene->models), scene->scene.bodies);
+  });
 }
 
 tremolo_status tremolo_scene_add_rigid(tremolo_scene* scene, const tremolo_scene_body* place,
                                        const tremolo_collider* shape, double mass) {
   return with_all({{scene, "the scene"}, {shape, "the shape"}},
-                  [&] { return add_rigid(*scene, place, *shape, mass); });
+                  [&] { return keep(rigid_body(place, *shape, mass), scene->scene.bodies); });
 }
 
 tremolo_status tremolo_scene_add_tets(tremolo_scene* scene, const tremolo_scene_body* place,
                                       const tremolo_tets_options* options) {
   return with_all({{scene, "the scene"}, {options, "the options"}},
-                  [&] { return add_tets(*scene, place, options); });
+                  [&] { return keep(tets_body(place, options), scene->tets); });
 }
 
 tremolo_status tremolo_scene_add_cloth(tremolo_scene* scene, const tremolo_scene_body* place,
                                        const char* method, const tremolo_cloth_options* options,
                                        const size_t* pins, size_t count) {
-  return with_all({{scene, "the scene"}}, [&]() -> Status {
-    tremolo::ClothPin pin;
-    if (count > 0) {
-      if (Status s = need({{pins, "the pins"}}); !s) return s;
-      pin.particles.assign(pins, pins + count);
-    }
-    return add_cloth(*scene, place, method, options, std::move(pin));
+  return with_all({{scene, "the scene"}}, [&] {
+    return keep(cloth_body(scene->around, place, method, options, pins, count), scene->cloths);
   });
 }
 
 tremolo_status tremolo_scene_add_collider(tremolo_scene* scene,
                                           const tremolo_placed_collider* collider) {
-  return with_all({{scene, "the scene"}, {collider, "the collider"}}, [&]() -> Status {
-    tremolo_placed_collider still = *collider;
-    std::copy_n(still.position, 3, still.next_position);
-    std::copy_n(still.quaternion, 4, still.next_quaternion);
-    std::vector<tremolo::PlacedCollider> placed;
-    if (Status s = tremolo::c_api::place_colliders(&still, 1, placed); !s) return s;
-    const tremolo::PlacedCollider& one = placed.front();
-    tremolo::SceneCollider made;
-    made.name = "collider " + std::to_string(scene->scene.colliders.size() + 1);
-    made.shape = one.shape;
-    made.pose = one.start;
-    made.friction = one.friction;
-    made.restitution = one.restitution;
-    scene->scene.colliders.push_back(std::move(made));
-    return Success{};
+  return with_all({{scene, "the scene"}, {collider, "the collider"}}, [&] {
+    std::vector<tremolo::SceneCollider>& all = scene->scene.colliders;
+    return keep(scene_collider(*collider, all.size()), all);
   });
+}
+
+tremolo_status tremolo_scene_add_joint(tremolo_scene* scene, const tremolo_joint* joint) {
+  return with_all({{scene, "the scene"}, {joint, "the joint"}},
+                  [&] { return keep(scene_joint(*joint), scene->scene.joints); });
 }

@@ -13,16 +13,6 @@ Error refused(const std::string& name, const std::string& what) {
   return usage_error("body '" + name + "': " + what);
 }
 
-// The lowest entry that is not in use, which the caller takes.
-template <class Entry>
-std::size_t free_entry(std::vector<Entry>& entries) {
-  const auto found =
-      std::find_if(entries.begin(), entries.end(), [](const Entry& one) { return !one.used; });
-  const auto number = static_cast<std::size_t>(found - entries.begin());
-  if (found == entries.end()) entries.emplace_back();
-  return number;
-}
-
 }  // namespace
 
 Result<std::size_t> MixedGuests::hold(std::size_t i, std::size_t point, const HandSpring& spring) {
@@ -34,7 +24,10 @@ Result<std::size_t> MixedGuests::hold(std::size_t i, std::size_t point, const Ha
     if (!(value >= 0.0) || !std::isfinite(value))
       return refused(of, "the stiffness and the damping of a hand must be finite and not negative");
   const Vector3d place = step.start_of(point);
-  const std::size_t number = free_entry(hands_);
+  const auto free =
+      std::find_if(hands_.begin(), hands_.end(), [](const Hand& one) { return !one.used; });
+  const auto number = static_cast<std::size_t>(free - hands_.begin());
+  if (free == hands_.end()) hands_.emplace_back();
   hands_[number].used = true;
   hands_[number].hand = {i, point, spring.stiffness, spring.damping, place, place};
   return number;
@@ -75,10 +68,10 @@ bool MixedGuests::is_pushed(std::size_t i) const {
 }
 
 std::size_t MixedGuests::join(GuestJoint joint) {
-  const std::size_t number = free_entry(joined_);
-  joined_[number].used = true;
-  joined_[number].joint = std::move(joint);
-  return number;
+  Link& link = joined_.emplace_back();
+  link.used = true;
+  link.joint = std::move(joint);
+  return joined_.size() - 1;
 }
 
 void MixedGuests::separate(std::size_t joint) {

@@ -98,11 +98,6 @@ void MixedGuests::remove(std::size_t i) {
   guest.cloth_body.reset();
 }
 
-void MixedGuests::separate_from(std::size_t body) {
-  for (Link& link : joined_)
-    if (!link.joint.to_guest && link.joint.other == body) link.used = false;
-}
-
 std::size_t MixedGuests::point_near(std::size_t i, const Eigen::Vector3d& place) const {
   const GuestStep& step = *guests_[i]->step;
   std::size_t nearest = 0;
@@ -466,9 +461,10 @@ void MixedGuests::carry_guest(StateStream& stream, std::size_t bodies, Guest& gu
   stream(guest.sums, guest.contacts, guest.deepest, guest.slip, guest.failed, guest.touched);
   guest.step->carry(stream);
   for (const ContactedPoint& point : guest.step->contacted())
-    stream.require(point.on_body ? point.obstacle < bodies || (point.obstacle >= kFirstGuest &&
-                                                               point.obstacle - kFirstGuest < size())
-                                 : point.obstacle >= kFirstCollider);
+    stream.require(point.on_body
+                       ? point.obstacle < bodies || (point.obstacle >= kFirstGuest &&
+                                                     point.obstacle - kFirstGuest < size())
+                       : point.obstacle >= kFirstCollider);
 }
 
 }  // namespace tremolo

@@ -53,8 +53,6 @@ class MixedGuests final : public IslandGuests {
   // the next step; until then no function but removed() may be called with it.
   void remove(std::size_t i);
   bool removed(std::size_t i) const { return guests_[i]->removed; }
-  // Ends the joints of guests with a body of the group.
-  void separate_from(std::size_t body);
   // As BodyGroup::set_filter().
   void set_filter(PairFilter filter) { filter_ = std::move(filter); }
 
@@ -90,9 +88,9 @@ class MixedGuests final : public IslandGuests {
   // True if contact, a hand or a joint acted on the guest in the last step.
   bool is_pushed(std::size_t i) const;
 
-  // Joins a contact point of a guest to a point of another body and returns the joint's number, the
-  // lowest that is free. Its work is part of sums(): ContactSums::joint. joint(): null: there is
-  // none. other: as in GuestJoint; a body's number in the group.
+  // Joins a contact point of a guest to a point of another body and returns the joint's number,
+  // which is not used again. Its work is part of sums(): ContactSums::joint. joint(): null: there
+  // is none. other: as in GuestJoint; a body's number in the group.
   std::size_t join(GuestJoint joint);
   void separate(std::size_t joint);
   const GuestJoint* joint(std::size_t joint) const;

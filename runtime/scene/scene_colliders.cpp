@@ -54,28 +54,45 @@ Result<std::optional<Collider>> load_body_shape(const SceneBody& body) {
 
 Result<SceneColliders> SceneColliders::create(const Scene& scene) {
   SceneColliders colliders;
-  for (const SceneCollider& wanted : scene.colliders) {
-    const Pose base{wanted.pose.position, wanted.pose.rotation.normalized()};
-    Result<MotionPath> path = MotionPath::create(wanted.motion, base);
-    if (!path) return path.error();
-    Result<PlacedCollider> placed = placed_collider(wanted, *path);
-    if (!placed)
-      return Error{placed.error().kind,
-                   "collider '" + wanted.name + "': " + placed.error().message};
-    colliders.paths_.push_back(std::move(*path));
-    colliders.placed_.push_back(std::move(*placed));
-  }
+  for (const SceneCollider& wanted : scene.colliders)
+    if (Status s = colliders.add(wanted); !s) return s.error();
   colliders.move(0, scene.step);
   return colliders;
+}
+
+Status SceneColliders::add(const SceneCollider& wanted) {
+  const Pose base{wanted.pose.position, wanted.pose.rotation.normalized()};
+  Result<MotionPath> path = MotionPath::create(wanted.motion, base);
+  if (!path) return path.error();
+  Result<PlacedCollider> placed = placed_collider(wanted, *path);
+  if (!placed)
+    return Error{placed.error().kind, "collider '" + wanted.name + "': " + placed.error().message};
+  placed->start = placed->end = path->pose_in(path->piece(0.0), 0.0);
+  paths_.push_back(std::move(*path));
+  placed_.push_back(std::move(*placed));
+  given_.emplace_back();
+  return Success{};
 }
 
 void SceneColliders::move(std::int64_t k, double step) {
   const double t = static_cast<double>(k) * step;
   for (std::size_t i = 0; i < paths_.size(); ++i) {
+    if (given_[i]) {
+      placed_[i].start = placed_[i].end;
+      placed_[i].end = *given_[i];
+      continue;
+    }
     const MotionPath& path = paths_[i];
     const std::size_t piece = path.piece(t + 0.5 * step);
     placed_[i].start = path.pose_in(piece, t);
     placed_[i].end = path.pose_in(piece, static_cast<double>(k + 1) * step);
+  }
+}
+
+void SceneColliders::carry(StateStream& stream) {
+  for (std::size_t i = 0; i < placed_.size(); ++i) {
+    if (!given_[i]) continue;
+    stream(*given_[i], placed_[i].start, placed_[i].end);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/result.h"
+#include "common/state_stream.h"
 #include "runtime/contact/contact_law.h"
 #include "runtime/contact_body.h"
 #include "runtime/math/motion.h"
@@ -27,13 +28,29 @@ class SceneColliders {
   // load_scene_collider; kContent for a motion that jumps and does not say how.
   static Result<SceneColliders> create(const Scene& scene);
 
+  // Adds one at its pose; its motion begins at t = 0. Errors as for create().
+  Status add(const SceneCollider& wanted);
+
   // Places them for the k-th step, counted from 0. Allocates nothing.
   void move(std::int64_t k, double step);
+  // The collider goes from where it is to that pose in the next step, and rests there until the
+  // next call; its motion has ended.
+  void move_to(std::size_t i, const Pose& next) { given_[i] = next; }
+  // It is at the pose at once, as move_to().
+  void put(std::size_t i, const Pose& pose) {
+    placed_[i].start = placed_[i].end = pose;
+    given_[i] = pose;
+  }
+  bool is_given(std::size_t i) const { return given_[i].has_value(); }
+
+  // Saves or restores the poses of move_to() and put().
+  void carry(StateStream& stream);
   // In the scene's order.
   std::span<const PlacedCollider> placed() const { return placed_; }
 
  private:
   std::vector<MotionPath> paths_;
+  std::vector<std::optional<Pose>> given_;  // by move_to(); empty: the path moves it
   std::vector<PlacedCollider> placed_;
 };
 

@@ -132,6 +132,14 @@ class GuestLinks {
   // Null: its time is over, or it is between other bodies.
   virtual const Joint* joint(std::size_t i) const = 0;
   virtual std::size_t joint_points(std::size_t i) const = 0;  // as HeldJoint::points()
+
+  // Makes joint i of the world's scene, its last one. Errors as for HeldJoint::create().
+  virtual Status join(const class SceneWorld& world, std::size_t i) = 0;
+  virtual void end_joint(std::size_t i) = 0;
+  // Ends the joints with a body of the group.
+  virtual void part_from(std::size_t body) = 0;
+  // Ends the hands and joints on a guest that was removed.
+  virtual void forget(std::size_t guest) = 0;
 };
 
 }  // namespace tremolo

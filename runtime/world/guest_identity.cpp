@@ -86,9 +86,12 @@ std::vector<SavedPart> guest_parts(std::span<const TetSceneBody> tets, const Pla
   for (std::size_t i = 0; i < tets.size(); ++i)
     parts.push_back({"body '" + tets[i].name + "'", hash_of(tets[i], kinds[placed.kind_of[i]])});
   for (std::size_t i = 0; i < cloths.size(); ++i)
-    parts.push_back({"body '" + cloths[i].name() + "'",
-                     hash_of(cloths[i], guests.cloth(tets.size() + i)->body().model().parts())});
+    parts.push_back(cloth_part(cloths[i], *guests.cloth(tets.size() + i)));
   return parts;
+}
+
+SavedPart cloth_part(const ClothSceneBody& cloth, const ClothStep& step) {
+  return {"body '" + cloth.name() + "'", hash_of(cloth, step.body().model().parts())};
 }
 
 }  // namespace tremolo

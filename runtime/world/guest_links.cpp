@@ -64,7 +64,15 @@ class GuestHandCourse : public HandCourse {
     if (stream.good()) spring_ = HandSpring{held->stiffness, held->damping};
   }
 
-  Vector3d held(const MixedGuests& guests) const { return guests.point_at(guest_, point_); }
+  bool is_on(std::size_t guest) const { return guest_ == guest && !gone_; }
+  // Its guest was removed: it does nothing any more.
+  void end() {
+    gone_ = over_ = true;
+    number_.reset();
+  }
+  Vector3d held(const MixedGuests& guests) const {
+    return gone_ ? Vector3d(Vector3d::Zero()) : guests.point_at(guest_, point_);
+  }
   Vector3d force(const MixedGuests& guests) const {
     return number_ ? guests.hand(*number_)->force : Vector3d(Vector3d::Zero());
   }
@@ -74,6 +82,7 @@ class GuestHandCourse : public HandCourse {
       : HandCourse(std::move(path), vertex), guest_(guest), point_(point) {}
 
   std::size_t guest_, point_;
+  bool gone_ = false;
 };
 
 class WorldGuestLinks final : public GuestLinks {
@@ -88,8 +97,7 @@ class WorldGuestLinks final : public GuestLinks {
         joints_(scene.joints.size()) {}
 
   Status add(const SceneWorld& world) {
-    std::map<std::string, std::size_t> numbers;
-    for (std::size_t i = 0; i < guests_->size(); ++i) numbers[guests_->name(i)] = i;
+    const std::map<std::string, std::size_t> numbers = numbers_of_guests();
     for (std::size_t i = 0; i < hands_.size(); ++i) {
       const auto guest = numbers.find(wanted_hands_[i].body);
       if (guest == numbers.end()) continue;
@@ -98,18 +106,38 @@ class WorldGuestLinks final : public GuestLinks {
       if (!hand) return error_of_listed("hand", i, wanted_hands_[i], hand.error());
       hands_[i] = std::move(*hand);
     }
-    const GuestJointMaker maker(world, *guests_, numbers);
     for (std::size_t i = 0; i < joints_.size(); ++i) {
       const SceneJoint& wanted = wanted_joints_[i];
-      if (!numbers.contains(wanted.body) && !numbers.contains(wanted.to)) continue;
-      bool turned = false;
-      Result<std::vector<GuestJoint>> made = maker.make(i, turned);
-      if (!made) return error_of_listed("joint", i, wanted, made.error());
-      joints_[i] = Joined{{}, turned, {}};
-      for (GuestJoint& joint : *made)
-        joints_[i]->numbers.push_back(guests_->join(std::move(joint)));
+      if (numbers.contains(wanted.body) || numbers.contains(wanted.to))
+        if (Status s = make_joint(world, numbers, i); !s) return s;
     }
     return Success{};
+  }
+
+  Status join(const SceneWorld& world, std::size_t i) override {
+    wanted_joints_.push_back(world.scene().joints[i]);
+    joints_.emplace_back();
+    Status made = make_joint(world, numbers_of_guests(), i);
+    if (!made) {
+      wanted_joints_.pop_back();
+      joints_.pop_back();
+    }
+    return made;
+  }
+  void end_joint(std::size_t i) override {
+    if (!joints_[i]) return;
+    for (const std::size_t number : joints_[i]->numbers) guests_->separate(number);
+    joints_[i].reset();
+  }
+  void part_from(std::size_t body) override {
+    end_joints([body](const GuestJoint& joint) { return !joint.to_guest && joint.other == body; });
+  }
+  void forget(std::size_t guest) override {
+    for (std::optional<GuestHandCourse>& hand : hands_)
+      if (hand && hand->is_on(guest)) hand->end();
+    end_joints([guest](const GuestJoint& joint) {
+      return joint.guest == guest || (joint.to_guest && joint.other == guest);
+    });
   }
 
   void before_step(std::int64_t k) override {
@@ -153,6 +181,31 @@ class WorldGuestLinks final : public GuestLinks {
     bool turned;
     mutable Joint shown;
   };
+
+  std::map<std::string, std::size_t> numbers_of_guests() const {
+    std::map<std::string, std::size_t> numbers;
+    for (std::size_t i = 0; i < guests_->size(); ++i)
+      if (!guests_->removed(i)) numbers[guests_->name(i)] = i;
+    return numbers;
+  }
+  Status make_joint(const SceneWorld& world, const std::map<std::string, std::size_t>& numbers,
+                    std::size_t i) {
+    bool turned = false;
+    Result<std::vector<GuestJoint>> made =
+        GuestJointMaker(world, *guests_, numbers).make(i, turned);
+    if (!made) return error_of_listed("joint", i, wanted_joints_[i], made.error());
+    joints_[i] = Joined{{}, turned, {}};
+    for (GuestJoint& joint : *made) joints_[i]->numbers.push_back(guests_->join(std::move(joint)));
+    return Success{};
+  }
+  template <class Which>
+  void end_joints(const Which& which) {
+    for (std::size_t i = 0; i < joints_.size(); ++i) {
+      if (!joints_[i]) continue;
+      const GuestJoint* joint = guests_->joint(joints_[i]->numbers.front());
+      if (joint != nullptr && which(*joint)) end_joint(i);
+    }
+  }
 
   double step_;
   MixedGuests* guests_;

@@ -4,37 +4,12 @@
 #include <utility>
 
 #include "runtime/contact/solve/contact_step.h"
+#include "runtime/world/contact_sum.h"
 #include "runtime/world/scene_world.h"
 
 namespace tremolo {
 
 using Eigen::Vector3d;
-
-namespace {
-
-// Means over the points of a contact in a step.
-struct PlaceSum {
-  double impulse = 0.0;
-  Vector3d push = Vector3d::Zero(), position = push, normal = push;
-
-  // sign: -1 for a point of the body's partner.
-  void add(const ContactedPoint& point, double sign) {
-    const double size = point.impulse.norm();
-    impulse += size;
-    push += sign * point.impulse;
-    position += size * point.position;
-    normal += (sign * size) * point.normal;
-  }
-  void put_into(ContactPlace& place) const {
-    place.impulse += impulse;
-    place.push += push;
-    if (impulse > 0.0) place.position = position / impulse;
-    const double length = normal.norm();
-    place.normal = length > 1e-9 * impulse ? Vector3d(normal / length) : Vector3d(Vector3d::Zero());
-  }
-};
-
-}  // namespace
 
 // After a step of the body that was made.
 void SceneWorld::note_contact(std::size_t i) {
@@ -53,7 +28,7 @@ void SceneWorld::note_contact(std::size_t i) {
     const bool before = std::exchange(touching.now, impulses[c] > 0.0);
     if (touching.now) {
       if (!before) touching.place = {};
-      PlaceSum sum;
+      ContactSum sum;
       for (const ContactedPoint& point : actor.body.contact()->record().contacted)
         if (!point.on_body && point.obstacle == c) sum.add(point, 1.0);
       sum.put_into(touching.place);
@@ -112,7 +87,7 @@ void SceneWorld::note_pairs() {
       events_.push_back({a, ContactEvent::kNone, b, ContactEvent::Kind::kBegin, {}});
       began = true;
     }
-    PlaceSum sum;
+    ContactSum sum;
     for_points_of(a, b, [&sum](const ContactedPoint& point, double sign) { sum.add(point, sign); });
     sum.put_into(found->place);
     if (began) events_.back().place = found->place;

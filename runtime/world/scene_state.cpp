@@ -22,6 +22,15 @@ SavedState SceneWorld::saved_parts() const {
                          : actor.body.contact()->surface().shape_or_null());
   }
   std::vector<SavedPart> parts = scene_parts(scene_, models, shapes, colliders_.placed());
+  // The first part is of the scene.
+  for (std::size_t i = 0; i < size(); ++i)
+    if (removed(i)) parts[1 + i] = {"removed body " + std::to_string(i), 0};
+  for (std::size_t i = 0; i < size(); ++i)
+    if (actors_[i].given && !removed(i))
+      parts.push_back({"body '" + name(i) + "', moved by calls", 0});
+  for (std::size_t c = 0; c < scene_.colliders.size(); ++c)
+    if (colliders_.is_given(c))
+      parts.push_back({"collider '" + scene_.colliders[c].name + "', moved by calls", 0});
   parts.insert(parts.end(), guest_identity_.begin(), guest_identity_.end());
   return {"a world", TREMOLO_VERSION, std::move(parts), {}};
 }
@@ -86,6 +95,8 @@ void SceneWorld::carry(StateStream& stream) {
   if (!stream.good()) return;
   steps_ = steps;
   for (Actor& actor : actors_) {
+    if (actor.removed) continue;
+    if (actor.given) stream(*actor.given);
     std::size_t piece = actor.piece;
     stream(piece, actor.energy_at_start, actor.failed, actor.penetration);
     stream(actor.contacts, actor.speed, actor.passed);
@@ -98,16 +109,21 @@ void SceneWorld::carry(StateStream& stream) {
     actor.body.carry(stream);
   }
   carry_contacts(stream);
-  for (Hand& hand : hands_) hand.hand.carry(stream, actors_[hand.body].body);
+  for (Hand& hand : hands_)
+    if (!hand.over) hand.hand.carry(stream, actors_[hand.body].body);
   if (stream.reads())
     for (JointOf& joint : joints_) joint.joint.let_go(*group_);
   for (JointOf& joint : joints_) joint.joint.carry(stream, *group_, joint.a, joint.b);
   group_->carry(stream, stepped_.size());
   if (guests_) guests_->carry(stream, stepped_.size());
   if (links_) links_->carry(stream);
-  if (!stream.reads()) return;
+  if (!stream.reads()) {
+    colliders_.carry(stream);
+    return;
+  }
   failures_.clear();
   colliders_.move(std::max<std::int64_t>(steps_ - 1, 0), scene_.step);
+  colliders_.carry(stream);
 }
 
 }  // namespace tremolo

@@ -37,8 +37,13 @@ double reach_of(const Model& model) {
   return reach;
 }
 
-// Rigid bodies with the same key share a model.
+// Bodies with the same key share a model.
 std::string key_of(const SceneBody& body) {
+  if (!body.rigid) {
+    const ModelOptions& options = body.model_options;
+    return "|" + std::to_string(options.modes) + (options.linear ? "l" : "-") +
+           (options.hull ? "h" : "-") + "|" + body.model;
+  }
   const RigidSolid& solid = *body.rigid;
   std::string key = solid.mesh + "|" + std::to_string(body.contact.points);
   const auto add = [&key](std::initializer_list<double> values) {
@@ -78,22 +83,17 @@ Result<SceneWorld> SceneWorld::create(const Scene& scene, const ModelSource& sou
   SceneWorld world(scene);
   const std::vector<Vector3d>& values = world.scene_.gravity.values;
   world.gravity_changes_ = values.size() > 1;
-  std::map<std::tuple<std::string, int, bool, bool>, Model::Pointer> models;
-  std::map<std::string, Model::Pointer> rigid_models;
+  std::map<std::string, Model::Pointer> models;
   for (SceneBody& wanted : world.scene_.bodies) {
-    const ModelOptions& options = wanted.model_options;
-    Model::Pointer& model =
-        wanted.rigid ? rigid_models[key_of(wanted)]
-                     : models[{wanted.model, options.modes, options.linear, options.hull}];
-    if (!model && wanted.rigid) {
-      if (Status s = take(model, load_scene_model(wanted)); !s)
-        return error_of_body(wanted, s.error());
-    }
+    Model::Pointer& model = models[key_of(wanted)];
     if (!model)
-      if (Status s = take(model, source(wanted)); !s) return error_of_body(wanted, s.error());
+      if (Status s = take(model, wanted.rigid ? load_scene_model(wanted) : source(wanted)); !s)
+        return error_of_body(wanted, s.error());
     if (wanted.rig)
       if (Status s = take_rig(wanted, *model); !s) return error_of_body(wanted, s.error());
-    if (Status s = world.add(wanted, model); !s) return error_of_body(wanted, s.error());
+    Result<Actor> actor = world.make(wanted, model);
+    if (!actor) return error_of_body(wanted, actor.error());
+    world.actors_.push_back(std::move(*actor));
   }
   if (Status s = take(world.colliders_, SceneColliders::create(world.scene_)); !s) return s.error();
   for (std::size_t i = 0; i < world.size(); ++i) world.numbers_[world.name(i)] = i;
@@ -114,28 +114,28 @@ Result<SceneWorld> SceneWorld::create(const Scene& scene, const ModelSource& sou
             [&world](std::size_t a, std::size_t b) { return world.name(a) < world.name(b); });
   world.place_.resize(world.size());
   for (std::size_t k = 0; k < world.size(); ++k) world.place_[world.order_[k]] = k;
+  world.stepped_.resize(world.size());
   if (Status s = world.add_anchors(); !s) return s.error();
-  world.stepped_.resize(world.size() + world.anchors_.size());
   world.reports_.resize(world.stepped_.size());
   world.failures_.reserve(world.actors_.size());
   if (Status s = world.add_joints(); !s) return s.error();
   return world;
 }
 
-Status SceneWorld::add(const SceneBody& wanted, Model::Pointer model) {
+Result<SceneWorld::Actor> SceneWorld::make(const SceneBody& wanted, Model::Pointer model) const {
   IntegratorOptions options = wanted.options;
   options.step = scene_.step;
   const double reach = reach_of(*model);
   std::shared_ptr<const Skin> skin;
   if (!wanted.bones.empty())
-    if (Status s = take(skin, make_scene_skin(wanted, *model)); !s) return s;
+    if (Status s = take(skin, make_scene_skin(wanted, *model)); !s) return s.error();
   Result<ContactBody> body =
       skin ? ContactBody::create(std::move(model), wanted.integrator, options, std::move(skin))
            : ContactBody::create(std::move(model), wanted.integrator, options, frame_kind(wanted));
   if (!body) return body.error();
   Result<MotionPath> path = MotionPath::create(wanted.motion, unit(wanted.pose));
   if (!path) return path.error();
-  if (Status s = check_accelerations(wanted, *path, scene_, reach); !s) return s;
+  if (Status s = check_accelerations(wanted, *path, scene_, reach); !s) return s.error();
   Actor actor{std::move(*body), std::move(*path), nullptr};
   if (actor.body.model().inertia() != nullptr)
     actor.inertia = actor.body.model().inertia_about_origin();
@@ -143,12 +143,12 @@ Status SceneWorld::add(const SceneBody& wanted, Model::Pointer model) {
     Result<BonePaths> bones = BonePaths::create(wanted);
     if (!bones) return bones.error();
     actor.bones = std::move(*bones);
-    if (Status s = check_bone_accelerations(wanted, *actor.bones, scene_, reach); !s) return s;
+    if (Status s = check_bone_accelerations(wanted, *actor.bones, scene_, reach); !s)
+      return s.error();
   }
-  if (Status s = begin(wanted, actor); !s) return s;
+  if (Status s = begin(wanted, actor); !s) return s.error();
   actor.energy_at_start = actor.body.energy().total();
-  actors_.push_back(std::move(actor));
-  return Success{};
+  return actor;
 }
 
 Status SceneWorld::begin(const SceneBody& wanted, Actor& actor) const {
@@ -266,11 +266,17 @@ Status SceneWorld::add_anchors() {
   anchor_of_.resize(scene_.joints.size());
   for (std::size_t i = 0; i < scene_.joints.size(); ++i) {
     if (!scene_.joints[i].to.empty()) continue;
-    Result<ContactBody> anchor = make_world_anchor(scene_.step);
-    if (!anchor) return anchor.error();
     anchor_of_[i] = anchors_.size();
-    anchors_.push_back(std::move(*anchor));
+    if (Status s = add_anchor(); !s) return s;
   }
+  return Success{};
+}
+
+Status SceneWorld::add_anchor() {
+  Result<ContactBody> anchor = make_world_anchor(scene_.step);
+  if (!anchor) return anchor.error();
+  anchors_.push_back(std::move(*anchor));
+  anchor_numbers_.push_back(new_number(kNobody));
   return Success{};
 }
 
@@ -281,13 +287,19 @@ Status SceneWorld::add_joints() {
     const std::optional<std::size_t> a = find(scene_.joints[i].body), b = find(scene_.joints[i].to);
     if (!a || (!b && !anchor_of_[i])) continue;
     const ContactBody& other = b ? actors_[*b].body : anchor(i);
-    const std::size_t there = b ? place_[*b] : anchor_number(i);
-    Result<HeldJoint> joint = HeldJoint::create(scene_.joints[i], actors_[*a].body, other);
-    if (!joint) return error_of_listed("joint", i, scene_.joints[i], joint.error());
-    joint->begin(*group_, place_[*a], there);
-    own_joints_[i] = joints_.size();
-    joints_.push_back({std::move(*joint), place_[*a], there, i});
+    if (Status s = begin_joint(i, *a, other, b ? place_[*b] : anchor_number(i)); !s) return s;
   }
+  return Success{};
+}
+
+// Joint i of the scene, between body a and another one, whose number in the group is `there`.
+Status SceneWorld::begin_joint(std::size_t i, std::size_t a, const ContactBody& other,
+                               std::size_t there) {
+  Result<HeldJoint> joint = HeldJoint::create(scene_.joints[i], actors_[a].body, other);
+  if (!joint) return error_of_listed("joint", i, scene_.joints[i], joint.error());
+  joint->begin(*group_, place_[a], there);
+  own_joints_[i] = joints_.size();
+  joints_.push_back({std::move(*joint), place_[a], there, i});
   return Success{};
 }
 
@@ -312,6 +324,15 @@ double SceneWorld::contact_speed_limit() const {
     if (actor.body.contact() != nullptr && actor.body.contact()->surface().shape)
       look_at(*actor.body.contact()->surface().shape);
   return least / scene_.step;
+}
+
+Result<Model::Pointer> SceneWorld::model_of(const SceneBody& wanted,
+                                            const ModelSource& source) const {
+  const std::string key = key_of(wanted);
+  for (std::size_t i = 0; i < size(); ++i)
+    if (!removed(i) && key_of(scene_.bodies[i]) == key)
+      return actors_[i].body.model().shared_from_this();
+  return wanted.rigid ? load_scene_model(wanted) : source(wanted);
 }
 
 std::optional<std::size_t> SceneWorld::find(std::string_view name) const {
@@ -356,6 +377,11 @@ void SceneWorld::move_bones(Actor& actor) const {
 
 void SceneWorld::move_frame(Actor& actor) const {
   if (actor.bones) return move_bones(actor);
+  if (actor.given) {
+    // The pose was checked when it was given.
+    (void)actor.body.move_to(*actor.given);
+    return;
+  }
   if (actor.path.still()) return;
   const double h = scene_.step, t = time();
   const std::size_t piece = actor.path.piece(t + 0.5 * h);
@@ -370,7 +396,7 @@ void SceneWorld::move_hands() {
   for (Hand& hand : hands_) {
     Actor& actor = actors_[hand.body];
     // The hand was checked when it was made: the body takes it.
-    if (!actor.failed)
+    if (!actor.failed && !hand.over)
       (void)hand.hand.before_step(scene_.hands[hand.wanted], steps_, scene_.step, actor.body);
   }
 }
@@ -412,7 +438,7 @@ std::span<const SceneWorld::Failure> SceneWorld::step() {
       colliders_.placed().empty()) {
     Actor& only = actors_[0];
     const SceneBody& wanted = scene_.bodies[0];
-    if (only.body.contact() == nullptr && only.path.still() && !only.bones &&
+    if (only.body.contact() == nullptr && only.path.still() && !only.given && !only.bones &&
         wanted.alphas.empty() && wanted.betas.empty()) {
       ++steps_;
       const StepReport report = only.body.step({});
@@ -430,6 +456,7 @@ std::span<const SceneWorld::Failure> SceneWorld::step() {
   const Vector3d gravity = scene_.gravity.at(time() + 0.5 * scene_.step);
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     Actor& actor = actors_[i];
+    actor.old = actor.removed;
     stepped_[place_[i]] = actor.failed ? nullptr : &actor.body;
     if (actor.failed) continue;
     if (gravity_changes_) (void)actor.body.set_gravity(gravity);
@@ -437,7 +464,7 @@ std::span<const SceneWorld::Failure> SceneWorld::step() {
     if (!scene_.bodies[i].alphas.empty() || !scene_.bodies[i].betas.empty()) (void)damp(i);
     move_frame(actor);
   }
-  for (std::size_t k = 0; k < anchors_.size(); ++k) stepped_[size() + k] = &anchors_[k];
+  for (std::size_t k = 0; k < anchors_.size(); ++k) stepped_[anchor_numbers_[k]] = &anchors_[k];
   group_->step(stepped_, colliders_.placed(), reports_);
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     if (actors_[i].failed) continue;
@@ -459,6 +486,7 @@ Result<std::optional<SceneWorld::Hit>> SceneWorld::pick(const Vector3d& origin,
                                                         SurfaceKind surface) const {
   std::optional<Hit> nearest;
   for (std::size_t i = 0; i < size(); ++i) {
+    if (removed(i)) continue;
     const auto found = actors_[i].body.pick(origin, direction, surface);
     if (!found) return error_of_body(scene_.bodies[i], found.error());
     if (*found && (!nearest || (*found)->distance < nearest->hit.distance))

@@ -12,6 +12,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -150,19 +151,70 @@ class SceneWorld {
   ContactBody& body(std::size_t i) { return actors_[i].body; }
   const std::string& name(std::size_t i) const { return scene_.bodies[i].name; }
   std::optional<std::size_t> find(std::string_view name) const;
-  // The number of body i in the group that steps it.
+  // The number of body i in the group that steps it, and the body of a number there.
   std::size_t group_number(std::size_t i) const { return place_[i]; }
+  std::size_t body_of_number(std::size_t number) const { return order_[number]; }
   // Of the i-th joint, one to the world: the body that stands for it, and its number in the group.
   const ContactBody& anchor(std::size_t i) const { return anchors_[*anchor_of_[i]]; }
-  std::size_t anchor_number(std::size_t i) const { return size() + *anchor_of_[i]; }
+  std::size_t anchor_number(std::size_t i) const { return anchor_numbers_[*anchor_of_[i]]; }
   // True if a joint between the two bodies switches their contact off.
   bool passes_through(std::size_t a, std::size_t b) const;
 
   // Adds a load to a body as if the scene had it. forces: those of the load, N, known already.
   // Errors of Body::add_load.
   Status add_load(std::size_t i, const SceneLoad& load, const DefaultLoad& forces);
+  // The same with the forces that the load names. Errors also of selectors.
+  Status add_load(std::size_t i, const SceneLoad& load);
   // Sets the state in which a body starts, before the first step. Errors of Body::set_state.
   Status start_at(std::size_t i, const State& state);
+
+  // Changes of the scene between two steps (scene_changes.cpp). A state of a world that was changed
+  // fits a world that was changed in the same way.
+  //
+  // Adds a body: its number is that of a body that was removed before the last step, or the next.
+  // Sums take bodies that were added in the order of their numbers, after those of create().
+  // Loads begin when it is added. Errors as for create(); kUsage after the first step: a body with
+  // a motion, which move_body() replaces.
+  Result<std::size_t> add_body(const SceneBody& wanted,
+                               const ModelSource& source = load_scene_model);
+  // Removes a body with its joints: nothing meets it, failed() is true. What it touched wakes; its
+  // contacts end without an event. Its name is free.
+  void remove_body(std::size_t i);
+  bool removed(std::size_t i) const { return actors_[i].removed; }
+  // The frame of a driven body goes to that pose in the next step and rests there until the next
+  // call; its motion has ended. Errors as for Body::move_to().
+  Status move_body(std::size_t i, const Pose& next);
+  // Adds a collider at its pose and returns its number, the next. Errors of create(), also for a
+  // body of the world that is inside it; kUsage as for add_body().
+  Result<std::size_t> add_collider(const SceneCollider& wanted);
+  // The same for a collider; its friction moves what lies on it. Error kUsage: a pose that is not
+  // finite or whose rotation does not have length one to 1e-6.
+  Status move_collider(std::size_t c, const Pose& next);
+  // Removes it: it is 1e9 m away, and its number is not used again. Bodies wake.
+  void remove_collider(std::size_t c);
+  // Joins bodies of any kind of the world from now on, and returns the joint's number. Errors as
+  // for create().
+  Result<std::size_t> add_joint(const SceneJoint& wanted);
+  void remove_joint(std::size_t i);
+  // Pairs of bodies for which it returns false pass through each other. Bodies are those of the
+  // world; guests have numbers from kFirstGuest on. It must not call the world, which must not be
+  // moved afterwards. Empty: none do.
+  void set_filter(PairFilter filter);
+  // As BodyGroup::set_jobs().
+  void set_jobs(std::optional<BodyGroup::Jobs> jobs) { group_->set_jobs(std::move(jobs)); }
+  // Prepares all bodies that can be in contact for guests. Errors as for create().
+  Status expect_guests();
+  // True if a body of any kind has the name.
+  bool has_name(const std::string& name) const {
+    return find(name).has_value() || scene_.guests.contains(name);
+  }
+  IslandGuests* guests() const { return guests_.get(); }  // null: there are none
+  // A guest was added, or is removed: its name is in use, or free, and its hands and joints end.
+  void note_guest(const std::string& name, SavedPart identity) {
+    scene_.guests.insert(name);
+    guest_identity_.push_back(std::move(identity));
+  }
+  void forget_guest(std::size_t guest, const std::string& name);
 
   // As Body::set_method: sets another method of one body, or another step, s, of all. The world's
   // time is rounded to the nearest multiple of the step. Error kUsage: another step with guests.
@@ -218,6 +270,7 @@ class SceneWorld {
   Eigen::Vector3d hand_force(std::size_t i) const {
     if (!own_hands_[i]) return links_->hand_force(i);
     const Hand& own = hands_[*own_hands_[i]];
+    if (own.over) return Eigen::Vector3d::Zero();
     return own.hand.force(actors_[own.body].body);
   }
 
@@ -278,13 +331,16 @@ class SceneWorld {
     double speed = 0.0;        // m/s
     std::int64_t passed = 0;
     std::int64_t contacts = 0;
-    double begins_within = 0.0;  // m
+    double begins_within = 0.0;         // m
+    bool removed = false, old = false;  // old: before the last step
+    std::optional<Pose> given = {};     // by move_body(); empty: the path moves it
     std::optional<BonePaths> bones = {};
   };
   // wanted: its number in the scene.
   struct Hand {
     MovingHand hand;
     std::size_t body, wanted;
+    bool over = false;  // its body was removed
   };
   // a, b: the bodies' numbers in the group.
   struct JointOf {
@@ -309,12 +365,19 @@ class SceneWorld {
   };
 
   explicit SceneWorld(const Scene& scene) : scene_(scene) {}
-  Status add(const SceneBody& wanted, Model::Pointer model);
+  Result<Actor> make(const SceneBody& wanted, Model::Pointer model) const;
   Status begin(const SceneBody& wanted, Actor& actor) const;
   Status begin_contact(std::size_t i, bool needed);
   Status add_hands();
   Status add_anchors();
+  Status add_anchor();
   Status add_joints();
+  Status begin_joint(std::size_t i, std::size_t a, const ContactBody& other, std::size_t there);
+  Result<Model::Pointer> model_of(const SceneBody& wanted, const ModelSource& source) const;
+  std::size_t new_number(std::size_t body);
+  Status begin_added(std::size_t i);
+  Status check_apart_from_all(std::size_t i) const;
+  void wake_all();
   Status damp(std::size_t i);
   void list_passing();
   std::span<const PlacedCollider> felt_by(std::size_t i) const;
@@ -333,7 +396,7 @@ class SceneWorld {
   void carry_contacts(StateStream& stream);
 
   Scene scene_;
-  std::vector<Actor> actors_;
+  std::deque<Actor> actors_;  // they do not move when one is added
   SceneColliders colliders_;
   std::vector<Hand> hands_;
   std::vector<JointOf> joints_;
@@ -341,6 +404,7 @@ class SceneWorld {
   // group. anchor_of_: for each joint of the scene; empty: it is not one to the world.
   std::vector<ContactBody> anchors_;
   std::vector<std::optional<std::size_t>> anchor_of_;
+  std::vector<std::size_t> anchor_numbers_;  // of each in the group
   // For each of the scene its index in hands_ or joints_; empty: it is in links_.
   std::vector<std::optional<std::size_t>> own_hands_, own_joints_;
   std::vector<Touching> touching_;  // bodies x colliders
@@ -348,8 +412,11 @@ class SceneWorld {
   std::vector<ContactEvent> events_;
   std::vector<Pair> pairs_;  // those that touch
   std::unique_ptr<BodyGroup> group_;
-  std::vector<std::size_t> order_, place_;  // bodies by their names, and where each is there
-  std::vector<ContactBody*> stepped_;       // by their names; null: it has failed
+  // The number of each body in the group: by their names, then those that were added later. order_:
+  // the body of each number; kNobody: an anchor's.
+  static constexpr std::size_t kNobody = static_cast<std::size_t>(-1);
+  std::vector<std::size_t> order_, place_;
+  std::vector<ContactBody*> stepped_;  // by their numbers; null: it has failed
   std::vector<StepReport> reports_;
   std::map<std::string, Collider> shapes_;                 // of bodies, by their files
   std::unordered_map<std::string, std::size_t> numbers_;   // of bodies, by their names

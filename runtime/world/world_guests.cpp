@@ -56,6 +56,18 @@ Error of_file(const std::string& path, const Error& error) {
   return path.empty() ? error : error_of_file(path, error);
 }
 
+// The world gets room for a guest of that name.
+Status begin_adding(const std::string& name, SceneWorld& world) {
+  if (world.has_name(name)) return content_error("two bodies are called '" + name + "'");
+  if (world.guests() != nullptr) return Success{};
+  if (Status s = world.expect_guests(); !s) return s;
+  auto guests = std::make_unique<MixedGuests>(world.step_size());
+  Result<std::unique_ptr<GuestLinks>> links = make_guest_links(world, *guests);
+  if (!links) return links.error();
+  world.set_guests(std::move(guests), std::move(*links), {});
+  return Success{};
+}
+
 // A value out of range is an error of the scene, which has it.
 Error of_scene(Error error) {
   if (error.kind == ErrorKind::kUsage) error.kind = ErrorKind::kContent;
@@ -104,6 +116,43 @@ Result<WorldGuests> add_guests(std::span<const TetSceneBody> tets,
   for (std::size_t i = 0; i < guests->size(); ++i) made.at_start.push_back(energy_of(*guests, i));
   world.set_guests(std::move(guests), std::move(*links), std::move(identity));
   return made;
+}
+
+MixedGuests* guests_of(const SceneWorld& world) {
+  // A SceneWorld has guests by add_guests() and add_guest() alone.
+  return static_cast<MixedGuests*>(world.guests());
+}
+
+Result<AddedGuest> add_guest(const TetSceneBody& body, const std::string& path, SceneWorld& world) {
+  if (Status s = begin_adding(body.name, world); !s) return of_file(path, s.error());
+  Result<PlacedTets> placed = place_tets(std::span(&body, 1), path);
+  if (!placed) return placed.error();
+  MixedGuests& guests = *guests_of(world);
+  const auto added =
+      guests.add(body.name, std::move(placed->bodies[0]), body.contact, placed->kinds[0].hull);
+  if (!added) return of_file(path, added.error());
+  if (Status s = check_apart(guests, *added, solids_of(world), "contact-margin"); !s) {
+    guests.remove(*added);
+    return of_file(path, s.error());
+  }
+  world.note_guest(body.name, guest_parts(std::span(&body, 1), *placed, {}, guests)[0]);
+  return AddedGuest{*added, std::move(placed->kinds[0])};
+}
+
+Result<AddedGuest> add_guest(const ClothSceneBody& body, const std::string& path,
+                             SceneWorld& world) {
+  if (Status s = begin_adding(body.name(), world); !s) return of_file(path, s.error());
+  Result<ClothBody> cloth = ClothBody::create(body.scene, body.velocity);
+  if (!cloth) return of_file(path, of_scene(cloth.error()));
+  MixedGuests& guests = *guests_of(world);
+  const Result<std::size_t> added = guests.add(std::move(*cloth), body.contact);
+  if (!added) return of_file(path, of_scene(added.error()));
+  if (Status s = check_apart(guests, *added, solids_of(world), "thickness"); !s) {
+    guests.remove(*added);
+    return of_file(path, s.error());
+  }
+  world.note_guest(body.name(), cloth_part(body, *guests.cloth(*added)));
+  return AddedGuest{*added, std::nullopt};
 }
 
 }  // namespace tremolo

@@ -1,6 +1,7 @@
 // Bodies of tetrahedra and cloths in a SceneWorld.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -38,6 +39,7 @@ struct WorldGuests {
 std::vector<SavedPart> guest_parts(std::span<const TetSceneBody> tets, const PlacedTets& placed,
                                    std::span<const ClothSceneBody> cloths,
                                    const MixedGuests& guests);
+SavedPart cloth_part(const ClothSceneBody& cloth, const ClothStep& step);
 
 // Reads the files, moves the bodies to their positions and adds them to a world that was created
 // for guests. path: of the scene, for errors; empty: it has none. Errors: those of
@@ -46,5 +48,19 @@ std::vector<SavedPart> guest_parts(std::span<const TetSceneBody> tets, const Pla
 Result<WorldGuests> add_guests(std::span<const TetSceneBody> tets,
                                std::span<const ClothSceneBody> cloths, const std::string& path,
                                SceneWorld& world);
+
+// A guest that was added to a world between two steps.
+struct AddedGuest {
+  std::size_t number = 0;
+  std::optional<TetsKind> kind;  // of tetrahedra
+};
+
+// Add a body of another kind to a world, which may have none yet. Errors: as for add_guests();
+// kContent: a name that another body has.
+Result<AddedGuest> add_guest(const TetSceneBody& body, const std::string& path, SceneWorld& world);
+Result<AddedGuest> add_guest(const ClothSceneBody& body, const std::string& path,
+                             SceneWorld& world);
+// The guests of the world; null: there are none.
+MixedGuests* guests_of(const SceneWorld& world);
 
 }  // namespace tremolo

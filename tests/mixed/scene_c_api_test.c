@@ -85,7 +85,8 @@ int tremolo_c_scene_world_round(const tremolo_scene* scene) {
   enum { kKinds = 4, kMost = 3000 };
   const char* const names[kKinds] = {"soft", "hard", "cube", "sheet"};
   int line = 0, given = 0;
-  uint32_t body = 99, i = 0, asleep = 0;
+  tremolo_body_id body = 99;
+  uint32_t i = 0, asleep = 0;
   int32_t sleeps = 9, failed = 9, points = 0;
   int64_t done = 0, contacts = 0;
   size_t k = 0, n = 0, size = 0, again = 0, kept = 0;
@@ -110,44 +111,46 @@ int tremolo_c_scene_world_round(const tremolo_scene* scene) {
   REQUIRE(tremolo_world_save(world, bytes, size, &kept) == TREMOLO_OK && kept == size);
 
   for (i = 0; i < kKinds; ++i) {
-    REQUIRE(tremolo_world_find(world, names[i], &body) == TREMOLO_OK && body == i);
-    REQUIRE(strcmp(tremolo_world_name(world, i), names[i]) == 0);
-    REQUIRE(tremolo_world_kind(world, i, &kind) == TREMOLO_OK && kind == i);
-    n = 3 * tremolo_world_vertices(world, i);
+    REQUIRE(tremolo_world_find(world, names[i], &body) == TREMOLO_OK);
+    REQUIRE(body != 0 && body == tremolo_world_body(world, i));
+    REQUIRE(strcmp(tremolo_world_name(world, body), names[i]) == 0);
+    REQUIRE(tremolo_world_kind(world, body, &kind) == TREMOLO_OK && kind == i);
+    n = 3 * tremolo_world_vertices(world, body);
     REQUIRE(n > 0 && n <= kMost);
-    REQUIRE(tremolo_world_positions_double(world, i, there, n) == TREMOLO_OK);
-    REQUIRE(tremolo_world_positions_float(world, i, near, n) == TREMOLO_OK);
-    REQUIRE(tremolo_world_velocities(world, i, speed, n) == TREMOLO_OK);
-    REQUIRE(tremolo_world_positions_double(world, i, there, n - 1) == TREMOLO_USAGE);
+    REQUIRE(tremolo_world_positions_double(world, body, there, n) == TREMOLO_OK);
+    REQUIRE(tremolo_world_positions_float(world, body, near, n) == TREMOLO_OK);
+    REQUIRE(tremolo_world_velocities(world, body, speed, n) == TREMOLO_OK);
+    REQUIRE(tremolo_world_positions_double(world, body, there, n - 1) == TREMOLO_USAGE);
     for (k = 0; k < n; ++k) REQUIRE(fabs(there[k] - near[k]) < 1e-6);
-    size = 3 * tremolo_world_triangles(world, i);
+    size = 3 * tremolo_world_triangles(world, body);
     REQUIRE(size > 0 && size <= kMost);
-    REQUIRE(tremolo_world_triangle_corners(world, i, corners, size) == TREMOLO_OK);
+    REQUIRE(tremolo_world_triangle_corners(world, body, corners, size) == TREMOLO_OK);
     for (k = 0; k < size; ++k) REQUIRE(3 * corners[k] < n);
-    REQUIRE(tremolo_world_account(world, i, &account) == TREMOLO_OK);
+    REQUIRE(tremolo_world_account(world, body, &account) == TREMOLO_OK);
     REQUIRE(account.kinetic >= 0.0 && account.potential >= 0.0 && account.contact >= 0.0);
     REQUIRE(account.friction <= 0.0 && account.restitution <= 0.0);
     REQUIRE(fabs(account.remainder) < 1e-6);
-    REQUIRE(tremolo_world_momentum(world, i, linear, NULL) == TREMOLO_OK);
-    REQUIRE(tremolo_world_contact(world, i, &contacts, NULL, force, &points) == TREMOLO_OK);
+    REQUIRE(tremolo_world_momentum(world, body, linear, NULL) == TREMOLO_OK);
+    REQUIRE(tremolo_world_contact(world, body, &contacts, NULL, force, &points) == TREMOLO_OK);
     REQUIRE(isfinite(force[2]) && points >= 0);
-    REQUIRE(tremolo_world_look(world, i, &sleeps, &failed) == TREMOLO_OK && failed == 0);
+    REQUIRE(tremolo_world_look(world, body, &sleeps, &failed) == TREMOLO_OK && failed == 0);
     asleep += (uint32_t)sleeps;
     given = i < 2 ? TREMOLO_OK : TREMOLO_USAGE;
-    REQUIRE((int)tremolo_world_pose(world, i, place, turn) == given);
-    REQUIRE((int)tremolo_world_apply_force(world, i, 0, up, 1) == given);
+    REQUIRE((int)tremolo_world_pose(world, body, place, turn) == given);
+    REQUIRE((int)tremolo_world_apply_force(world, body, 0, up, 1) == given);
   }
   REQUIRE(contacts >= 0 && asleep == 0);
   REQUIRE(tremolo_world_find(world, "nobody", &body) == TREMOLO_USAGE);
-  REQUIRE(tremolo_world_name(world, kKinds) == NULL);
-  REQUIRE(tremolo_world_vertices(world, kKinds) == 0);
-  REQUIRE(tremolo_world_kind(world, kKinds, &kind) == TREMOLO_USAGE);
+  REQUIRE(tremolo_world_body(world, kKinds) == 0);
+  REQUIRE(tremolo_world_name(world, body + 1) == NULL);
+  REQUIRE(tremolo_world_vertices(world, body + 1) == 0);
+  REQUIRE(tremolo_world_kind(world, body + 1, &kind) == TREMOLO_USAGE);
 
   /* The velocities are those of the next step of a millimetre's length, roughly. */
-  n = 3 * tremolo_world_vertices(world, 3);
-  REQUIRE(tremolo_world_positions_double(world, 3, before, n) == TREMOLO_OK);
+  n = 3 * tremolo_world_vertices(world, body);
+  REQUIRE(tremolo_world_positions_double(world, body, before, n) == TREMOLO_OK);
   REQUIRE(tremolo_world_step(world, 1, NULL) == TREMOLO_OK);
-  REQUIRE(tremolo_world_positions_double(world, 3, there, n) == TREMOLO_OK);
+  REQUIRE(tremolo_world_positions_double(world, body, there, n) == TREMOLO_OK);
   for (k = 0; k < n; ++k) REQUIRE(fabs(there[k] - before[k] - 0.002 * speed[k]) < 1e-3);
 
   /* Back, and forward again. The forces on vertices are part of the saved state: there were none.

@@ -140,7 +140,8 @@ TEST_F(SceneCApi, AWorldByCallsHasTheBitsOfItsFile) {
     EXPECT_TRUE(saved(calls) == saved(of_text)) << k;
   }
   std::int64_t contacts = 0;
-  for (std::uint32_t body = 0; body < 4; ++body) {
+  for (std::size_t k = 0; k < 4; ++k) {
+    const tremolo_body_id body = tremolo_world_body(calls, k);
     ASSERT_EQ(tremolo_world_contact(calls, body, &contacts, nullptr, nullptr, nullptr), TREMOLO_OK);
     EXPECT_GT(contacts, 0) << tremolo_world_name(calls, body);
   }
@@ -242,7 +243,7 @@ TEST_F(SceneCApi, TheWorkOfHandsAndJointsIsInTheBalance) {
   ASSERT_EQ(tremolo_scene_parse((kText + kHeld).c_str(), path("held.toml").c_str(), &scene),
             TREMOLO_OK);
   tremolo_world* world = world_of(keep(scene));
-  std::uint32_t sheet = 0, cube = 0;
+  tremolo_body_id sheet = 0, cube = 0;
   ASSERT_EQ(tremolo_world_find(world, "sheet", &sheet), TREMOLO_OK);
   ASSERT_EQ(tremolo_world_find(world, "cube", &cube), TREMOLO_OK);
   tremolo_energy_account account{};
@@ -289,7 +290,7 @@ stiffness = 50
   };
   for (const Held& held :
        {Held{"sheet", 48, 20.0, 0.05}, {"cube", 0, 60.0, 0.2}, {"hard", 1, 50.0, 0.0}}) {
-    std::uint32_t body = 0;
+    tremolo_body_id body = 0;
     std::uint64_t hand = 99;
     ASSERT_EQ(tremolo_world_find(world, held.body, &body), TREMOLO_OK);
     ASSERT_EQ(tremolo_world_grab(world, body, held.vertex, held.stiffness, held.damping, &hand),
@@ -298,13 +299,14 @@ stiffness = 50
   }
   advance(wanted, 40);
   advance(world, 40);
-  for (std::uint32_t body = 0; body < tremolo_world_bodies(world); ++body) {
+  for (std::size_t k = 0; k < tremolo_world_bodies(world); ++k) {
+    const tremolo_body_id body = tremolo_world_body(world, k);
     std::vector<double> a(3 * tremolo_world_vertices(world, body)), b(a.size());
     ASSERT_EQ(tremolo_world_positions_double(wanted, body, a.data(), a.size()), TREMOLO_OK);
     ASSERT_EQ(tremolo_world_positions_double(world, body, b.data(), b.size()), TREMOLO_OK);
     EXPECT_TRUE(a == b) << body;
   }
-  std::uint32_t sheet = 0;
+  tremolo_body_id sheet = 0;
   double force[3] = {0.0, 0.0, 0.0};
   const double far[3] = {0.2, 0.2, 0.5};
   ASSERT_EQ(tremolo_world_find(world, "sheet", &sheet), TREMOLO_OK);

@@ -202,7 +202,7 @@ class BodyGroup {
   std::unique_ptr<ThreadPool> pool_;  // null: the caller alone
   std::optional<Jobs> jobs_;          // in its place
   PairFilter filter_;
-  std::vector<Worker> workers_;       // one a thread
+  std::vector<Worker> workers_;  // one a thread
 };
 
 // Joints between vertices of bodies (runtime/contact/joint.h). Joins a vertex of each body. Both
