@@ -55,7 +55,9 @@ Result<DefaultLoad> forces_of(const SceneLoad& load, const Model& model) {
   DefaultLoad forces = shared_by_area(*vertices, load.scale * load.force, model);
   const Result<Eigen::VectorXd> reduced = reduce_load(model, forces);
   if (!reduced) return content_error(reduced.error().message);
-  if (load.scale != 0.0 && reduced->isZero(0.0))
+  // A rigid body has no coordinates: a load moves its frame.
+  const bool still = model.modes() > 0 ? reduced->isZero(0.0) : load.force.isZero(0.0);
+  if (load.scale != 0.0 && still)
     return content_error("at = \"" + load.at +
                          "\": no vertex there moves (they are fixed or belong to no tetrahedron), "
                          "or the force is zero");

@@ -227,9 +227,9 @@ void SceneWorld::remove_collider(std::size_t c) {
 }
 
 Result<std::size_t> SceneWorld::add_joint(const SceneJoint& wanted) {
-  for (const std::string& end : {wanted.body, wanted.to})
-    if (!(&end == &wanted.to && end.empty()) && !has_name(end))
-      return content_error("a joint: there is no body '" + end + "'");
+  for (const std::string* end : {&wanted.body, &wanted.to})
+    if (!has_name(*end) && !(end == &wanted.to && end->empty()))
+      return content_error("a joint: there is no body '" + *end + "'");
   const std::size_t i = scene_.joints.size();
   const std::optional<std::size_t> a = find(wanted.body), b = find(wanted.to);
   for (const auto& end : {a, b}) {

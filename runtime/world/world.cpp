@@ -123,8 +123,9 @@ WorldBody World::begin_guest(std::size_t number, std::optional<TetsKind> kind) {
 bool World::look_at(std::size_t number) {
   const GuestEnergy now = energy_of(all_guests(), number);
   const ContactSums& sums = all_guests().sums(number);
-  return guests_[number].bound.look(now.kinetic + now.elastic, now.gravity,
-                                    sums.work + sums.hand + sums.joint);
+  const double contact = all_guests().account(number).energy;
+  return guests_[number].bound.look(now.kinetic + now.elastic + contact, now.gravity,
+                                    sums.work + sums.hand + sums.joint + contact);
 }
 
 Result<WorldBody> World::add(const SceneBody& body, const ModelSource& source) {

@@ -122,7 +122,7 @@ void BodyGroup::step_island(const Island& island, Worker& worker) {
   }
   gather_joints(parent_[who[0]], worker.joints);
   std::vector<StepReport>& reports = worker.reports;
-  reports.resize(island.count);
+  reports.assign(island.count, StepReport{});  // parts add to them
   const bool parts = !hosting && step_impact(island, used, worker);
   if (parts)
     note_touches(worker.parts.points(), who, worker.touches);
