@@ -20,9 +20,7 @@ void BentContact::add(std::size_t point, const Vector3d& y, double distance) {
   pair.law = law_in_series(points_->law_of(point, std::sqrt(own.friction * theirs.friction),
                                            std::sqrt(own.restitution * theirs.restitution)),
                            own, theirs, points_->area_of(point));
-  pair.law.rounding = tremolo::law_of(shape_->surface(), 0, 0.0, 0.0,
-                                      distance_rounding(shape_->surface(), shape_->gathered().ball))
-                          .rounding;
+  pair.law.rounding += distance_rounding(shape_->surface(), shape_->gathered().ball);
   place_point(pair, {first, second, obstacle_}, point, points_->memory(obstacle_, point), y,
               distance);
 }

@@ -47,7 +47,10 @@ class ClothStep final : public GuestStep {
   ContactLaw area_law() const override { return law_; }
   double area_of(std::size_t point) const override { return areas_.areas[point]; }
   ContactLaw law_of(std::size_t point, double friction, double restitution) const override {
-    return point_law(areas_, law_, point, friction, restitution);
+    return point_law(areas_, law_, point, friction, restitution, rounding());
+  }
+  double rounding() const override {
+    return distance_rounding(areas_.extent, ball().centre.norm());
   }
 
   Eigen::Index unknowns() const override { return way_.size(); }

@@ -32,6 +32,7 @@ bool HullContact::gather(StepBody& points, TetStep& shape, std::size_t obstacle,
     touch.law = law_in_series(points.law_of(i, std::sqrt(own.friction * theirs.friction),
                                             std::sqrt(own.restitution * theirs.restitution)),
                               own, theirs, points.area_of(i));
+    touch.law.rounding += shape.rounding();
     const std::optional<TetDepth> depth = shape.depth_at_start(x);
     touch.inside = depth && depth->distance < 0.0;
     const ContactMemory* memory = points.memory(obstacle, i);

@@ -22,8 +22,9 @@ ContactLaw area_law(const PointAreas& points, double mass, const ContactOptions&
 }
 
 ContactLaw point_law(const PointAreas& points, const ContactLaw& law, std::size_t point,
-                     double friction, double restitution) {
+                     double friction, double restitution, double rounding) {
   ContactLaw made = law;
+  made.rounding = rounding;
   made.friction = friction;
   made.restitution = restitution;
   made.stiffness *= points.areas[point];

@@ -19,8 +19,10 @@ struct PointAreas {
 // The law for a unit of area. mass: of the body, kg. options.shape and options.points are not used.
 ContactLaw area_law(const PointAreas& points, double mass, const ContactOptions& options);
 
-// The law of a point with that friction and restitution. law: for a unit of area.
+// The law of a point with that friction and restitution. law: for a unit of area. rounding:
+// ContactLaw::rounding of the body, distance_rounding(extent, distance of the body from the world's
+// origin), m.
 ContactLaw point_law(const PointAreas& points, const ContactLaw& law, std::size_t point,
-                     double friction, double restitution);
+                     double friction, double restitution, double rounding);
 
 }  // namespace tremolo

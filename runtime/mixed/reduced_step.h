@@ -34,8 +34,10 @@ class ReducedStep final : public StepBody {
   ContactLaw area_law() const override { return contact().surface().law; }
   double area_of(std::size_t point) const override { return surface_points().areas[point]; }
   ContactLaw law_of(std::size_t point, double friction, double restitution) const override {
-    return tremolo::law_of(contact().surface(), point, friction, restitution,
-                           distance_rounding(contact().surface(), contact().gathered().ball));
+    return tremolo::law_of(contact().surface(), point, friction, restitution, rounding());
+  }
+  double rounding() const override {
+    return distance_rounding(contact().surface(), contact().gathered().ball);
   }
   const ContactMemory* memory(std::size_t obstacle, std::size_t point) const override {
     return contact().pair_memories().find(obstacle, point);

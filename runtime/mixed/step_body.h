@@ -45,6 +45,7 @@ class StepBody {
   virtual double area_of(std::size_t point) const = 0;  // m^2
   // The law of a point with that friction and restitution.
   virtual ContactLaw law_of(std::size_t point, double friction, double restitution) const = 0;
+  virtual double rounding() const = 0;  // of distances, ContactLaw::rounding, m
   // The memory of the point's contact with an obstacle; null: there is none.
   virtual const ContactMemory* memory(std::size_t obstacle, std::size_t point) const = 0;
 

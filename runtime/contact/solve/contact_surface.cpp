@@ -57,9 +57,12 @@ ContactSurface make_contact_surface(const Model::Pointer& model, const ContactOp
 }
 
 double distance_rounding(const ContactSurface& surface, const ContactBall& ball) {
+  return distance_rounding(surface.points->extent, ball.centre.norm());
+}
+
+double distance_rounding(double extent, double far) {
   constexpr double kRoundings = 32.0;
-  return kRoundings * std::numeric_limits<double>::epsilon() *
-         (surface.points->extent + ball.centre.norm());
+  return kRoundings * std::numeric_limits<double>::epsilon() * (extent + far);
 }
 
 ContactLaw law_of(const ContactSurface& surface, std::size_t point, double friction,

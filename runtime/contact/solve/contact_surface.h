@@ -48,6 +48,8 @@ ContactSurface make_contact_surface(const Model::Pointer& model, const ContactOp
 
 // Bound of the rounding error of a distance, and of its change, near the body, m.
 double distance_rounding(const ContactSurface& surface, const ContactBall& ball);
+// The same for a body of that extent, m, at that distance from the world's origin, m.
+double distance_rounding(double extent, double far);
 
 // The law of a point of the surface against an obstacle with that friction and restitution, scaled
 // by the point's area. rounding: distance_rounding(), m.
