@@ -1,5 +1,6 @@
 #include "runtime/scene/scene_colliders.h"
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -56,7 +57,7 @@ Result<SceneColliders> SceneColliders::create(const Scene& scene) {
   SceneColliders colliders;
   for (const SceneCollider& wanted : scene.colliders)
     if (Status s = colliders.add(wanted); !s) return s.error();
-  colliders.move(0, scene.step);
+  (void)colliders.move(0, scene.step);
   return colliders;
 }
 
@@ -74,11 +75,16 @@ Status SceneColliders::add(const SceneCollider& wanted) {
   return Success{};
 }
 
-void SceneColliders::move(std::int64_t k, double step) {
+bool SceneColliders::move(std::int64_t k, double step) {
+  constexpr double kSame = 1e-9;  // of poses, m or 1
+  const bool follows = k == last_ + 1 && k > 0;
+  last_ = k;
+  bool jumped = false;
   const double t = static_cast<double>(k) * step;
   for (std::size_t i = 0; i < paths_.size(); ++i) {
+    const Pose before = placed_[i].end;
     if (given_[i]) {
-      placed_[i].start = placed_[i].end;
+      placed_[i].start = before;
       placed_[i].end = *given_[i];
       continue;
     }
@@ -86,7 +92,11 @@ void SceneColliders::move(std::int64_t k, double step) {
     const std::size_t piece = path.piece(t + 0.5 * step);
     placed_[i].start = path.pose_in(piece, t);
     placed_[i].end = path.pose_in(piece, static_cast<double>(k + 1) * step);
+    const Pose& start = placed_[i].start;
+    const double turn = std::abs(start.rotation.dot(before.rotation));
+    jumped = jumped || (start.position - before.position).norm() > kSame || turn < 1.0 - kSame;
   }
+  return follows && jumped;
 }
 
 void SceneColliders::carry(StateStream& stream) {

@@ -31,8 +31,9 @@ class SceneColliders {
   // Adds one at its pose; its motion begins at t = 0. Errors as for create().
   Status add(const SceneCollider& wanted);
 
-  // Places them for the k-th step, counted from 0. Allocates nothing.
-  void move(std::int64_t k, double step);
+  // Places them for the k-th step, counted from 0. True if one of them has jumped since the end of
+  // the step before, which was the last call's. Allocates nothing.
+  bool move(std::int64_t k, double step);
   // The collider goes from where it is to that pose in the next step, and rests there until the
   // next call; its motion has ended.
   void move_to(std::size_t i, const Pose& next) { given_[i] = next; }
@@ -52,6 +53,7 @@ class SceneColliders {
   std::vector<MotionPath> paths_;
   std::vector<std::optional<Pose>> given_;  // by move_to(); empty: the path moves it
   std::vector<PlacedCollider> placed_;
+  std::int64_t last_ = -1;  // the step of the last move()
 };
 
 // The largest depth of a vertex of the body's boundary in a collider at the start of the step, m,

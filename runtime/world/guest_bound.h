@@ -10,10 +10,10 @@ namespace tremolo {
 
 class GuestBound {
  public:
-  // Takes the start, then every step. All in J: own: kinetic and elastic energy and that of contact;
-  // gravity: its energy of gravity; work: of contact, hands and joints since the start, and that
-  // energy of contact. False: the energy is above kEnergyBound times all that was put in, or not a
-  // number.
+  // Takes the start, then every step. All in J: own: kinetic and elastic energy and that of
+  // contact; gravity: its energy of gravity; work: of contact, hands and joints since the start,
+  // and that energy of contact. False: the energy is above kEnergyBound times all that was put in,
+  // or not a number.
   bool look(double own, double gravity, double work) {
     if (!started_)
       bound_.start(own);

@@ -122,7 +122,7 @@ void SceneWorld::carry(StateStream& stream) {
     return;
   }
   failures_.clear();
-  colliders_.move(std::max<std::int64_t>(steps_ - 1, 0), scene_.step);
+  (void)colliders_.move(std::max<std::int64_t>(steps_ - 1, 0), scene_.step);
   colliders_.carry(stream);
 }
 

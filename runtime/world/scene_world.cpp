@@ -448,7 +448,7 @@ std::span<const SceneWorld::Failure> SceneWorld::step() {
       return failures_;
     }
   }
-  colliders_.move(steps_, scene_.step);
+  if (colliders_.move(steps_, scene_.step)) wake_all();
   move_hands();
   for (JointOf& joint : joints_)
     joint.joint.before_step(scene_.joints[joint.wanted], time(), scene_.step, *group_);

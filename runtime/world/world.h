@@ -11,6 +11,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <exception>
 #include <functional>
 #include <memory>
@@ -62,6 +63,8 @@ struct WorldHit {
   WorldSite site;
   double distance = 0.0;                            // from the ray's origin, m
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  // m, world
+  // Of the mesh of a body with a basis, as SurfaceHit::vertex.
+  std::optional<VertexId> vertex = {};
 };
 
 // The begin or the end of a contact of a body with another one or with a collider.
@@ -104,6 +107,7 @@ class World {
   double time() const { return own_.time(); }            // s
   // The reduced and rigid bodies, and the guests; null: there are none. For reading.
   const SceneWorld& own() const { return own_; }
+  SceneWorld& own() { return own_; }
   const MixedGuests* guests() const { return guests_of(own_); }
 
   // Advances by `count` steps, or until bodies fail. done: receives the number of steps taken, that
@@ -148,6 +152,13 @@ class World {
   // The caller's: null at first.
   void* user_data(WorldBody body) const { return slots_[body.slot].user; }
   void set_user_data(WorldBody body, void* user) { slots_[body.slot].user = user; }
+  // The body of a number in own() or among the guests.
+  WorldBody of_own(std::size_t i) const { return body_of(i); }
+  WorldBody of_guest(std::size_t i) const { return body_of(kFirstGuest + i); }
+  const TetsKind& tets_kind(WorldBody body) const { return *guest(body).kind; }  // of tetrahedra
+  // A guest gets energy that the world does not see, by states that the caller sets: its energy is
+  // not bounded any more.
+  void expect_energy(std::size_t guest) { guests_[guest].driven = true; }
 
   // The drawn surface: s vertices.
   std::size_t vertices(WorldBody body) const;
@@ -265,7 +276,7 @@ class World {
   std::vector<Slot> slots_;
   std::vector<std::size_t> free_;
   std::vector<std::size_t> own_slots_;  // of each body of own_
-  std::vector<Guest> guests_;
+  std::deque<Guest> guests_;            // they do not move when one is added
   std::vector<Touch> touches_;
   std::vector<WorldEvent> events_;
   Filter filter_;

@@ -331,8 +331,10 @@ Result<std::optional<WorldHit>> World::pick(const Vector3d& origin,
   std::optional<WorldHit> nearest;
   if (*found) {
     const SurfaceHit& hit = (*found)->hit;
-    nearest = WorldHit{
-        {body_of((*found)->body), hit.place.triangle, hit.place.weights}, hit.distance, hit.point};
+    nearest = WorldHit{{body_of((*found)->body), hit.place.triangle, hit.place.weights},
+                       hit.distance,
+                       hit.point,
+                       hit.vertex};
   }
   std::vector<double> places;
   for (const WorldBody body : bodies()) {

@@ -121,6 +121,43 @@ class Worlds(unittest.TestCase):
         self.assertEqual(hit["body"], "bar")
         self.assertIsNone(w.pick((5.0, 5.0, 5.0), (0.0, 0.0, 1.0)))
 
+    def test_tell_of_contacts_of_every_kind(self):
+        """A sheet that falls on a bar: one event of both, whose points have the force of the contact."""
+        w = tremolo.world({**dropped(), "bodies": dropped(shape="box", half_extents=[0.2, 0.03, 0.02])["bodies"] + [
+            {"name": "sheet", "kind": "cloth", "columns": 7, "rows": 7, "width": 0.06, "height": 0.06,
+             "corner": [0.05, -0.03, 0.08], "thickness": 0.002, "density": 1.0}]})
+        begun = []
+        for _ in range(200):
+            w.step()
+            begun += [e for e in w.events if e["kind"] == "begin" and e["with_body"]]
+            if begun:
+                break
+        self.assertEqual({begun[0]["body"], begun[0]["other"]}, {"bar", "sheet"})
+        there, back = w.contact_points("sheet", "bar"), w.contact_points("bar", "sheet")
+        self.assertGreater(len(there), 0)
+        np.testing.assert_array_equal(sum(p["impulse"] for p in there), -sum(p["impulse"] for p in back))
+        account = w.account("sheet")
+        self.assertLess(abs(account["remainder"]), 1e-12)
+        self.assertLess(account["damping"] + account["method"], 0.0)
+        hit = w.pick((0.08, 0.0, 1.0), (0.0, 0.0, -1.0))
+        self.assertEqual(hit["body"], "sheet")
+        self.assertAlmostEqual(sum(hit["weights"]), 1.0, delta=1e-12)
+
+    def test_move_colliders_by_calls(self):
+        """A floor that rises by 5 mm lifts what lies on it."""
+        w = tremolo.world(dropped())
+        w.step(500)
+        before = w["bar"].positions().mean(axis=0)[2]
+        for k in range(100):
+            w.move_collider("floor", (0.0, 0.0, 5e-5 * (k + 1)))
+            w.step()
+        w.step(300)
+        self.assertAlmostEqual(w["bar"].positions().mean(axis=0)[2] - before, 5e-3, delta=2e-4)
+        with self.assertRaises(tremolo.UsageError):
+            w.move_collider("ceiling", (0.0, 0.0, 0.0))
+        with self.assertRaises(tremolo.UsageError):
+            w.move("bar", (0.0, 0.0, 0.0))  # it is free
+
 
 class BodiesOfWorlds(unittest.TestCase):
     def test_are_stepped_and_written_through_their_handles(self):

@@ -8,8 +8,7 @@
 #include "runtime/apps/python/module/body_handle.h"
 #include "runtime/apps/python/module/nodal_handle.h"
 #include "runtime/io/scenes/nodal_readers.h"
-#include "runtime/world/guest_bound.h"
-#include "runtime/world/world_guests.h"
+#include "runtime/world/world.h"
 
 namespace tremolo::python {
 namespace {
@@ -17,45 +16,21 @@ namespace {
 constexpr int kPickleVersion = 1;
 constexpr const char* kPickleName = "tremolo.World";
 
-// An event and the time at the end of its step, s.
-struct TimedEvent {
-  ContactEvent event;
-  double time = 0.0;
-};
-
-// A body of another kind in the world, with its energies at the start.
-struct Guest {
-  NodalAccount at_start;
-  GuestBound bound;
-  bool over = false;  // it has failed, which was reported
-
-  explicit Guest(NodalSource& source) : at_start(*source.account()) { (void)look(source); }
-  // The energy of another state is what was put in.
-  void look_again(NodalSource& source) {
-    bound = {};
-    over = source.failed();
-    (void)look(source);
-  }
-  bool look(NodalSource& source) {
-    const NodalAccount account = *source.account();
-    return bound.look(account.now.kinetic + account.now.potential, account.now.gravity,
-                      account.work);
-  }
-};
-
 struct WorldParts {
   std::string text, path;  // of the scene file, for copies and pickles
-  SceneWorld world;
-  WorldGuests made;  // what the guests below are made of
+  std::unique_ptr<World> all;
+  SceneWorld& world;  // its reduced and rigid bodies
   NodalBodies guests;
-  std::vector<Guest> watched;                     // one for each guest
   std::vector<PyModelPointer> models;             // of each body
   std::vector<std::weak_ptr<BodyHandle>> bodies;  // handles that Python has
-  std::vector<TimedEvent> events;                 // of the last call of step()
+  std::vector<WorldEvent> events;                 // of the last call of step()
   std::atomic<bool> used = false;
 
-  WorldParts(std::string scene_text, std::string scene_path, SceneWorld of_scene)
-      : text(std::move(scene_text)), path(std::move(scene_path)), world(std::move(of_scene)) {}
+  WorldParts(std::string scene_text, std::string scene_path, std::unique_ptr<World> made)
+      : text(std::move(scene_text)),
+        path(std::move(scene_path)),
+        all(std::move(made)),
+        world(all->own()) {}
 
   // Bodies of the world come first, then guests, in the scene's order.
   std::size_t size() const { return world.size() + guests.size(); }
@@ -64,6 +39,9 @@ struct WorldParts {
   }
   bool is_guest(std::size_t i) const { return i >= world.size(); }
   NodalSource& guest(std::size_t i) { return guests.source(i - world.size()); }
+  WorldBody body_at(std::size_t i) const {
+    return is_guest(i) ? all->of_guest(i - world.size()) : all->of_own(i);
+  }
   std::optional<std::size_t> find(const std::string& text_of_name) const {
     if (const auto found = world.find(text_of_name)) return found;
     if (const auto found = guests.find(text_of_name)) return world.size() + *found;
@@ -101,27 +79,11 @@ class Call {
   InUse used_;
 };
 
-// Adds the bodies of other kinds of the scene.
-void make_guests(const MixedFile& mixed, WorldParts& parts) {
-  if (!mixed.has_guests()) return;
-  Result<WorldGuests> added = [&] {
-    const py::gil_scoped_release unlocked;
-    return add_guests(mixed.tets, mixed.cloths, mixed.file.path, parts.world);
-  }();
-  parts.made = unwrap(std::move(added));
-  parts.guests =
-      NodalBodies(sources_of(*parts.made.guests, [&parts](std::size_t i) -> const TetsKind& {
-        return parts.made.kind(i);
-      }));
-  for (std::size_t i = 0; i < parts.guests.size(); ++i)
-    parts.watched.emplace_back(parts.guests.source(i));
-}
-
 PyWorld make_world(std::string text, std::string path) {
   const MixedFile mixed = unwrap(parse_mixed(text, path));
-  Result<SceneWorld> made = [&] {
+  Result<std::unique_ptr<World>> made = [&] {
     const py::gil_scoped_release unlocked;
-    return SceneWorld::create(mixed.file.scene, load_scene_model, mixed.has_guests());
+    return World::create({path, mixed.file.scene, mixed.tets, mixed.cloths});
   }();
   if (!made) raise(error_of_file(path, made.error()));
   PyWorld world{std::make_shared<WorldParts>(std::move(text), std::move(path), std::move(*made))};
@@ -134,7 +96,10 @@ PyWorld make_world(std::string text, std::string path) {
     parts.models.push_back(std::move(model));
   }
   parts.bodies.resize(parts.world.size());
-  make_guests(mixed, parts);
+  if (MixedGuests* guests = guests_of(parts.world))
+    parts.guests = NodalBodies(sources_of(*guests, [&parts](std::size_t i) -> const TetsKind& {
+      return parts.all->tets_kind(parts.all->of_guest(i));
+    }));
   return world;
 }
 
@@ -158,71 +123,42 @@ py::object body_of(const PyWorld& self, py::handle name) {
   return py::cast(made);
 }
 
-// Guests that failed in this step, or whose energy left its bound, each once: adds their sentences.
-void watch_guests(WorldParts& parts, std::string& failed, ErrorKind& kind) {
-  for (std::size_t i = 0; i < parts.guests.size(); ++i) {
-    NodalSource& source = parts.guests.source(i);
-    Guest& guest = parts.watched[i];
-    if (guest.over) continue;
-    const double time = parts.world.time();
-    std::string reason;
-    if (source.failed()) {
-      kind = ErrorKind::kSolver;
-      reason = "the step to t = " + number_text(time) + " s could not be solved";
-    } else if (!source.driven && !guest.look(source)) {
-      kind = ErrorKind::kBound;
-      reason = "at t = " + number_text(time) + " s the energy is more than " +
-               number_text(kEnergyBound) + " times all that was put in";
-    }
-    guest.over = !reason.empty();
-    if (guest.over) failed += (failed.empty() ? "" : "; ") + source.name() + ": " + reason;
-  }
-}
-
 void step(const PyWorld& self, std::int64_t count) {
   if (count < 0) raise(usage_error("n: " + std::to_string(count) + ", must not be negative"));
   const Call call(self);
   WorldParts& parts = *self.parts;
-  SceneWorld& world = parts.world;
   parts.events.clear();
-  std::string failed;
-  ErrorKind kind = ErrorKind::kSolver;
+  for (std::size_t i = 0; i < parts.guests.size(); ++i)
+    if (parts.guests.source(i).driven) parts.all->expect_energy(i);
+  std::optional<Error> failed;
   try {
     run_unlocked(count, [&](std::int64_t) {
-      for (const SceneWorld::Failure& failure : world.step()) {
-        kind = error_kind(failure.report.failure);
-        if (!failed.empty()) failed += "; ";
-        failed += world.name(failure.body) + ": " + failure_message(failure.report, world.time());
-      }
-      for (const ContactEvent& event : world.events())
-        parts.events.push_back({event, world.time()});
-      watch_guests(parts, failed, kind);
-      return failed.empty();
+      const Status made = parts.all->step();
+      parts.events.insert(parts.events.end(), parts.all->events().begin(),
+                          parts.all->events().end());
+      if (!made) failed = made.error();
+      return !failed;
     });
   } catch (...) {
     parts.pull_states();
     throw;
   }
   parts.pull_states();
-  if (!failed.empty()) raise({kind, failed});
-}
-
-std::string name_of_other(const SceneWorld& world, const ContactEvent& event) {
-  return event.other != ContactEvent::kNone ? world.name(event.other)
-                                            : world.scene().colliders[event.collider].name;
+  if (failed) raise(*failed);
 }
 
 py::list events(const PyWorld& self) {
   const Call call(self);
-  const SceneWorld& world = self.parts->world;
+  const World& world = *self.parts->all;
   py::list list;
-  for (const auto& [event, time] : self.parts->events) {
+  for (const WorldEvent& event : self.parts->events) {
     py::dict dict;
-    dict["time"] = time;
+    dict["time"] = event.time;
     dict["kind"] = event.kind == ContactEvent::Kind::kBegin ? "begin" : "end";
     dict["body"] = world.name(event.body);
-    dict["other"] = name_of_other(world, event);
-    dict["with_body"] = event.other != ContactEvent::kNone;
+    dict["other"] =
+        event.other ? world.name(*event.other) : world.own().scene().colliders[event.collider].name;
+    dict["with_body"] = event.other.has_value();
     dict["impulse"] = event.place.impulse;
     dict["push"] = array_of<3>(event.place.push);
     dict["position"] = array_of<3>(event.place.position);
@@ -232,26 +168,15 @@ py::list events(const PyWorld& self) {
   return list;
 }
 
-std::optional<std::size_t> find_collider(const SceneWorld& world, const std::string& name) {
-  for (std::size_t i = 0; i < world.scene().colliders.size(); ++i)
-    if (world.scene().colliders[i].name == name) return i;
-  return std::nullopt;
-}
-
-constexpr const char* kNoPoints = "the points of its contacts are not listed";
-
 py::list contact_points(const PyWorld& self, py::handle body, const std::string& other) {
-  const std::size_t i = self.parts->own_body(index_of(self, body), kNoPoints);
+  const WorldBody known = self.parts->body_at(index_of(self, body));
   const Call call(self);
-  const SceneWorld& world = self.parts->world;
-  ContactEvent pair;
-  pair.body = i;
-  if (const auto collider = find_collider(world, other))
-    pair.collider = *collider;
-  else
-    pair.other = self.parts->own_body(index_of(self, py::str(other)), kNoPoints);
+  const World& world = *self.parts->all;
+  const std::optional<std::size_t> collider = world.find_collider(other);
+  std::optional<WorldBody> partner;
+  if (!collider) partner = self.parts->body_at(index_of(self, py::str(other)));
   py::list list;
-  for (const ContactedPoint& point : world.points_of(pair)) {
+  for (const ContactedPoint& point : world.points(known, partner, collider.value_or(0))) {
     py::dict dict;
     dict["vertex"] = point.vertex;
     dict["on_body"] = point.on_body;
@@ -263,36 +188,11 @@ py::list contact_points(const PyWorld& self, py::handle body, const std::string&
   return list;
 }
 
-// The damping of such a body is part of what its method gives.
-py::dict account_of_guest(WorldParts& parts, std::size_t guest) {
-  const NodalAccount a = *parts.guests.source(guest).account();
-  const auto total = [](const NodalEnergy& e) {
-    return e.kinetic + e.potential + e.contact.value_or(0.0);
-  };
-  const NodalEnergy& start = parts.watched[guest].at_start.now;
-  const double gravity = start.gravity - a.now.gravity;
-  py::dict dict;
-  dict["kinetic"] = a.now.kinetic;
-  dict["potential"] = a.now.potential;
-  dict["contact"] = a.now.contact.value_or(0.0);
-  dict["at_start"] = total(start);
-  dict["gravity"] = gravity;
-  dict["contact_given"] = a.contact_given;
-  dict["restitution"] = a.restitution;
-  dict["friction"] = a.friction;
-  dict["hand"] = a.hand;
-  dict["joint"] = a.joint;
-  dict["method"] = total(a.now) - total(start) - gravity - a.contact_given - a.restitution -
-                   a.friction - a.hand - a.joint;
-  dict["total"] = total(a.now);
-  return dict;
-}
-
 py::dict account(const PyWorld& self, py::handle body) {
   const std::size_t i = index_of(self, body);
   const Call call(self);
-  if (self.parts->is_guest(i)) return account_of_guest(*self.parts, i - self.parts->world.size());
-  const EnergyAccount a = self.parts->world.account(i);
+  const WorldAccount account = self.parts->all->account(self.parts->body_at(i));
+  const EnergyAccount& a = account.sums;
   py::dict dict;
   dict["kinetic"] = a.kinetic;
   dict["potential"] = a.potential;
@@ -301,15 +201,17 @@ py::dict account(const PyWorld& self, py::handle body) {
   dict["load"] = a.load;
   dict["support"] = a.support;
   dict["gravity"] = a.gravity;
+  dict["wind"] = account.wind;
   dict["contact_given"] = a.contact_given;
   dict["restitution"] = a.restitution;
   dict["friction"] = a.friction;
   dict["hand"] = a.hand;
   dict["joint"] = a.joint;
   dict["damping"] = a.damping;
+  dict["method"] = account.method;
   dict["total"] = a.total();
-  dict["given"] = a.given();
-  dict["remainder"] = a.remainder();
+  dict["given"] = a.given() + account.wind + account.method;
+  dict["remainder"] = account.remainder;
   return dict;
 }
 
@@ -366,15 +268,33 @@ py::list hands(const PyWorld& self) {
 
 py::object pick(const PyWorld& self, py::handle origin, py::handle direction) {
   const Call call(self);
-  const auto found =
-      unwrap(self.parts->world.pick(vector3(origin, "origin"), vector3(direction, "direction")));
+  const World& world = *self.parts->all;
+  const auto found = unwrap(world.pick(vector3(origin, "origin"), vector3(direction, "direction")));
   if (!found) return py::none();
   py::dict dict;
-  dict["body"] = self.parts->world.name(found->body);
-  dict["vertex"] = found->hit.vertex;
-  dict["distance"] = found->hit.distance;
-  dict["point"] = array_of<3>(found->hit.point);
+  dict["body"] = world.name(found->site.body);
+  if (found->vertex) dict["vertex"] = *found->vertex;
+  dict["triangle"] = found->site.triangle;
+  dict["weights"] = array_of<3>(found->site.weights);
+  dict["distance"] = found->distance;
+  dict["point"] = array_of<3>(found->point);
   return dict;
+}
+
+void move_collider(const PyWorld& self, const std::string& name, py::handle position,
+                   py::handle rotation) {
+  const Pose pose = pose_of(position, rotation);
+  const Call call(self);
+  const auto collider = self.parts->all->find_collider(name);
+  if (!collider) raise(usage_error("there is no collider '" + name + "'"));
+  check(self.parts->all->move_collider(*collider, pose));
+}
+
+void move_body(const PyWorld& self, py::handle body, py::handle position, py::handle rotation) {
+  const Pose pose = pose_of(position, rotation);
+  const std::size_t i = index_of(self, body);
+  const Call call(self);
+  check(self.parts->all->move(self.parts->body_at(i), pose));
 }
 
 py::bytes save(const PyWorld& self) {
@@ -385,10 +305,8 @@ py::bytes save(const PyWorld& self) {
 
 void restore(const PyWorld& self, const std::string& bytes) {
   const Call call(self);
-  check(self.parts->world.restore(std::as_bytes(std::span(bytes.data(), bytes.size()))));
+  check(self.parts->all->restore(std::as_bytes(std::span(bytes.data(), bytes.size()))));
   self.parts->events.clear();
-  for (std::size_t i = 0; i < self.parts->guests.size(); ++i)
-    self.parts->watched[i].look_again(self.parts->guests.source(i));
   self.parts->pull_states();
 }
 
@@ -473,12 +391,13 @@ void add_queries(WorldClass& c) {
       c, "momenta", "(linear (3,), kg m/s; angular (3,) about the origin, N m s).",
       [](const SceneWorld& w, std::size_t i) { return momenta_tuple(w.momenta(i)); },
       [](NodalSource& s) { return momenta_tuple(s.momenta()); });
-  c.def("account", &account, py::arg("body"),
-        "The energy balance of a body, J, a dict: kinetic, potential, contact, total; at_start; "
-        "given since then by load, support, gravity, contact_given, restitution, friction, hand, "
-        "joint, damping; remainder, which has no known cause. Of tetrahedra and cloth: kinetic, "
-        "potential, contact, total; at_start; gravity, contact_given, restitution, friction, hand, "
-        "joint; method, given by the method and by damping.");
+  c.def(
+      "account", &account, py::arg("body"),
+      "The energy balance of a body, J, a dict: kinetic, potential, contact, total; at_start; "
+      "given since then by load, support, gravity, wind, contact_given, restitution, friction, "
+      "hand, joint, damping, method, which are 0 where a body of its kind has no such cause; "
+      "remainder, which has no known cause. method: of tetrahedra and cloth, given by the method, "
+      "and by the damping of tetrahedra.");
   c.def_property_readonly(
       "events", &events,
       "Contacts that began or ended in the last call of step(), a list of dicts: time (s), kind "
@@ -494,9 +413,17 @@ void add_queries(WorldClass& c) {
       "A list of dicts: body, to, kind, points, holds, force (3,), N, energy, J.");
   c.def_property_readonly("hands", &hands,
                           "A list of dicts: body, vertex, holds, force on the body (3,), N.");
-  c.def("pick", &pick, py::arg("origin"), py::arg("direction"),
-        "The first hit of a ray (m, world): a dict of body, vertex, distance, point; or None. It "
-        "passes through bodies of tetrahedra and cloths.");
+  c.def(
+      "pick", &pick, py::arg("origin"), py::arg("direction"),
+      "The first hit of a ray (m, world) on a drawn surface: a dict of body, triangle, weights of "
+      "its corners (3,), distance, point, and vertex for bodies with a basis; or None.");
+  c.def("move_collider", &move_collider, py::arg("name"), py::arg("position"),
+        py::arg("rotation") = py::make_tuple(1.0, 0.0, 0.0, 0.0),
+        "The collider goes to that pose (m; w, x, y, z) in the next step, carries what lies on it, "
+        "and rests there until the next call. A pickle or copy needs the same call before.");
+  c.def("move", &move_body, py::arg("body"), py::arg("position"),
+        py::arg("rotation") = py::make_tuple(1.0, 0.0, 0.0, 0.0),
+        "The same for the frame of a driven body.");
 }
 
 }  // namespace

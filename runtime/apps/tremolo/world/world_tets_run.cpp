@@ -43,8 +43,9 @@ void WorldTetsRun::watch(std::size_t i, bool first) {
   const double own = watched.now.kinetic + watched.now.elastic;
   if (first) watched.momenta_start = watched.momenta_now;
   const ContactSums& sums = tets_->guests->sums(i);
-  const bool sound =
-      watched.bound.look(own, watched.now.gravity, sums.work + sums.hand + sums.joint);
+  const double contact = tets_->guests->account(i).energy;
+  const bool sound = watched.bound.look(own + contact, watched.now.gravity,
+                                        sums.work + sums.hand + sums.joint + contact);
   watched.energy_max = std::max(watched.energy_max, watched.now.total());
   if (watched.exit_code != 0) return;
   if (tets_->guests->failed(i))
