@@ -13,7 +13,7 @@
 namespace tremolo {
 namespace {
 
-// How far a collider that was removed is from where it was, m.
+// Distance of a collider that was removed from its last place, m.
 constexpr double kAway = 1e9;
 
 constexpr const char* kNoMotion =

@@ -226,7 +226,7 @@ TEST_F(WorldCApi, ABodyThatComesLaterMovesAsOneOfTheScene) {
   }
 }
 
-// What stood on a body that is removed falls freely, also if it slept: h = g t^2/2.
+// A body that stood on one that is removed falls freely, also if it slept: h = g t^2/2.
 TEST_F(WorldCApi, WhatStoodOnABodyThatIsRemovedFalls) {
   for (const CubeKind below : kSolids)
     for (const CubeKind above : kKinds) {
@@ -343,7 +343,7 @@ TEST_F(WorldCApi, AColliderThatIsMovedByCallsDragsWhatLiesOnIt) {
                 0.03 * 0.5 * kFall * 60.0 * kWorldStep);
     glide(300, 2.0);
     EXPECT_NEAR(momentum(world, body).x() / m, 2.0, 0.02);
-    // It stops where it is told to.
+    // The floor stops at its last pose, and the body with it.
     advance(world, 500);
     EXPECT_NEAR(momentum(world, body).x() / m, 0.0, 0.01);
     ASSERT_EQ(tremolo_world_remove_collider(world, 0), TREMOLO_OK);
@@ -508,7 +508,7 @@ TEST_F(WorldCApi, EventsNameBothBodies) {
         EXPECT_NEAR(event.position[2], 2.0 * kHalfEdge, 0.01);
       }
       EXPECT_GE(begins, 1);
-      // What one feels of the other is what the other feels, turned round.
+      // The force on one body is the opposite of that on the other.
       std::array<tremolo_contact_point, 400> there, back;
       std::size_t n = 0, m = 0;
       ASSERT_EQ(
@@ -564,7 +564,7 @@ TEST_F(WorldCApi, RaysHitSitesOfEachKind) {
   }
 }
 
-// What the filter lets pass falls through with the bits of a body alone.
+// A body that the filter lets pass falls through the other with the bits of a body alone.
 TEST_F(WorldCApi, AFilterLetsBodiesPassThroughEachOther) {
   struct Asked {
     tremolo_world* world = nullptr;
