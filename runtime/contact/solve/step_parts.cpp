@@ -50,11 +50,14 @@ bool StepParts::step(const PartIsland& island, double h, std::span<StepReport> r
   for (std::size_t i = 0; i < of_.bodies.size(); ++i) keep(i);
   joints_before_.clear();
   for (const IslandJoint& joint : of_.joints) joints_before_.push_back(*joint.joint);
+  joint_forces_.assign(of_.joints.size(), Eigen::Vector3d::Zero());
   if (of_.guests != nullptr) of_.guests->start_parts();
   const bool made = reason == PartReason::kImpact ? part(0.0, 1.0, 0) : halves(0.0, 1.0, 1);
   for (std::size_t i = 0; i < of_.bodies.size(); ++i) finish(i, made);
   if (of_.guests != nullptr) of_.guests->end_parts(made);
   if (!made) put_back();
+  for (std::size_t k = 0; made && k < of_.joints.size(); ++k)
+    of_.joints[k].joint->force = joint_forces_[k];
   return made;
 }
 
@@ -157,6 +160,8 @@ bool StepParts::take_part(double from, double to, bool last) {
   }
   if (!made) return false;
   ++made_;
+  for (std::size_t k = 0; k < of_.joints.size(); ++k)
+    joint_forces_[k] += (to - from) * of_.joints[k].joint->force;
   for (std::size_t k = 0; k < used_; ++k) {
     touched_.push_back(points_[k]);
     touched_.back().now.force *= to - from;

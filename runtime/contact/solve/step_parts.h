@@ -96,6 +96,7 @@ class StepParts {
   std::span<StepReport> reports_;
   std::vector<Whole> wholes_;
   std::vector<Joint> joints_before_;
+  std::vector<Eigen::Vector3d> joint_forces_;  // means over the parts so far, N
   std::vector<PlacedCollider> colliders_;
   std::vector<IslandJoint> part_joints_;
   std::vector<IslandMember> members_;
