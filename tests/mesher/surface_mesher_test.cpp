@@ -47,7 +47,9 @@ TEST(SurfaceMesher, MeshesGoodSurfacesWell) {
   }
 }
 
-double printed(double x) { return std::round(x * 1e10) / 1e10; }
+double printed(double x) {
+  return std::round(x * 1e10) / 1e10;
+}
 
 // CGAL's cheese.off: floats of 0.05 m printed with ten decimals, so that its planes are 1e-9 of its
 // size off. With those numbers meshing takes ten times as long as with the floats.
@@ -199,6 +201,22 @@ TEST(SurfaceMesher, SaysWhenWallsAreTooThin) {
   const std::string message = refusal(shell);
   EXPECT_NE(message.find("thick"), std::string::npos);
   EXPECT_NE(message.find("--tets"), std::string::npos);
+}
+
+// The volume is length times area of the walls. With the size that the message advises the walls
+// are there.
+TEST(SurfaceMesher, WallsThatTheSizeWouldLoseAreRefusedWithTheSizeThatKeepsThem) {
+  const SurfaceMesh plate = box_surface({0.3, 0.2, 0.001});
+  const std::string message = refusal(plate);
+  EXPECT_NE(message.find("walls are about 0.001 m thick"), std::string::npos) << message;
+  EXPECT_NE(message.find("--tets"), std::string::npos) << message;
+  const std::size_t at = message.find("--size ");
+  ASSERT_NE(at, std::string::npos) << message;
+  const double size = std::stod(message.substr(at + 7));
+  // A smaller plate of the same thickness takes less time.
+  const SurfaceMesh part = box_surface({0.05, 0.04, 0.001});
+  EXPECT_NEAR(mesh_well(part, {.size = size}).report.quality.volume, 2e-6, 1e-12);
+  EXPECT_NE(refusal(plate, {.tets = 300}).find("walls"), std::string::npos);
 }
 
 TEST(SurfaceMesher, RefusesNothingAtAll) {
