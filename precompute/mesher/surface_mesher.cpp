@@ -21,6 +21,9 @@ constexpr double kLeastBacked = 0.3;
 constexpr int kRefinements = 2;
 // The size that a message advises, over the thickness of the walls.
 constexpr double kSizePerWall = 3;
+// A distance between the surfaces so many times that requested is reported: the largest of 20 000
+// points is no sharp number.
+constexpr double kMissedError = 1.1;
 
 // Refuses a surface that encloses no solid, and says what its maker can do.
 Status refuse_hopeless(const SurfaceSolid& solid, const SurfaceFindings& findings,
@@ -128,6 +131,27 @@ double nearest_float(double x) {
   return static_cast<double>(static_cast<float>(x));
 }
 
+// What the user must know about masses and distances before using the mesh; lengths in m.
+std::vector<std::string> warnings_on(const Outcome& outcome, const SurfaceMeshOptions& options,
+                                     double diagonal) {
+  std::vector<std::string> warnings;
+  const double off = outcome.likeness.volume_share - 1.0;
+  const double far =
+      diagonal * std::max(outcome.distances.mesh_to_surface, outcome.distances.surface_to_mesh);
+  if (outcome.likeness.is_poor())
+    warnings.push_back(
+        text("warning: the mesh has %.2g %% %s volume than the surface, so masses and frequencies "
+             "are off: ask for a smaller distance by --error (it is %.2g m), or for smaller "
+             "tetrahedra by --size or --tets",
+             100.0 * std::abs(off), off < 0 ? "less" : "more", far));
+  if (options.error > 0 && far > kMissedError * options.error)
+    warnings.push_back(text(
+        "warning: the surfaces are up to %.3g m apart, where --error asked for %.3g m: smaller "
+        "tetrahedra help (--size or --tets), or a smaller --error",
+        far, options.error));
+  return warnings;
+}
+
 // Notes about the mesh for the user, as sentences.
 std::vector<std::string> notes_on(const Outcome& outcome, const MeshQuality& quality,
                                   int wanted_count) {
@@ -189,6 +213,8 @@ Result<MeshedSurface> mesh_surface(const RenderSurface& given, const SurfaceMesh
   report.method = outcome->attempt.method;
   report.quality = mesh_quality(mesh);
   report.notes = notes_on(*outcome, report.quality, options.tets);
+  for (std::string& warning : warnings_on(*outcome, options, scaling.diagonal))
+    report.notes.push_back(std::move(warning));
   report.tetrahedra = mesh.tetrahedra.size();
   report.diagonal = scaling.diagonal;
   report.mesh_to_surface = scaling.diagonal * outcome->distances.mesh_to_surface;

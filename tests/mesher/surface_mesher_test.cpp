@@ -216,7 +216,44 @@ TEST(SurfaceMesher, WallsThatTheSizeWouldLoseAreRefusedWithTheSizeThatKeepsThem)
   // A smaller plate of the same thickness takes less time.
   const SurfaceMesh part = box_surface({0.05, 0.04, 0.001});
   EXPECT_NEAR(mesh_well(part, {.size = size}).report.quality.volume, 2e-6, 1e-12);
-  EXPECT_NE(refusal(plate, {.tets = 300}).find("walls"), std::string::npos);
+}
+
+// A thin ring of which chords cut off more than 2 %. The number in the warning is that of the two
+// volumes; a finer mesh needs no warning.
+TEST(SurfaceMesher, AVolumeThatIsOffIsTold) {
+  const SurfaceMesh ring = torus_surface(1.0, 0.05, 96, 32);
+  const auto warning = [&ring](const SurfaceMeshOptions& options, double& off) {
+    const Result<MeshedSurface> meshed = mesh_surface(as_render_surface(ring), options);
+    EXPECT_TRUE(meshed);
+    off = 1.0 - meshed->report.quality.volume / enclosed_volume(ring);
+    for (const std::string& line : meshed->report.notes)
+      if (line.starts_with("warning: the mesh has ")) return std::stod(line.substr(22));
+    return 0.0;
+  };
+  double off = 0;
+  const double told = warning({}, off);
+  EXPECT_GT(off, 0.02);
+  EXPECT_NEAR(told, 100.0 * off, 0.1);
+  EXPECT_EQ(warning({.error = 0.001}, off), 0.0);
+  EXPECT_LT(off, 0.02);
+}
+
+// The sampled distance of the ring's mesh is above the one asked for.
+TEST(SurfaceMesher, ADistanceThatIsMissedIsTold) {
+  const auto far = [](double error, bool& told) {
+    const Result<MeshedSurface> meshed =
+        mesh_surface(as_render_surface(torus_surface(1.0, 0.05, 96, 32)), {.error = error});
+    EXPECT_TRUE(meshed);
+    told = false;
+    for (const std::string& line : meshed->report.notes)
+      told = told || line.find("where --error asked for") != std::string::npos;
+    return std::max(meshed->report.mesh_to_surface, meshed->report.surface_to_mesh);
+  };
+  for (const double error : {0.02, 0.003, 0.001}) {
+    bool told = false;
+    const double found = far(error, told);
+    EXPECT_EQ(told, found > 1.1 * error) << error << ": " << found;
+  }
 }
 
 TEST(SurfaceMesher, RefusesNothingAtAll) {

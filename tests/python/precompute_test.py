@@ -1,5 +1,6 @@
 """tremolo.precompute and tremolo.reference: arrays instead of files."""
 
+import json
 import os
 import signal
 import subprocess
@@ -89,6 +90,29 @@ class Choices(unittest.TestCase):
             at, _ = model.default_load
             place = model.vertices[np.flatnonzero(model.vertex_ids == at[0])[0]]
             np.testing.assert_allclose(place, corners[7], atol=1e-12)
+
+    def test_on_a_slender_surface_warn_of_its_volume(self):
+        # A rod of twelve sides, of which the mesh keeps a few: the truth is the prism's volume.
+        turn = 2 * np.pi * np.arange(12) / 12
+        ring = np.stack([np.zeros(12), 0.001 * np.cos(turn), 0.001 * np.sin(turn)], axis=1)
+        rod = np.concatenate([ring, ring + [0.5, 0, 0]])
+        faces = [(0, i + 1, i) for i in range(1, 11)] + [(12, 12 + i, 13 + i) for i in range(1, 11)]
+        for i in range(12):
+            k = (i + 1) % 12
+            faces += [(i, k, 12 + k), (i, 12 + k, 12 + i)]
+        volume = 0.5 * 12 * 0.5 * 0.001**2 * np.sin(turn[1])
+        with self.assertWarnsRegex(UserWarning, "less volume than the surface") as caught:
+            tremolo.precompute(rod, faces, young=1e6, poisson=0.3, density=1000.0, linear=True, linear_modes=6)
+        path = os.path.join(support.folder(), "rod.ply")
+        tremolo.write_ply(path, tremolo.Mesh(rod, np.array(faces)))
+        printed = json.loads(tremolo.run_program("tremolo-precompute", [
+            path, "--fix", "none", "--linear", "--linear-modes", "6", "--density", "1000", "--json", "-o",
+            os.path.join(support.folder(), "rod.tremolo")]))
+        lost = 100 * (1 - printed["total_mass_kg"] / (1000.0 * volume))
+        self.assertGreater(lost, 2)
+        self.assertIn(f"has {lost:.2g} % less", str(caught.warning))
+        self.assertEqual(printed["warnings"], [str(caught.warning)])
+        self.assertTrue(caught.filename.endswith("precompute_test.py"))
 
     def test_without_which_a_force_is_refused(self):
         with self.assertRaisesRegex(tremolo.UsageError, "load_at"):

@@ -6,6 +6,7 @@ import os
 import re
 import sys
 import tempfile
+import warnings
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
@@ -18,11 +19,26 @@ from .programs import run_program
 
 Progress = Union[None, bool, Callable[[str, float, str], object]]
 
+_warning = "  warning: "
 _stage_line = re.compile(r"^  (\S+) +([0-9.]+) s .*? MB  ?(.*)$")
 
 
-def _reporter(progress: Progress) -> Optional[Callable[[str], None]]:
-    """What to do with each line of the program's log."""
+def _reporter(progress: Progress) -> Callable[[str], None]:
+    """What to do with each line of the program's log: its warnings are warnings here too."""
+    told = _told(progress)
+
+    def report(line: str) -> None:
+        if line.startswith(_warning):
+            # The caller of precompute() or reference(): past this, run_program() and either.
+            warnings.warn(line[len(_warning):], stacklevel=4)
+        if told is not None:
+            told(line)
+
+    return report
+
+
+def _told(progress: Progress) -> Optional[Callable[[str], None]]:
+    """What the caller wants to be done with each line."""
     if progress is None or progress is False:
         return None
     if progress is True:
@@ -216,7 +232,7 @@ def precompute(
     r: number of coordinates. linear_modes: number of modes they come from.
     output: path of the basis file to write; without it the model is in memory. name: name of the mesh in the file's
     provenance, which ends in .msh or .ply. progress: called as progress(stage, seconds, detail) after each stage; True
-    prints the log on stderr. Further keywords are flags of the program: derivatives=3, keep_elements=True, ...
+    prints the log on stderr. What the program warns of is a UserWarning. Further keywords are flags of the program: derivatives=3, keep_elements=True, ...
 
     The file has the bytes that the program writes of the same mesh as a file of that name and the same flags.
     An error of the program raises the exception of its exit code; Ctrl-C ends the program.
