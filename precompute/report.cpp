@@ -95,6 +95,10 @@ void print_result(const LoadedProblem& loaded, const PrecomputeResult& result, c
                           data.singular_values.end());
   std::vector<std::string> notes = loaded.problem.notes;
   notes.insert(notes.end(), result.findings.notes.begin(), result.findings.notes.end());
+  const std::string_view warns = "warning: ";
+  std::vector<std::string> warnings;
+  for (const std::string& note : notes)
+    if (note.starts_with(warns)) warnings.push_back(note.substr(warns.size()));
   const Json provenance = Json::parse(data.provenance);
   const auto& sensitivities = result.findings.sensitivities;
   const Json json = {
@@ -127,6 +131,7 @@ void print_result(const LoadedProblem& loaded, const PrecomputeResult& result, c
                                       : Json(nullptr)},
       {"encoding", provenance.value("encoding", Json{{"name", "full"}})},
       {"notes", notes},
+      {"warnings", warnings},
       {"ranks", mpi_ranks()},
       {"stages", stages_json(log)},
       {"stages_of_ranks", ranks_json(ranks)}};

@@ -215,7 +215,7 @@ tremolo_status tremolo_body_step(tremolo_body* body, int64_t count, int64_t* don
 
 double tremolo_body_time(const tremolo_body* body); /* s; 0 for NULL */
 
-/* Reduced coordinates and momenta. length must be r; p may be NULL. */
+/* Reduced coordinates and momenta. length must be r. p may be NULL where they are read. */
 tremolo_status tremolo_body_state(const tremolo_body* body, double* q, double* p, size_t length);
 tremolo_status tremolo_body_set_state(tremolo_body* body, const double* q, const double* p,
                                       size_t length);

@@ -1,7 +1,9 @@
 #include "common/mesh/mesh_check.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <compare>
 #include <limits>
 #include <numeric>
 #include <tuple>
@@ -133,6 +135,68 @@ Status check_duplicates(const TetMesh& mesh) {
   return Success{};
 }
 
+// A face of a tetrahedron, its corners ascending. side: on which of the face's two sides the
+// tetrahedron lies.
+struct Face {
+  std::array<VertexId, 3> corners;
+  bool side;
+  std::size_t tet;
+  auto operator<=>(const Face&) const = default;
+};
+
+Face face_of(const TetMesh& mesh, std::size_t t, std::size_t opposite) {
+  const Tetrahedron& tet = mesh.tetrahedra[t];
+  Face face{{}, (opposite % 2 == 1) != (signed_volume(mesh, tet) < 0), t};
+  for (std::size_t i = 0, k = 0; i < 4; ++i)
+    if (i != opposite) face.corners[k++] = tet[i];
+  // Each exchange turns the face over.
+  for (const auto& [a, b] : {std::pair{0, 1}, {1, 2}, {0, 1}}) {
+    if (face.corners[a] <= face.corners[b]) continue;
+    std::swap(face.corners[a], face.corners[b]);
+    face.side = !face.side;
+  }
+  return face;
+}
+
+// Inverted by their numbering alone, tetrahedra do not overlap. In a mesh that is folded, two of
+// them lie on one side of a common face, and their volumes count double.
+Status check_folds(const TetMesh& mesh) {
+  const auto inverted = [&mesh](std::size_t t) {
+    return signed_volume(mesh, mesh.tetrahedra[t]) < 0;
+  };
+  std::vector<bool> near_inverted(mesh.vertices.size(), false);
+  bool any = false;
+  for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
+    if (!inverted(t)) continue;
+    any = true;
+    for (const VertexId v : mesh.tetrahedra[t]) near_inverted[v] = true;
+  }
+  if (!any) return Success{};
+  std::vector<Face> faces;
+  for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t)
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Face face = face_of(mesh, t, i);
+      if (std::all_of(face.corners.begin(), face.corners.end(),
+                      [&](VertexId v) { return near_inverted[v]; }))
+        faces.push_back(face);
+    }
+  std::sort(faces.begin(), faces.end());
+  Culprits culprits = tetrahedra();
+  for (std::size_t n = 1; n < faces.size(); ++n) {
+    const Face &one = faces[n - 1], &other = faces[n];
+    if (one.corners != other.corners || one.side != other.side) continue;
+    if (!inverted(one.tet) && !inverted(other.tet)) continue;
+    const bool first = inverted(one.tet);
+    culprits.add(first ? one.tet : other.tet,
+                 " (over " + std::to_string(first ? other.tet : one.tet) + ")");
+  }
+  if (culprits.any())
+    return culprits.error(
+        "the mesh is folded: inverted tetrahedra lie on the same side of a face as their "
+        "neighbours. Undo the motion that turned them inside out, or mesh the body again");
+  return Success{};
+}
+
 std::size_t orient(TetMesh& mesh, double& volume) {
   std::size_t flipped = 0;
   for (Tetrahedron& tet : mesh.tetrahedra) {
@@ -172,7 +236,8 @@ Result<MeshReport> check_mesh(TetMesh& mesh) {
   if (mesh.tetrahedra.empty()) return content_error("the mesh has no tetrahedra");
   if (!std::in_range<VertexId>(mesh.vertices.size()))
     return content_error("the mesh has 2^31 vertices or more");
-  for (const auto& check : {check_coordinates, check_indices, check_volumes, check_duplicates}) {
+  for (const auto& check :
+       {check_coordinates, check_indices, check_volumes, check_duplicates, check_folds}) {
     const Status status = check(mesh);
     if (!status) return status.error();
   }

@@ -29,8 +29,9 @@ struct MeshReport {
 // swapped). Parts are numbered by their first vertex. Errors (kContent; the mesh is as it was) name
 // the first few elements or vertices and how many there are: no tetrahedra, coordinates that are
 // not finite, indices out of range (also in node sets and regions), repeated vertices in a
-// tetrahedron, degenerate tetrahedra, two tetrahedra with the same four vertices. Elements and
-// vertices count from 0.
+// tetrahedron, degenerate tetrahedra, two tetrahedra with the same four vertices, inverted ones on
+// the same side of a face as their neighbour (a mesh that was folded). Elements and vertices count
+// from 0.
 Result<MeshReport> check_mesh(TetMesh& mesh);
 
 // part_of_vertex: n labels, -1 for vertices of no tetrahedron; parts are connected through shared

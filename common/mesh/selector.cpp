@@ -192,19 +192,27 @@ struct Finder {
   }
 
   Result<Ids> operator()(const SelectVertices& list) const {
+    const auto who = [this](VertexId id) {
+      return "selector `" + selector.text + "`: vertex " + std::to_string(id);
+    };
     for (const VertexId id : list.ids) {
-      const auto who = [&] {
-        return "selector `" + selector.text + "`: vertex " + std::to_string(id);
-      };
+      if (space.given != nullptr && !is_index(id, space.given->count))
+        return content_error(who(id) + " is not in the surface, whose vertices are 0 to " +
+                             std::to_string(space.given->count - 1));
+      if (space.given != nullptr) continue;
       if (!is_index(id, space.selectable.size()))
-        return content_error(who() + " is not in the mesh, whose vertices are 0 to " +
+        return content_error(who(id) + " is not in the mesh, whose vertices are 0 to " +
                              std::to_string(space.selectable.size() - 1));
-      if (!space.selectable[id]) return content_error(who() + " " + space.unselectable);
+      if (!space.selectable[id]) return content_error(who(id) + " " + space.unselectable);
     }
-    return list.ids;
+    return meant_by(list.ids);
   }
 
-  Result<Ids> operator()(const SelectFile& file) const { return file.ids; }
+  Result<Ids> operator()(const SelectFile& file) const { return meant_by(file.ids); }
+
+  Ids meant_by(const Ids& ids) const {
+    return space.given != nullptr ? space.given->meant_by(ids) : ids;
+  }
 
   Result<Ids> operator()(const SelectColour& select) const {
     return vertices_where(space, [&](std::size_t v) {
@@ -242,8 +250,8 @@ SelectionSpace selection_space(const TetMesh& mesh) {
   std::vector<bool> referenced(mesh.vertices.size(), false);
   for (const Tetrahedron& tet : mesh.tetrahedra)
     for (VertexId v : tet) referenced[v] = true;
-  return {mesh.vertices, std::move(referenced), mesh.node_sets, mesh.colours,
-          "belongs to no tetrahedron"};
+  return {mesh.vertices, std::move(referenced),       mesh.node_sets,
+          mesh.colours,  "belongs to no tetrahedron", mesh.given.get()};
 }
 
 Result<std::vector<VertexId>> select_vertices(const Selector& selector,

@@ -88,13 +88,15 @@ std::vector<std::string> files_of_selector(const std::string& text);
 bool means_surface(const Selector& selector);
 
 // The vertices to select from. All vectors have n entries (colours: or none). unselectable: the
-// reason why a vertex with the flag false is not selected, for messages.
+// reason why a vertex with the flag false is not selected, for messages. given: what the numbers of
+// `vertex:` and `file:` mean if they are not those of the vertices.
 struct SelectionSpace {
   const std::vector<Eigen::Vector3d>& vertices;
   std::vector<bool> selectable;
   const std::map<std::string, std::vector<VertexId>>& sets;
   const std::vector<Colour>& colours;
   const char* unselectable;
+  const GivenVertices* given = nullptr;
 };
 
 // The vertices that belong to a tetrahedron. Refers to the mesh.

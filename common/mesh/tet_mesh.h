@@ -4,11 +4,14 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+
+#include "common/mesh/given_vertices.h"
 
 namespace tremolo {
 
@@ -35,6 +38,8 @@ using Colour = std::array<std::uint8_t, 4>;  // red, green, blue, alpha
 // region_names: the source file's names of its parts of different material, each once.
 // edges: of a quadratic mesh (edge_points.h), ascending by their points; none of a linear one.
 // edge_points: empty, or of each tetrahedron the points of its edges in the order of kTetEdges.
+// solids: tetrahedra inside the objects and materials of a surface, by name; each ascending.
+// given: of a mesh that was cut from a surface, what the numbers of its vertices mean.
 struct TetMesh {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Tetrahedron> tetrahedra;
@@ -44,6 +49,8 @@ struct TetMesh {
   std::vector<std::string> region_names = {};
   std::vector<MeshEdge> edges = {};
   std::vector<TetEdges> edge_points = {};
+  std::map<std::string, std::vector<std::int32_t>> solids = {};
+  std::shared_ptr<const GivenVertices> given = {};
 };
 
 // Corners of a tetrahedron between which its six edges run.

@@ -49,9 +49,10 @@ Result<std::vector<VertexId>> parse_id_list(std::string_view text, const std::st
 }
 
 Result<std::vector<VertexId>> resolve_selector(Selector selector, const TetMesh& mesh) {
-  if (Status s = fill(selector, mesh.vertices.size()); !s) return s.error();
+  const std::size_t count = mesh.given ? mesh.given->count : mesh.vertices.size();
+  if (Status s = fill(selector, count); !s) return s.error();
   for (Selector& other : selector.further)
-    if (Status s = fill(other, mesh.vertices.size()); !s) return s.error();
+    if (Status s = fill(other, count); !s) return s.error();
   return select_vertices(selector, mesh);
 }
 

@@ -1,4 +1,4 @@
-// Transfers colours and names from a surface to colours and node sets of the mesh.
+// Transfers colours, names and numbers of a surface to the mesh.
 #pragma once
 
 #include <string>
@@ -15,5 +15,13 @@ namespace tremolo {
 // vertex gets the mesh vertices closest to its own. Existing sets of the mesh are not changed.
 // Returns notes for the user.
 std::vector<std::string> add_surface_sets(const RenderSurface& surface, TetMesh& mesh);
+
+// Sets mesh.solids: each tetrahedron belongs to the object, and to the material, in whose triangles
+// its centroid is (the smallest of several), or else to that of the triangle next to it. Names of
+// node sets that exist already are left out.
+void add_solids(const RenderSurface& surface, TetMesh& mesh);
+
+// Sets mesh.given for a mesh that was cut from the surface.
+void add_given_vertices(const RenderSurface& surface, TetMesh& mesh);
 
 }  // namespace tremolo

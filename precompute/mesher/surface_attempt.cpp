@@ -17,6 +17,9 @@ using Point = Eigen::Vector3d;
 
 constexpr double kCountTolerance = 0.1;
 constexpr int kTries = 6;
+// Where the walls are lost, numbers up to so many times that requested are tried, or up to one that
+// takes some ten seconds.
+constexpr double kMostOver = 4, kOftenAffordable = 60'000;
 // An edge is sharp if the surface bends by more degrees there.
 constexpr double kSharp = 45.0;
 // Sharp edges are kept if they are few: length times size over area.
@@ -206,6 +209,8 @@ Result<MeshAttempt> attempt_mesh(const SurfaceSolid& solid, const MeshPlan& plan
       done.mesh = std::move(*mesh);
       return done;
     }
+    // By solid angle such walls become crumbs, after a minute.
+    if (has_thin_walls(plan)) return done;
   }
   Result<TetMesh> mesh = mesh_as_field(solid, plan, sizes, done.method);
   if (!mesh) return mesh.error();
@@ -226,6 +231,10 @@ Result<MeshAttempt> attempt_mesh_to_count(const SurfaceSolid& solid, MeshPlan pl
     const double factor = share > 0 ? std::clamp(std::cbrt(share), 0.4, 2.5) : 0.5;
     plan.coarse *= factor;
     plan.fine *= factor;
+    // Walls that are lost at the requested number ask for far more than that.
+    if (best->mesh.tetrahedra.empty() &&
+        estimated_count(plan) > std::max(kMostOver * wanted, kOftenAffordable))
+      break;
     Result<MeshAttempt> next = attempt_mesh(solid, plan);
     if (!next && best->mesh.tetrahedra.empty()) return next;
     if (!next) break;

@@ -6,6 +6,7 @@
 #include "common/text.h"
 #include "common/units.h"
 #include "formats/surface/surface_reader.h"
+#include "precompute/mesher/surface/mesh_likeness.h"
 #include "precompute/mesher/surface/surface_solid.h"
 #include "precompute/mesher/surface_plan.h"
 
@@ -18,6 +19,11 @@ constexpr double kMostLacking = 0.09, kSheet = 0.4;
 constexpr double kLeastBacked = 0.3;
 // Further attempts if a mesh does not follow its surface and the user requested no size.
 constexpr int kRefinements = 2;
+// The size that a message advises, over the thickness of the walls.
+constexpr double kSizePerWall = 3;
+// A distance between the surfaces so many times that requested is reported: the largest of 20 000
+// points is no sharp number.
+constexpr double kMissedError = 1.1;
 
 // Refuses a surface that encloses no solid, and says what its maker can do.
 Status refuse_hopeless(const SurfaceSolid& solid, const SurfaceFindings& findings,
@@ -64,27 +70,56 @@ Error no_end(const Error& error, const SurfaceSolid& solid, const SurfaceFinding
 struct Outcome {
   MeshAttempt attempt;
   PartCounts parts;
+  Likeness likeness;
   SurfaceDistances distances;
 };
+
+// The error when the mesher loses the walls, as `what` says, and what their maker can do. asked:
+// the user requested the sizes.
+Error walls_are_lost(std::string what, const MeshPlan& plan, bool asked, double diagonal) {
+  const double wall = median_thickness(plan);
+  if (!(wall > 0)) return content_error(what + ". Ask for smaller tetrahedra by --size or --tets");
+  double size = kSizePerWall * wall;
+  if (asked) size = std::min(size, 0.5 * plan.coarse);
+  const double count = estimated_count(plan.walls, plan.volume, size, 0.25 * size);
+  return content_error(
+      what + text(": its walls are about %.3g m thick at a size of %.3g m. Make them thicker, or "
+                  "ask for smaller tetrahedra, say by --size %.2g (some %.1g of them), or for more "
+                  "by --tets",
+                  wall * diagonal, diagonal, size * diagonal, count));
+}
+
+std::string describe(const Likeness& likeness) {
+  return text(
+      "the mesh that came out has %.2g %% of the volume of the surface, in %zu part%s where "
+      "the surface has %zu",
+      100.0 * likeness.volume_share, likeness.parts, likeness.parts == 1 ? "" : "s",
+      likeness.most_parts);
+}
 
 // Meshes by the plan, and by smaller sizes if the user requested none and the surfaces are too far
 // apart.
 Result<Outcome> mesh_close_to_surface(const SurfaceSolid& solid, const SurfaceFindings& findings,
-                                      MeshPlan plan, const SurfaceMeshOptions& options) {
+                                      MeshPlan plan, const SurfaceMeshOptions& options,
+                                      double diagonal) {
   const bool asked = options.size > 0 || options.tets > 0 || options.error > 0;
   for (int pass = 0;; ++pass) {
     Result<MeshAttempt> done = attempt_mesh_to_count(solid, plan, options.tets);
     if (!done) return no_end(done.error(), solid, findings);
     if (done->mesh.tetrahedra.empty())
-      return content_error(
-          "no tetrahedra came out: the solid is far thinner than the size. Ask for "
-          "smaller ones by --size, or for more by --tets");
+      return walls_are_lost("no mesh came out, since the solid is thinner than the size", plan,
+                            asked, diagonal);
     Outcome outcome;
+    outcome.likeness = compare_with_solid(solid, plan.volume, done->mesh);
     outcome.parts = drop_crumbs(done->mesh, options.keep_crumbs);
+    outcome.likeness.parts = outcome.parts.kept;
+    const bool lost = outcome.likeness.is_lost();
+    if (lost && (asked || pass > 0 || has_thin_walls(plan)))
+      return walls_are_lost(describe(outcome.likeness), plan, asked, diagonal);
     outcome.distances = measure_distances(solid, plan.error, done->mesh);
     outcome.attempt = std::move(*done);
-    if (asked || outcome.distances.mesh_to_surface <= kWorstError || pass == kRefinements)
-      return outcome;
+    const bool far = outcome.distances.mesh_to_surface > kWorstError;
+    if (!lost && (asked || !far || pass == kRefinements)) return outcome;
     plan.error *= 0.6;
     plan.coarse *= 0.75;
     plan.fine *= 0.75;
@@ -94,6 +129,27 @@ Result<Outcome> mesh_close_to_surface(const SurfaceSolid& solid, const SurfaceFi
 // Number by number: cast<float>().cast<double>() of Eigen 3.4 leaves vectors of three unrounded.
 double nearest_float(double x) {
   return static_cast<double>(static_cast<float>(x));
+}
+
+// What the user must know about masses and distances before using the mesh; lengths in m.
+std::vector<std::string> warnings_on(const Outcome& outcome, const SurfaceMeshOptions& options,
+                                     double diagonal) {
+  std::vector<std::string> warnings;
+  const double off = outcome.likeness.volume_share - 1.0;
+  const double far =
+      diagonal * std::max(outcome.distances.mesh_to_surface, outcome.distances.surface_to_mesh);
+  if (outcome.likeness.is_poor())
+    warnings.push_back(
+        text("warning: the mesh has %.2g %% %s volume than the surface, so masses and frequencies "
+             "are off: ask for a smaller distance by --error (it is %.2g m), or for smaller "
+             "tetrahedra by --size or --tets",
+             100.0 * std::abs(off), off < 0 ? "less" : "more", far));
+  if (options.error > 0 && far > kMissedError * options.error)
+    warnings.push_back(text(
+        "warning: the surfaces are up to %.3g m apart, where --error asked for %.3g m: smaller "
+        "tetrahedra help (--size or --tets), or a smaller --error",
+        far, options.error));
+  return warnings;
 }
 
 // Notes about the mesh for the user, as sentences.
@@ -146,7 +202,8 @@ Result<MeshedSurface> mesh_surface(const RenderSurface& given, const SurfaceMesh
     return status.error();
   const Result<MeshPlan> plan = make_plan(solid, options, scaling);
   if (!plan) return plan.error();
-  Result<Outcome> outcome = mesh_close_to_surface(solid, findings, *plan, options);
+  Result<Outcome> outcome =
+      mesh_close_to_surface(solid, findings, *plan, options, scaling.diagonal);
   if (!outcome) return outcome.error();
 
   TetMesh& mesh = outcome->attempt.mesh;
@@ -156,6 +213,8 @@ Result<MeshedSurface> mesh_surface(const RenderSurface& given, const SurfaceMesh
   report.method = outcome->attempt.method;
   report.quality = mesh_quality(mesh);
   report.notes = notes_on(*outcome, report.quality, options.tets);
+  for (std::string& warning : warnings_on(*outcome, options, scaling.diagonal))
+    report.notes.push_back(std::move(warning));
   report.tetrahedra = mesh.tetrahedra.size();
   report.diagonal = scaling.diagonal;
   report.mesh_to_surface = scaling.diagonal * outcome->distances.mesh_to_surface;

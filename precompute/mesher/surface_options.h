@@ -14,7 +14,9 @@ namespace tremolo {
 // unit: as the user wrote it; empty: the file's.
 inline void add_surface_options(CLI::App& app, SurfaceMeshOptions& mesh, std::string& unit) {
   CLI::Option* size =
-      app.add_option("--size", mesh.size, "longest wanted edge, m (thin walls may ask for less)")
+      app.add_option(
+             "--size", mesh.size,
+             "wanted edge, m: the mean of 1 to 1.35 of it, the longest up to 3 (thin walls: less)")
           ->check(above_zero());
   app.add_option("--tets", mesh.tets,
                  "wanted number of tetrahedra, met within 10 % (default 10 000; thin walls more)")

@@ -16,6 +16,13 @@ constexpr std::size_t kWallSamples = 6'000;
 // Thin walls that are a smaller share of the surface do not set the finest size.
 constexpr double kRareWalls = 0.03;
 
+// Walls thinner than the finest size by these factors: that are likely to be lost, and that are
+// refused at once. Cut with edges of three times their thickness, walls still bend; beyond, the
+// angles are bad.
+constexpr double kThin = 1.6, kFarTooThin = 3;
+// The share of such walls that matters.
+constexpr double kThinShare = 0.1;
+
 // The thickness below which this share of the walls is.
 double thickness_quantile(const std::vector<WallSample>& walls, double share) {
   std::vector<double> values;
@@ -50,6 +57,14 @@ double estimated_count(const MeshPlan& plan) {
   return estimated_count(plan.walls, plan.volume, plan.coarse, plan.fine);
 }
 
+double median_thickness(const MeshPlan& plan) {
+  return thickness_quantile(plan.walls, 0.5);
+}
+
+bool has_thin_walls(const MeshPlan& plan) {
+  return thinner_share(plan.walls, plan.fine / kThin) > kThinShare;
+}
+
 Result<MeshPlan> make_plan(const SurfaceSolid& solid, const SurfaceMeshOptions& options,
                            const Scaling& scaling) {
   MeshPlan plan;
@@ -78,9 +93,8 @@ Result<MeshPlan> make_plan(const SurfaceSolid& solid, const SurfaceMeshOptions& 
   plan.error = options.error > 0 ? options.error / scaling.diagonal
                                  : std::clamp(0.05 * plan.coarse, kError, 0.1);
   if (options.size > 0 || options.tets > 0) return plan;
-  // Cut with edges of three times their thickness, walls still bend; beyond, the angles are bad.
-  if (thinner_share(plan.walls, plan.fine / 3.0) > 0.1) {
-    const double thin = thickness_quantile(plan.walls, 0.5);
+  if (thinner_share(plan.walls, plan.fine / kFarTooThin) > kThinShare) {
+    const double thin = median_thickness(plan);
     return content_error(
         text("its walls are about %.3g m thick at a size of %.3g m: about %.1g tetrahedra would be "
              "needed "

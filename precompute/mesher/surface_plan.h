@@ -27,6 +27,13 @@ Result<MeshPlan> make_plan(const SurfaceSolid& solid, const SurfaceMeshOptions& 
 
 double estimated_count(const MeshPlan& plan);
 
+// Half of the walls are thinner; 0 without walls.
+double median_thickness(const MeshPlan& plan);
+
+// True if so much of the walls is far thinner than the finest size that a smaller one would lead to
+// hundreds of thousands of tetrahedra.
+bool has_thin_walls(const MeshPlan& plan);
+
 // A smallest dihedral angle below it, in degrees, is worth another attempt and a note.
 inline constexpr double kGoodAngle = 8.0;
 

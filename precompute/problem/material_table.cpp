@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <variant>
 
 #include "common/text.h"
 #include "formats/basis/selector_reader.h"
@@ -9,8 +10,13 @@
 namespace tremolo {
 namespace {
 
-// Returns the tetrahedra all of whose vertices the selector selects; an error if there are none.
+// Returns the tetrahedra inside the object of that name, or those all of whose vertices the
+// selector selects; an error if there are none.
 Result<std::vector<std::size_t>> covered(const MaterialRule& rule, const TetMesh& mesh) {
+  const auto* set = rule.selector ? std::get_if<SelectSet>(&rule.selector->choice) : nullptr;
+  const auto solid = mesh.solids.find(set != nullptr ? set->name : rule.where);
+  if (solid != mesh.solids.end() && (set == nullptr || rule.selector->further.empty()))
+    return std::vector<std::size_t>(solid->second.begin(), solid->second.end());
   const Result<std::vector<VertexId>> vertices =
       rule.selector ? resolve_selector(*rule.selector, mesh) : rule.selector.error();
   if (!vertices) {

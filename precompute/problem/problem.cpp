@@ -259,7 +259,11 @@ Problem load_solid(const ProblemRequest& request) {
                        problem.report.notes.end());
   prepare_edges(request, problem);
   problem.mesh_hash = hash_mesh(problem.mesh);
+  // The file's numbers are those of the surface that was meshed, whichever is drawn.
+  if (read.drawn) add_given_vertices(*read.drawn, problem.mesh);
   if (!files.render.empty()) read.drawn = read_render(files, problem.notes);
+  // Before the surface adds sets of the same names, which are on the boundary only.
+  if (read.drawn && !request.materials.rules.empty()) add_solids(*read.drawn, problem.mesh);
   if (read.drawn) attach_render(problem, std::move(*read.drawn), request.threads);
   // This follows the render surface, since its objects and colours may select a material.
   problem.materials = make_materials(request.materials, read.materials, problem);

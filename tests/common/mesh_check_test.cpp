@@ -50,6 +50,32 @@ TEST(MeshCheck, InvertedTetrahedraAreRepairedAndCounted) {
   EXPECT_NE(report->notes[0].find("16"), std::string::npos);
 }
 
+// A vertex that moved through the opposite faces of its tetrahedra: turned by their numbers, these
+// would cover the others, and the volume would be more than the box's.
+TEST(MeshCheck, AFoldedMeshIsNotRepaired) {
+  TetMesh mesh = testing::box_mesh({4, 2, 2}, {4, 2, 2});
+  const auto inner =
+      std::find(mesh.vertices.begin(), mesh.vertices.end(), Eigen::Vector3d(2, 1, 1));
+  ASSERT_NE(inner, mesh.vertices.end());
+  *inner = Eigen::Vector3d(3.2, 1.1, 1.05);
+  double covered = 0;
+  std::size_t inverted = 0;
+  for (const Tetrahedron& tet : mesh.tetrahedra) {
+    covered += std::abs(signed_volume(mesh, tet));
+    inverted += signed_volume(mesh, tet) < 0;
+  }
+  EXPECT_GT(covered, 16.2);
+  EXPECT_GT(inverted, 0u);
+  expect_refused(mesh, {"folded", "tetrahedra"});
+
+  // Wrong numbering of some besides does not hide it, and of all changes nothing.
+  std::swap(mesh.tetrahedra[0][0], mesh.tetrahedra[0][1]);
+  expect_refused(mesh, {"folded"});
+  TetMesh mirrored = testing::box_mesh({4, 2, 2}, {4, 2, 2});
+  for (Tetrahedron& tet : mirrored.tetrahedra) std::swap(tet[0], tet[1]);
+  EXPECT_TRUE(check_mesh(mirrored));
+}
+
 TEST(MeshCheck, RepairKeepsTheVerticesOfATetrahedron) {
   TetMesh mesh = testing::box_mesh({1, 1, 1}, {1, 1, 1});
   std::swap(mesh.tetrahedra[4][1], mesh.tetrahedra[4][2]);

@@ -47,7 +47,9 @@ TEST(SurfaceMesher, MeshesGoodSurfacesWell) {
   }
 }
 
-double printed(double x) { return std::round(x * 1e10) / 1e10; }
+double printed(double x) {
+  return std::round(x * 1e10) / 1e10;
+}
 
 // CGAL's cheese.off: floats of 0.05 m printed with ten decimals, so that its planes are 1e-9 of its
 // size off. With those numbers meshing takes ten times as long as with the floats.
@@ -199,6 +201,59 @@ TEST(SurfaceMesher, SaysWhenWallsAreTooThin) {
   const std::string message = refusal(shell);
   EXPECT_NE(message.find("thick"), std::string::npos);
   EXPECT_NE(message.find("--tets"), std::string::npos);
+}
+
+// The volume is length times area of the walls. With the size that the message advises the walls
+// are there.
+TEST(SurfaceMesher, WallsThatTheSizeWouldLoseAreRefusedWithTheSizeThatKeepsThem) {
+  const SurfaceMesh plate = box_surface({0.3, 0.2, 0.001});
+  const std::string message = refusal(plate);
+  EXPECT_NE(message.find("walls are about 0.001 m thick"), std::string::npos) << message;
+  EXPECT_NE(message.find("--tets"), std::string::npos) << message;
+  const std::size_t at = message.find("--size ");
+  ASSERT_NE(at, std::string::npos) << message;
+  const double size = std::stod(message.substr(at + 7));
+  // A smaller plate of the same thickness takes less time.
+  const SurfaceMesh part = box_surface({0.05, 0.04, 0.001});
+  EXPECT_NEAR(mesh_well(part, {.size = size}).report.quality.volume, 2e-6, 1e-12);
+}
+
+// A thin ring of which chords cut off more than 2 %. The number in the warning is that of the two
+// volumes; a finer mesh needs no warning.
+TEST(SurfaceMesher, AVolumeThatIsOffIsTold) {
+  const SurfaceMesh ring = torus_surface(1.0, 0.05, 96, 32);
+  const auto warning = [&ring](const SurfaceMeshOptions& options, double& off) {
+    const Result<MeshedSurface> meshed = mesh_surface(as_render_surface(ring), options);
+    EXPECT_TRUE(meshed);
+    off = 1.0 - meshed->report.quality.volume / enclosed_volume(ring);
+    for (const std::string& line : meshed->report.notes)
+      if (line.starts_with("warning: the mesh has ")) return std::stod(line.substr(22));
+    return 0.0;
+  };
+  double off = 0;
+  const double told = warning({}, off);
+  EXPECT_GT(off, 0.02);
+  EXPECT_NEAR(told, 100.0 * off, 0.1);
+  EXPECT_EQ(warning({.error = 0.001}, off), 0.0);
+  EXPECT_LT(off, 0.02);
+}
+
+// The sampled distance of the ring's mesh is above the one asked for.
+TEST(SurfaceMesher, ADistanceThatIsMissedIsTold) {
+  const auto far = [](double error, bool& told) {
+    const Result<MeshedSurface> meshed =
+        mesh_surface(as_render_surface(torus_surface(1.0, 0.05, 96, 32)), {.error = error});
+    EXPECT_TRUE(meshed);
+    told = false;
+    for (const std::string& line : meshed->report.notes)
+      told = told || line.find("where --error asked for") != std::string::npos;
+    return std::max(meshed->report.mesh_to_surface, meshed->report.surface_to_mesh);
+  };
+  for (const double error : {0.02, 0.003, 0.001}) {
+    bool told = false;
+    const double found = far(error, told);
+    EXPECT_EQ(told, found > 1.1 * error) << error << ": " << found;
+  }
 }
 
 TEST(SurfaceMesher, RefusesNothingAtAll) {

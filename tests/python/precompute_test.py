@@ -1,5 +1,6 @@
 """tremolo.precompute and tremolo.reference: arrays instead of files."""
 
+import json
 import os
 import signal
 import subprocess
@@ -75,6 +76,50 @@ class Choices(unittest.TestCase):
                   for fixed in ("x<0.001", ["x<0.001"], held, np.flatnonzero(held), list(np.flatnonzero(held)))}
         self.assertEqual(len(hashes), 1)
 
+    def test_of_a_surface_are_its_own_vertices(self):
+        # Eight corners: the tetrahedra have other vertices, those at x = 0 lie in the face of the four held corners.
+        corners = np.array([(x, y, z) for x in (0.0, 0.4) for y in (0.0, 0.06) for z in (0.0, 0.04)])
+        faces = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
+                 (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)]
+        options = {**support.MATERIAL, "order": 1, "r": 4, "linear_modes": 2, "tets": 600}
+        held = corners[:, 0] == 0.0
+        by_place = tremolo.precompute(corners, faces, fixed="x<1e-6", **options)
+        for fixed in (held, np.flatnonzero(held)):
+            model = tremolo.precompute(corners, faces, fixed=fixed, load_at=[7], load_force=(0, 0, -1), **options)
+            np.testing.assert_array_equal(model.frequencies, by_place.frequencies)
+            at, _ = model.default_load
+            place = model.vertices[np.flatnonzero(model.vertex_ids == at[0])[0]]
+            np.testing.assert_allclose(place, corners[7], atol=1e-12)
+
+    def test_on_a_slender_surface_warn_of_its_volume(self):
+        # A rod of twelve sides, of which the mesh keeps a few: the truth is the prism's volume.
+        turn = 2 * np.pi * np.arange(12) / 12
+        ring = np.stack([np.zeros(12), 0.001 * np.cos(turn), 0.001 * np.sin(turn)], axis=1)
+        rod = np.concatenate([ring, ring + [0.5, 0, 0]])
+        faces = [(0, i + 1, i) for i in range(1, 11)] + [(12, 12 + i, 13 + i) for i in range(1, 11)]
+        for i in range(12):
+            k = (i + 1) % 12
+            faces += [(i, k, 12 + k), (i, 12 + k, 12 + i)]
+        volume = 0.5 * 12 * 0.5 * 0.001**2 * np.sin(turn[1])
+        with self.assertWarnsRegex(UserWarning, "less volume than the surface") as caught:
+            tremolo.precompute(rod, faces, young=1e6, poisson=0.3, density=1000.0, linear=True, linear_modes=6)
+        path = os.path.join(support.folder(), "rod.ply")
+        tremolo.write_ply(path, tremolo.Mesh(rod, np.array(faces)))
+        printed = json.loads(tremolo.run_program("tremolo-precompute", [
+            path, "--fix", "none", "--linear", "--linear-modes", "6", "--density", "1000", "--json", "-o",
+            os.path.join(support.folder(), "rod.tremolo")]))
+        lost = 100 * (1 - printed["total_mass_kg"] / (1000.0 * volume))
+        self.assertGreater(lost, 2)
+        self.assertIn(f"has {lost:.2g} % less", str(caught.warning))
+        self.assertEqual(printed["warnings"], [str(caught.warning)])
+        self.assertTrue(caught.filename.endswith("precompute_test.py"))
+
+    def test_without_which_a_force_is_refused(self):
+        with self.assertRaisesRegex(tremolo.UsageError, "load_at"):
+            tremolo.precompute(*support.bar_mesh(), fixed="x<0.001", load_force=(0, 0, 1))
+        with self.assertRaisesRegex(tremolo.UsageError, "no model"):
+            tremolo.precompute(*support.bar_mesh(), fixed="x<0.001", select="x<0.001")
+
     def test_reach_the_program_as_flags(self):
         m = tremolo.precompute(*support.bar_mesh(), **support.MATERIAL, fixed="x<0.001", order=1, linear_modes=3,
                                linear=True, keep_elements=True, certify=None)
@@ -146,6 +191,23 @@ class Reference(unittest.TestCase):
         # The basis leaves out the modes above the twentieth, and the step's dispersion differs.
         self.assertLess(np.abs(full - reduced).max(), 0.03 * np.abs(full).max())
         self.assertEqual(whole.report["exit_code"], 0)
+
+    def test_takes_masks_paths_and_vectors(self):
+        mesh = support.bar_mesh()
+        model = support.clamped_bar()
+        end = mesh.vertices[:, 0] > 0.399
+        options = {**support.MATERIAL, "fixed": "x<0.001", "order": 1, "step": 0.01, "duration": 0.03}
+        texts = tremolo.reference(*mesh, **options, gravity="0,0,-9.81", probe="x>0.399", compare=[model])
+        arrays = tremolo.reference(*mesh, **options, gravity=(0, 0, -9.81), probe=end,
+                                   compare=support.file_of(model, "compared.tremolo"))
+        self.assertEqual(list(texts.columns), list(arrays.columns))
+        self.assertGreater(len(texts.columns), 10)
+        for name, column in texts.columns.items():
+            np.testing.assert_array_equal(column, arrays.columns[name])
+        for compare in (model, [model]):
+            self.assertTrue(tremolo.reference(*mesh, **options, gravity=np.array([0, 0, -1.0]), compare=compare).report)
+        with self.assertRaises(TypeError):
+            tremolo.reference(*mesh, **options, compare=[3])
 
     def test_at_rest_is_the_equilibrium(self):
         mesh = support.bar_mesh()

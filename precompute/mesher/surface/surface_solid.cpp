@@ -58,23 +58,45 @@ Openness openness(const SurfaceSolid& solid) {
   return result;
 }
 
+namespace {
+
+bool has_exact_volume(const SurfaceSolid& solid) {
+  return solid.closed && solid.half_thickness == 0;
+}
+
+// In which the volume is sampled.
+BoundingBox box_around(const SurfaceSolid& solid) {
+  BoundingBox box = bounding_box(solid.surface.vertices);
+  box.low.array() -= solid.half_thickness;
+  box.high.array() += solid.half_thickness;
+  return box;
+}
+
+}  // namespace
+
 double volume(const SurfaceSolid& solid) {
-  if (solid.closed && solid.half_thickness == 0) {
+  if (has_exact_volume(solid)) {
     double sum = 0;
     for (const Triangle& t : solid.surface.triangles) sum += volume_below(solid.surface, t);
     return sum;
   }
-  const BoundingBox box = bounding_box(solid.surface.vertices);
-  const Point low = box.low.array() - solid.half_thickness;
-  const Point high = box.high.array() + solid.half_thickness;
+  const BoundingBox box = box_around(solid);
+  const Point extent = box.high - box.low;
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   std::size_t hits = 0;
   for (std::size_t i = 0; i < kVolumeSamples; ++i) {
     const Point share(uniform(random), uniform(random), uniform(random));
-    hits += solid.inside(low + share.cwiseProduct(high - low));
+    hits += solid.inside(box.low + share.cwiseProduct(extent));
   }
-  return (high - low).prod() * static_cast<double>(hits) / kVolumeSamples;
+  return extent.prod() * static_cast<double>(hits) / kVolumeSamples;
+}
+
+double volume_deviation(const SurfaceSolid& solid, double volume) {
+  if (has_exact_volume(solid)) return 0;
+  const BoundingBox box = box_around(solid);
+  const double share = volume / (box.high - box.low).prod();
+  return std::sqrt(std::max(0.0, 1.0 - share) / (share * kVolumeSamples));
 }
 
 namespace {

@@ -47,6 +47,9 @@ Openness openness(const SurfaceSolid& solid);
 
 // Exact for a closed surface, else from 40 000 points: to about 1 % for a compact solid.
 double volume(const SurfaceSolid& solid);
+// The standard deviation of volume(solid), as a share of it; 0 where that is exact. volume: above
+// 0.
+double volume_deviation(const SurfaceSolid& solid, double volume);
 
 // A mesh farther from its surface than this, in units of the diagonal, does not follow it.
 inline constexpr double kWorstError = 0.01;

@@ -107,7 +107,8 @@ Status Body::set_gravity(const Eigen::Vector3d& gravity) {
           "gravity needs the inertia integrals, which this basis file has not; make it again with "
           "tremolo-precompute");
     if (model_->rigid_mode_count() != 0)
-      return usage_error("gravity on a body that is held nowhere needs the frame kFree");
+      return usage_error(
+          "gravity on a body that is held nowhere needs a free frame: kind = \"free\"");
     begin_driven();
   }
   gravity_ = gravity;

@@ -6,6 +6,7 @@ import os
 import re
 import sys
 import tempfile
+import warnings
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
@@ -18,11 +19,26 @@ from .programs import run_program
 
 Progress = Union[None, bool, Callable[[str, float, str], object]]
 
+_warning = "  warning: "
 _stage_line = re.compile(r"^  (\S+) +([0-9.]+) s .*? MB  ?(.*)$")
 
 
-def _reporter(progress: Progress) -> Optional[Callable[[str], None]]:
-    """What to do with each line of the program's log."""
+def _reporter(progress: Progress) -> Callable[[str], None]:
+    """What to do with each line of the program's log: its warnings are warnings here too."""
+    told = _told(progress)
+
+    def report(line: str) -> None:
+        if line.startswith(_warning):
+            # The caller of precompute() or reference(): past this, run_program() and either.
+            warnings.warn(line[len(_warning):], stacklevel=4)
+        if told is not None:
+            told(line)
+
+    return report
+
+
+def _told(progress: Progress) -> Optional[Callable[[str], None]]:
+    """What the caller wants to be done with each line."""
     if progress is None or progress is False:
         return None
     if progress is True:
@@ -110,8 +126,13 @@ def _vector(value: Any, name: str) -> str:
     return ",".join(repr(float(each)) for each in numbers)
 
 
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+
+
 def _further_words(options: Dict[str, Any]) -> List[str]:
-    """Flags of the program by their names, with _ for -: True is a bare flag, a list repeats it."""
+    """Flags of the program by their names, with _ for -: True is a bare flag, a list of texts repeats it, numbers are
+    one value with commas between."""
     words: List[str] = []
     for key, value in options.items():
         flag = "--" + key.replace("_", "-")
@@ -120,7 +141,13 @@ def _further_words(options: Dict[str, Any]) -> List[str]:
         if value is True:
             words.append(flag)
             continue
-        for each in value if isinstance(value, (list, tuple)) else [value]:
+        if isinstance(value, np.ndarray):
+            value = value.tolist()
+        several = isinstance(value, (list, tuple))
+        if several and len(value) > 1 and all(map(_is_number, value)):
+            value = ",".join(_number(each, key) for each in value)
+            several = False
+        for each in value if several else [value]:
             words += [flag, each if isinstance(each, str) else _number(each, key)]
     return words
 
@@ -136,12 +163,45 @@ def _solid_words(handover: Handover, mesh: Mesh, *, young: Any, poisson: Any, de
         words += ["--fix", selector]
     if order is not None:
         words += ["--order", str(order)]
+    if load_force is not None and load_at is None:
+        raise errors.UsageError("load_force needs load_at, the vertices that it acts on")
     if load_at is not None:
         if load_force is None:
             raise errors.UsageError("load_at needs load_force, three numbers in N")
         selectors = handover.selectors(load_at, "load", count)
         words += ["--load-at", selectors[0], "--load-force", _vector(load_force, "load_force")]
     return words
+
+
+def _probes(handover: Handover, given: Any, count: int) -> List[str]:
+    """Selectors of: None, a selector, a number, several of both, a mask (n,), or indices."""
+    if given is None:
+        return []
+    if isinstance(given, (str, int, np.integer)) and not isinstance(given, bool):
+        return [str(given)]
+    if not isinstance(given, np.ndarray) and any(isinstance(each, str) for each in given):
+        return [str(each) for each in given]
+    chosen = np.asarray(given)
+    if chosen.dtype.kind in "iu" and chosen.ndim == 1:
+        return [str(each) for each in chosen]
+    return handover.selectors(chosen, "probe", count)
+
+
+def _compared(handover: Handover, given: Any) -> List[str]:
+    """Paths of the files of: a model, a path, or several of both."""
+    if isinstance(given, (str, bytes, os.PathLike, Model)):
+        given = [given]
+    paths = []
+    for i, each in enumerate(given):
+        if isinstance(each, (str, bytes, os.PathLike)):
+            paths.append(os.path.abspath(os.fsdecode(each)))
+            continue
+        if not isinstance(each, Model):
+            raise TypeError(f"compare: expected models or paths, found {type(each).__name__}")
+        paths.append(handover.file(f"compared{i}.tremolo"))
+        with open(paths[-1], "wb") as file:
+            file.write(each.file_bytes())
+    return paths
 
 
 def precompute(
@@ -167,15 +227,18 @@ def precompute(
     mesh, cells: vertices (n, 3), m, and tetrahedra (m, 4) or the triangles (t, 3) of a surface, which tremolo-mesh
     fills; or one object of meshio with either. young: Pa. poisson: dimensionless. density: kg/m^3.
     fixed: vertices that do not move: a selector ("x<0.01"), a list of selectors, a mask (n,) or indices; None: a free
-    body. load_at, load_force: the default load, vertices as for fixed and (3,), N. order: 1 or 2, of the elements.
+    body. Those of a surface mean places of the tetrahedra that fill it: the vertices of a face mean the whole face, one
+    alone the nearest vertex of the boundary (docs/meshes.md, Selectors). load_at, load_force: the default load, vertices as for fixed and (3,), N. order: 1 or 2, of the elements.
     r: number of coordinates. linear_modes: number of modes they come from.
     output: path of the basis file to write; without it the model is in memory. name: name of the mesh in the file's
     provenance, which ends in .msh or .ply. progress: called as progress(stage, seconds, detail) after each stage; True
-    prints the log on stderr. Further keywords are flags of the program: derivatives=3, keep_elements=True, ...
+    prints the log on stderr. What the program warns of is a UserWarning. Further keywords are flags of the program: derivatives=3, keep_elements=True, ...
 
     The file has the bytes that the program writes of the same mesh as a file of that name and the same flags.
     An error of the program raises the exception of its exit code; Ctrl-C ends the program.
     """
+    if options.get("select") is not None:
+        raise errors.UsageError("select prints vertices and makes no model: Model.select() returns those of a model")
     given = mesh_of(mesh, cells)
     report = _reporter(progress)
     target = None if output is None else os.path.abspath(os.fsdecode(output))
@@ -228,15 +291,15 @@ def reference(
     step: Optional[float] = None,
     duration: Optional[float] = None,
     probe: Any = None,
-    compare: Sequence[Model] = (),
+    compare: Union[Model, str, "os.PathLike[str]", Sequence[Union[Model, str, "os.PathLike[str]"]]] = (),
     progress: Progress = None,
     **options: Any,
 ) -> Reference:
     """Moves the whole mesh, without a basis, by `tremolo-precompute reference`: the truth for a reduced model.
 
-    Arguments as for precompute. step, duration: s. probe: vertices or selectors whose displacements are recorded.
-    compare: models of this mesh that move alongside. Further keywords are the program's flags: static=True, gravity=
-    "0,0,-9.81", load="square", alpha=, beta=, integrator="midpoint", ...
+    Arguments as for precompute. step, duration: s. probe: vertices whose displacements are recorded: indices, selectors
+    or a mask. compare: models of this mesh, or paths of their files, that move alongside. Further keywords are the
+    program's flags: static=True, gravity=(0, 0, -9.81), load="square", alpha=, beta=, integrator="midpoint", ...
     """
     given = mesh_of(mesh, cells)
     report = _reporter(progress)
@@ -247,13 +310,9 @@ def reference(
         for flag, value in (("--step", step), ("--duration", duration)):
             if value is not None:
                 words += [flag, _number(value, flag[2:])]
-        probes = [] if probe is None else [probe] if isinstance(probe, (str, int, np.integer)) else list(probe)
-        for each in probes:
-            words += ["--probe", str(each)]
-        for i, model in enumerate(compare):
-            path = handover.file(f"compared{i}.tremolo")
-            with open(path, "wb") as file:
-                file.write(model.file_bytes())
+        for each in _probes(handover, probe, len(given.vertices)):
+            words += ["--probe", each]
+        for path in _compared(handover, compare):
             words += ["--compare", path]
         words += _further_words(options)
         words += ["--out", "out", "--json"]
