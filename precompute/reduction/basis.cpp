@@ -176,7 +176,9 @@ void keep_always(const Matrices& matrices, Columns vectors, unsigned threads,
 
 Eigen::Index lowest_modes(const Eigen::VectorXd& w2, int r) {
   Eigen::Index count = std::min<Eigen::Index>(w2.size(), r / 2);
-  const Cluster divided = cluster_at_cut(w2, count, {});
+  // Pairs of a symmetric body: its mesh is less symmetric.
+  constexpr double kPair = 1e-3;
+  const Cluster divided = cluster_at_cut(w2, count, {kPair});
   if (divided.count > 0) count = divided.first + divided.count;
   return std::min<Eigen::Index>(count, r - 1);
 }
