@@ -182,13 +182,19 @@ PrecomputeFindings findings_of(const Solution& solution) {
   return findings;
 }
 
-// Notes coordinates that were added or left out.
-std::vector<std::string> notes_on(const Basis& basis, const ModeCounts& counts, bool linear,
-                                  const StageLog& log) {
+// Notes coordinates that were added or left out, and modes whose frequency is not the mesh's.
+std::vector<std::string> notes_on(const Basis& basis, const Modes& modes, const ModeCounts& counts,
+                                  bool linear, const StageLog& log) {
   const auto r = static_cast<int>(basis.lambda.size());
   const std::string cut = note_on_cut(basis.cut, counts.modes, r);
   if (!cut.empty()) log.note(cut);
-  if (!linear || r >= counts.linear) return {};
+  if (!linear) {
+    const std::string high = note_on_modes(basis.lambda, modes.squared_frequencies);
+    if (high.empty()) return {};
+    log.note(high);
+    return {high};
+  }
+  if (r >= counts.linear) return {};
   const std::string kept =
       text("of the %d linear modes the basis keeps %d; --modes %d, the default, keeps all",
            counts.linear, r, counts.linear);
@@ -232,7 +238,8 @@ void add_body(const LoadedProblem& loaded, const ModeCounts& counts, BasisData& 
 PrecomputeResult reduce(const Plan& plan, const LoadedProblem& loaded, const System& system,
                         Solution solution, TargetSearch* target, const StageRunner& stage) {
   const bool linear = plan.basis.linear;
-  const BasisBody body{loaded, system, solution.modes, solution.psi, plan.threads};
+  const BasisBody body{loaded,       system,       solution.modes,
+                       solution.psi, plan.threads, plan.basis.keep_modes};
   ModeCounts counts = solution.counts;
   PrecomputeResult result;
   result.findings = findings_of(solution);
@@ -246,7 +253,7 @@ PrecomputeResult reduce(const Plan& plan, const LoadedProblem& loaded, const Sys
   const bool extend = !plan.basis.modes && !plan.basis.target_error;
   FinishedBasis finished =
       stage(basis_stage(body, counts.modes, extend, solution.source, stage.checkpoint, stage.log));
-  result.findings.notes = notes_on(finished.basis, counts, linear, stage.log);
+  result.findings.notes = notes_on(finished.basis, solution.modes, counts, linear, stage.log);
   add_basis(std::move(finished), result);
   add_response(solution.response, loaded, result);
   result.data.inertia = stage(inertia_stage(loaded, system, result.rows, plan.mass));

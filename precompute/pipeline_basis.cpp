@@ -44,6 +44,24 @@ PrincipalColumns order_directions(const BasisBody& body, Columns& columns, const
                            amplitude, body.threads, progress);
 }
 
+// Returns the directions for a cut after `count`. Those of --target-error have been chosen as they
+// are, and those of a linear model are the modes.
+PrincipalColumns cut_directions(const BasisBody& body, int count, BasisSource& source,
+                                const StageLog& log) {
+  const Modes& modes = body.modes;
+  const bool linear = source.derivatives.columns.cols() == modes.vectors.cols();
+  PrincipalColumns directions = order_directions(body, source.derivatives.columns, log);
+  if (linear) return directions;
+  const Eigen::Index kept =
+      keep_lowest_modes(body.system.matrices, modes.vectors, modes.squared_frequencies, count,
+                        body.keep_modes, body.threads, directions);
+  if (kept > 0)
+    log.note(
+        text("basis: the lowest %d linear modes are taken as they are; derivatives fill the rest",
+             static_cast<int>(kept)));
+  return directions;
+}
+
 // Counts two Gram matrices, half of whose entries are computed, and one transformation of the
 // columns.
 StageWork work_on_columns(const LocalDofs& local, Eigen::Index columns) {
@@ -131,9 +149,8 @@ Stage<FinishedBasis> basis_stage(const BasisBody& body, int count, bool extend, 
   const LocalDofs& local = body.loaded.local;
   const Eigen::Index columns = source.directions ? 0 : source.derivatives.columns.cols();
   const auto make = [body, count, extend, &source, &log] {
-    PrincipalColumns directions = source.directions
-                                      ? std::move(*source.directions)
-                                      : order_directions(body, source.derivatives.columns, log);
+    PrincipalColumns directions = source.directions ? std::move(*source.directions)
+                                                    : cut_directions(body, count, source, log);
     return cut_basis(body, count, extend, std::move(directions), source.derivatives.residual);
   };
   return {

@@ -56,6 +56,7 @@ struct BasisBody {
   const Modes& modes;
   const BasisRows& psi;
   unsigned threads;
+  std::optional<int> keep_modes;  // of the request
 };
 
 // Input of the basis: a finished basis from the checkpoint, directions in the order of their

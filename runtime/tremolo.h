@@ -210,7 +210,8 @@ tremolo_status tremolo_body_clear_forces(tremolo_body* body);
 /* Advances by `count` steps. done (may be NULL) receives the number of successful steps, also on
  * failure. Forces are then as before the failed step: clear them to continue without.
  * TREMOLO_BOUND: the energy, checked every 8 steps, is more than 100 times the initial energy plus
- * the work of the forces; q and p are those of the last check with at most 10 times that. */
+ * the work of the forces; q and p are those of the last check with at most 10 times that, while the
+ * time stays that before the failed step. To go on, set a state or restore a saved body. */
 tremolo_status tremolo_body_step(tremolo_body* body, int64_t count, int64_t* done);
 
 double tremolo_body_time(const tremolo_body* body); /* s; 0 for NULL */

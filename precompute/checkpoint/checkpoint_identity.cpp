@@ -39,6 +39,7 @@ CheckpointIdentity checkpoint_identity(const PrecomputeRequest& request, const P
       {"mass", request.solid.elements.mass == MassKind::kConsistent ? "consistent" : "lumped"},
       {"linear modes", count(counts.linear, request.basis.linear_modes.has_value())},
       {"coordinates", count(counts.modes, request.basis.modes.has_value())},
+      {"kept modes", request.basis.keep_modes ? std::to_string(*request.basis.keep_modes) : "auto"},
       {"derivatives", request.basis.linear ? "no" : std::to_string(request.basis.derivatives)},
       {kSolverFact, name_of(solver)},
       {"PETSc options", given.empty() ? "none" : given},

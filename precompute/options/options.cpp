@@ -84,6 +84,12 @@ void add_model_options(CLI::App& app, CommandLine& line) {
       app.add_flag("--linear", line.basis.linear,
                    "the linear modes alone: no derivatives, no cubic and quartic terms");
   target_error->excludes(linear);
+  app.add_option(
+      "--keep-modes", line.basis.keep_modes,
+      "N, so many of the lowest linear modes are taken as they are, and derivatives "
+      "fill the rest\n"
+      "(default: R/2 of them if the selection by singular values would lose one; 0: that "
+      "selection)");
   app.add_option("--derivatives", line.basis.derivatives,
                  "up to which order modes are derived: 2 (modal derivatives) or 3 (also those of\n"
                  "third order along the softest modes, for what bends by several thicknesses)")
@@ -116,9 +122,9 @@ void add_import(CLI::App& app, CommandLine& line) {
       "orthonormal in the lumped mass, of which --density is part (--material file: the "
       "mesh file's own)");
   // --up: the rows of an imported basis refer to the axes of the mesh's file.
-  for (const char* other :
-       {"--linear-modes", "--modes", "--linear", "--target-error", "--error-budget", "--point-mass",
-        "--up", "--refine", "--keep-elements", "--response-at", "--fit", "--sensitivities"})
+  for (const char* other : {"--linear-modes", "--modes", "--keep-modes", "--linear",
+                            "--target-error", "--error-budget", "--point-mass", "--up", "--refine",
+                            "--keep-elements", "--response-at", "--fit", "--sensitivities"})
     basis->excludes(app.get_option(other));
   CLI::Option* cubic =
       app.add_option("--import-cubic", line.import_cubic,
@@ -169,6 +175,13 @@ bool check_options(const CLI::App& app, const std::vector<std::string>& words, C
         return false;
       }
   }
+  // On the command line --linear and --target-error overrule the kept modes of a config file.
+  for (const char* flag : {"--linear", "--target-error"})
+    if (given("--keep-modes") && given(flag)) {
+      std::cerr << "tremolo-precompute: " << flag << " excludes --keep-modes\n";
+      return false;
+    }
+  if (line.basis.linear || line.basis.target_error) line.basis.keep_modes.reset();
   // On the command line --linear overrules the derivatives of a config file.
   if (line.basis.linear && app.get_option("--derivatives")->count() > 0 &&
       (!given("--linear") || given("--derivatives"))) {

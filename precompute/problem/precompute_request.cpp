@@ -61,6 +61,11 @@ ModeCounts choose_mode_counts(const BasisRequest& request, int free_dofs) {
     refuse("--modes " + std::to_string(counts.modes) + ": " + std::to_string(counts.linear) +
            " linear modes" + (request.linear ? "" : " and their derivatives") + " give at most " +
            std::to_string(most));
+  const int kept = request.keep_modes.value_or(0);
+  if (kept < 0 || kept > counts.linear || (kept > 0 && kept >= counts.modes))
+    refuse("--keep-modes " + std::to_string(kept) + ": from 0 to the " +
+           std::to_string(counts.linear) + " linear modes, and fewer than the " +
+           std::to_string(counts.modes) + " coordinates");
   return counts;
 }
 

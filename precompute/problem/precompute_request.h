@@ -20,6 +20,9 @@ struct BasisRequest {
   std::optional<double>
       target_error;     // choose the smallest r that reaches it (target_error.h), dimensionless
   bool linear = false;  // the basis is the linear modes; no derivatives, no C, no Q
+  // The lowest linear modes taken as they are (keep_lowest_modes()); none: decided by what they
+  // would lose.
+  std::optional<int> keep_modes;
   int derivatives = 3;  // up to which order: 3 adds those of third order (third_derivatives.h)
 };
 

@@ -1,11 +1,13 @@
 #include "precompute/reduction/basis.h"
 
+#include <algorithm>
 #include <limits>
 
 #include <Eigen/Cholesky>
 
 #include "common/packed_index.h"
 #include "common/text.h"
+#include "common/units.h"
 #include "precompute/dense/dense_decompositions.h"
 #include "precompute/dense/parallel_columns.h"
 #include "precompute/dense/sparse_rows.h"
@@ -94,6 +96,14 @@ void choose_at_cut(Mat mass, const Marker& marker, const Cluster& cut,
   principal.turn.middleCols(cut.first, cut.count) = old * canonical_rotation(mass, marker, equals);
 }
 
+constexpr double kSameFrequency = 0.02;  // a frequency at most so much higher is the mesh's
+
+// Returns by how much the frequencies of a basis are above those of the modes, relative.
+Eigen::VectorXd too_high(const Eigen::VectorXd& lambda, const Eigen::VectorXd& w2) {
+  const Eigen::Index count = std::min(lambda.size(), w2.size());
+  return (lambda.head(count).array() / w2.head(count).array()).sqrt() - 1.0;
+}
+
 void find_directions(PrincipalColumns& principal) {
   constexpr double kRank =
       1e-13;  // relative to the largest singular value; smaller ones are rounding
@@ -164,6 +174,34 @@ void keep_always(const Matrices& matrices, Columns vectors, unsigned threads,
   find_directions(principal);
 }
 
+Eigen::Index lowest_modes(const Eigen::VectorXd& w2, int r) {
+  Eigen::Index count = std::min<Eigen::Index>(w2.size(), r / 2);
+  // Pairs of a symmetric body: its mesh is less symmetric.
+  constexpr double kPair = 1e-3;
+  const Cluster divided = cluster_at_cut(w2, count, {kPair});
+  if (divided.count > 0) count = divided.first + divided.count;
+  return std::min<Eigen::Index>(count, r - 1);
+}
+
+Eigen::Index keep_lowest_modes(const Matrices& matrices, const Columns& modes,
+                               const Eigen::VectorXd& w2, int r, std::optional<int> asked,
+                               unsigned threads, PrincipalColumns& principal) {
+  constexpr double kTooHigh = 0.1;  // of a mode among r/2; among r/4 kSameFrequency is too high
+  const Eigen::Index count = asked ? Eigen::Index{*asked} : lowest_modes(w2, r);
+  if (count < 1 || r > principal.size()) return 0;
+  if (!asked) {
+    const Columns cut = principal.first(r);
+    const Eigen::VectorXd lambda = eigenpairs(gram(matrices.stiffness.get(), cut, threads),
+                                              gram(matrices.mass.get(), cut, threads))
+                                       .values;
+    const Eigen::VectorXd high = too_high(lambda, w2.head(count));
+    const auto lowest = high.head(std::min<Eigen::Index>(count, r / 4)).array();
+    if ((high.array() <= kTooHigh).all() && (lowest <= kSameFrequency).all()) return 0;
+  }
+  keep_always(matrices, modes.leftCols(count), threads, principal);
+  return count;
+}
+
 Basis make_basis(const Matrices& matrices, Columns columns, const Eigen::VectorXd& w2,
                  double amplitude, const BasisCut& cut) {
   PrincipalColumns principal =
@@ -215,6 +253,27 @@ Basis make_basis(const Matrices& matrices, PrincipalColumns principal, const Bas
   stiffness.diagonal() -= basis.lambda;
   basis.diagonality_error = stiffness.cwiseAbs().maxCoeff() / basis.lambda.maxCoeff();
   return basis;
+}
+
+std::string note_on_modes(const Eigen::VectorXd& lambda, const Eigen::VectorXd& w2) {
+  constexpr int kMostNamed = 4;
+  const Eigen::VectorXd high = too_high(lambda, w2);
+  std::string named;
+  int count = 0;
+  for (Eigen::Index i = 0; i < high.size(); ++i) {
+    if (high[i] <= kSameFrequency || ++count > kMostNamed) continue;
+    named += text("%s%d (%.4g Hz in the mesh, %.4g in the model)", named.empty() ? "" : ", ",
+                  static_cast<int>(i + 1), hertz(w2[i]), hertz(lambda[i]));
+  }
+  if (count == 0) return "";
+  if (count > kMostNamed) named += text(" and %d more", count - kMostNamed);
+  const auto modes = static_cast<int>(w2.size());
+  std::string advice = "more --modes bring them nearer";
+  if (2 * modes > lambda.size())
+    advice = text("--modes %d, or fewer --linear-modes, bring them nearer", 2 * modes);
+  return text("%d of the %d linear modes %s more than 2 %% too high: ", count, modes,
+              count == 1 ? "is" : "are") +
+         named + "; " + advice + ", --keep-modes takes them as they are, --linear has them all";
 }
 
 std::string note_on_cut(const Cluster& cut, Eigen::Index asked, Eigen::Index kept) {

@@ -2,6 +2,8 @@
 // with a rotation that diagonalises the stiffness, so that coordinates are ordered by frequency).
 #pragma once
 
+#include <optional>
+
 #include "precompute/modes/mode_clusters.h"
 #include "precompute/reduction/many_columns.h"
 
@@ -43,6 +45,19 @@ PrincipalColumns principal_columns(const Matrices& matrices, Columns columns,
 void keep_always(const Matrices& matrices, Columns vectors, unsigned threads,
                  PrincipalColumns& principal);
 
+// Returns the number of modes that keep_lowest_modes() keeps without a number asked for: half of r,
+// and all of a cluster that this would divide, but fewer than r. w2: squared frequencies of the
+// modes.
+Eigen::Index lowest_modes(const Eigen::VectorXd& w2, int r);
+
+// Adds the lowest modes to the vectors exempt from the cut after r directions: `asked` of them, or
+// without a number as many as lowest_modes(), if the cut would put one of these more than a tenth,
+// or one of the lowest r/4 more than 2 %, above its frequency. modes: local x k, with squared
+// frequencies w2. Returns how many were added.
+Eigen::Index keep_lowest_modes(const Matrices& matrices, const Columns& modes,
+                               const Eigen::VectorXd& w2, int r, std::optional<int> asked,
+                               unsigned threads, PrincipalColumns& principal);
+
 // Options for truncating the directions.
 struct BasisCut {
   int r = 0;
@@ -65,6 +80,10 @@ Basis make_basis(const Matrices& matrices, Columns columns, const Eigen::VectorX
 
 // Does the same for columns already weighted; r includes the kept ones.
 Basis make_basis(const Matrices& matrices, PrincipalColumns principal, const BasisCut& cut);
+
+// Returns a note for the user that names the modes whose frequency in the basis is more than 2 %
+// too high; else "". w2: squared frequencies of the linear modes.
+std::string note_on_modes(const Eigen::VectorXd& lambda, const Eigen::VectorXd& w2);
 
 // Returns a note for the user if `asked` coordinates divide a cluster and `kept` were kept; else
 // empty.

@@ -144,6 +144,7 @@ Result<MotionCurve> backbone_curve(const VibratingSystem& system, const Backbone
   FourierSeries start = with_harmonics(*rest, options.harmonics);
   start.col(cosine_column(1)) = size * mode.shape;
   FreeEquations equations(undamped, constant, options.harmonics, size, mode.omega);
+  equations.set_rest(*rest);
   Eigen::VectorXd y = equations.unknowns_of(start, mode.omega);
   equations.refer_to(y);
   Eigen::VectorXd direction = Eigen::VectorXd::Zero(y.size());
@@ -156,7 +157,7 @@ Result<MotionCurve> backbone_curve(const VibratingSystem& system, const Backbone
   goal.ends_at_half_period = true;
   Result<MotionCurve> curve =
       trace_curve(equations, undamped, std::move(y), direction, goal, true, options);
-  const FreeMotions free{undamped, constant, size, mode.omega};
+  const FreeMotions free{undamped, constant, *rest, size, mode.omega};
   for (int i = 0; curve && curve->end == CurveEnd::kJoined && i < kMostJoints; ++i) {
     std::optional<MotionCurve> more = past_half_period(free, goal, options, *curve);
     if (!more) break;
@@ -193,6 +194,7 @@ Result<MotionCurve> damped_backbone_curve(const VibratingSystem& system,
   if (!start) return start.error();
   QuadratureEquations equations(system, constant, request.load, options.harmonics, *size,
                                 mode.omega);
+  equations.set_rest(*rest);
   Eigen::VectorXd y = equations.unknowns_of(*start, mode.omega, factor);
   Eigen::VectorXd direction = equations.unknowns_of(*start, 0.0, 0.0);
   direction.head(system.size()).setZero();

@@ -8,6 +8,7 @@
 #include "common/text.h"
 #include "runtime/math/dense/dense_lu.h"
 #include "runtime/response/curve_tracer.h"
+#include "runtime/response/static_state.h"
 
 namespace tremolo {
 namespace {
@@ -97,8 +98,11 @@ Result<MotionCurve> fold_curve(const VibratingSystem& system, const ResponseRequ
   plain.stability = false;
   plain.harmonics = fold.harmonics();
   plain.most_harmonics = std::max(plain.most_harmonics, plain.harmonics);
-  FoldEquations equations(system, request.force, fold.harmonics(), fold.motion.norm(),
-                          omega_scale_of(request));
+  const Result<Eigen::VectorXd> rest = static_state(system.potential, request.force.col(0));
+  if (!rest) return rest.error();
+  FoldEquations equations(system, request.force, fold.harmonics(),
+                          vibration_size(fold.motion, *rest), omega_scale_of(request));
+  equations.set_rest(*rest);
   Eigen::VectorXd y = equations.unknowns_of(fold.motion, fold.omega, 1.0);
   equations.refer_to(y);
   const Eigen::Index n = y.size();
@@ -123,8 +127,11 @@ Result<MotionCurve> crossing_branch(const VibratingSystem& system, const Respons
   CurveOptions from = options;
   from.harmonics = branch.harmonics();
   from.most_harmonics = std::max(from.most_harmonics, from.harmonics);
-  ForcedEquations equations(system, request.force, branch.harmonics(), branch.motion.norm(),
-                            omega_scale_of(request));
+  const Result<Eigen::VectorXd> rest = static_state(system.potential, request.force.col(0));
+  if (!rest) return rest.error();
+  ForcedEquations equations(system, request.force, branch.harmonics(),
+                            vibration_size(branch.motion, *rest), omega_scale_of(request));
+  equations.set_rest(*rest);
   const Eigen::VectorXd at = equations.unknowns_of(branch.motion, branch.omega);
   // The first curve's tangent from its neighbours a little along it: at one frequency there may be
   // none, near a fold.

@@ -38,6 +38,7 @@ struct Corrector {
     DenseLu own;
     Eigen::VectorXd residual(n - 1), right(n);
     CorrectorReport report;
+    const double coarse = equations.coarseness(y);
     double before = INFINITY;
     while (report.corrections < kMostCorrections) {
       if (factor == nullptr) {
@@ -53,7 +54,7 @@ struct Corrector {
       if (!std::isfinite(length) || length > 1e3) return report;
       y += correction;
       ++report.corrections;
-      if (length < tolerance || (length < kCurveTolerance && length >= before)) {
+      if (length < coarse * tolerance || (length < coarse * kCurveTolerance && length >= before)) {
         report.converged = true;
         return report;
       }

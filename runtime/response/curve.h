@@ -29,6 +29,9 @@ class CurveEquations {
   virtual void jacobian(const Eigen::VectorXd& y, Eigen::MatrixXd& out) = 0;
   // The weights w of the length at y, m + 1, all positive.
   virtual Eigen::VectorXd weights(const Eigen::VectorXd& y) const = 0;
+  // The factor of all tolerances, 1 or more: a solution cannot be nearer than rounding, which may
+  // be large beside the sizes of weights().
+  virtual double coarseness(const Eigen::VectorXd& y) const { return (void)y, 1.0; }
   // The solution that a condition on the phase refers to from now on.
   virtual void refer_to(const Eigen::VectorXd& y) { (void)y; }
 };

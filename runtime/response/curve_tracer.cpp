@@ -28,6 +28,10 @@ double tangent_cosine(const CurveState& a, const CurveState& b) {
          (a.weights.array() * b.tangent.array()).matrix().norm();
 }
 
+// A corrector that moves along the plane may find another part of the curve, with a similar
+// tangent. Within the angle above a step is at most 1.2 times as long as planned.
+constexpr double kLongestWay = 2.0;
+
 class Tracer {
  public:
   Tracer(MotionEquations& equations, const VibratingSystem& system, const CurveGoal& goal,
@@ -250,6 +254,11 @@ class Tracer {
     return state_.weights.array().square() * state_.tangent.array();
   }
 
+  bool is_near(const CurveState& next) const {
+    const double way = (state_.weights.array() * (next.y - state_.y).array()).matrix().norm();
+    return way <= kLongestWay * ds_;
+  }
+
   // One accepted step; shortens it until it succeeds. False: even the shortest fails.
   bool advance_once() {
     while (ds_ > kShortestStep) {
@@ -257,7 +266,8 @@ class Tracer {
       const CorrectorReport report = advance(equations_, state_, ds_, false, y);
       if (report.converged) {
         Result<CurveState> next = curve_state(equations_, std::move(y), onwards());
-        if (next && tangent_cosine(state_, *next) > kLeastCosine && accept(*next, report))
+        if (next && is_near(*next) && tangent_cosine(state_, *next) > kLeastCosine &&
+            accept(*next, report))
           return true;
       }
       ds_ *= 0.5;

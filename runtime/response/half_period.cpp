@@ -37,6 +37,7 @@ Result<MotionCurve> walk(const FreeMotions& free, const CurveGoal& goal,
   walking.most_points = points;
   FreeEquations equations(free.system, free.constant, start.harmonics(), free.least_size,
                           2.0 * free.omega_scale);
+  equations.set_rest(free.rest);
   Eigen::VectorXd y = equations.unknowns_of(start.motion, start.omega);
   equations.refer_to(y);
   Eigen::VectorXd direction = equations.unknowns_of(start.motion, 0.0);
@@ -89,6 +90,7 @@ Result<MotionCurve> branch_off(const FreeMotions& free, const CurveGoal& goal,
   const FourierSeries motion = with_harmonics(doubled_period(doubling.motion), H);
   const double omega = 0.5 * doubling.omega;
   FreeEquations equations(free.system, free.constant, H, free.least_size, free.omega_scale);
+  equations.set_rest(free.rest);
   const Eigen::VectorXd even = equations.unknowns_of(motion, omega);
   const FourierSeries shape = doubled_shape(free, motion, omega);
   const Eigen::VectorXd direction = equations.unknowns_of(shape, 0.0);

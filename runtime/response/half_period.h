@@ -16,6 +16,7 @@ namespace tremolo {
 struct FreeMotions {
   const VibratingSystem& system;  // without damping
   Eigen::VectorXd constant;       // the constant force, r
+  Eigen::VectorXd rest;           // the static state under it, r
   double least_size = 0.0;        // FreeEquations
   double omega_scale = 0.0;       // rad/s
 };

@@ -8,19 +8,39 @@
 
 namespace tremolo {
 
+double vibration_size(const FourierSeries& motion, const Eigen::VectorXd& rest) {
+  constexpr double kSeen = 1e-6;
+  FourierSeries vibration = motion;
+  vibration.col(0) -= rest;
+  return std::max(vibration.norm(), kSeen * rest.norm());
+}
+
 MotionEquations::MotionEquations(const VibratingSystem& system, Eigen::Index harmonics,
                                  bool with_extra, double least_size, double omega_scale)
     : system_(system),
       balance_(std::make_unique<HarmonicBalance>(system, harmonics)),
       with_extra_(with_extra),
       least_size_(least_size),
-      omega_scale_(omega_scale) {}
+      omega_scale_(omega_scale),
+      rest_(Eigen::VectorXd::Zero(system.size())) {}
+
+void MotionEquations::set_rest(const Eigen::VectorXd& rest) {
+  rest_ = rest;
+}
 
 Eigen::VectorXd MotionEquations::weights(const Eigen::VectorXd& y) const {
-  const double size = std::max(least_size_, y.head(balance_->unknowns()).norm());
-  Eigen::VectorXd result = Eigen::VectorXd::Constant(y.size(), 1.0 / size);
+  Eigen::VectorXd result = Eigen::VectorXd::Constant(y.size(), 1.0 / size_of(y));
   result.tail(with_extra_ ? 2 : 1).setConstant(1.0 / omega_scale_);
   return result;
+}
+
+double MotionEquations::size_of(const Eigen::VectorXd& y) const {
+  return std::max(least_size_, vibration_size(motion(y), rest_));
+}
+
+double MotionEquations::coarseness(const Eigen::VectorXd& y) const {
+  if (rest_.isZero(0.0)) return 1.0;
+  return std::max(1.0, y.head(balance_->unknowns()).norm() / size_of(y));
 }
 
 void MotionEquations::set_harmonics(Eigen::Index harmonics) {

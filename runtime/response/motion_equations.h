@@ -10,15 +10,26 @@
 
 namespace tremolo {
 
+// The norm of a motion without its static state (r): the size of the vibration. At least 1e-6 of
+// the static state, below which rounding is all.
+double vibration_size(const FourierSeries& motion, const Eigen::VectorXd& rest);
+
 class MotionEquations : public CurveEquations {
  public:
   // with_extra: there is one more unknown than the motion and omega. least_size: the size of a
-  // motion below which lengths are not relative to it.
+  // vibration below which lengths are not relative to it.
   MotionEquations(const VibratingSystem& system, Eigen::Index harmonics, bool with_extra,
                   double least_size, double omega_scale);
 
   Eigen::Index unknowns() const override { return balance_->unknowns() + (with_extra_ ? 2 : 1); }
   Eigen::VectorXd weights(const Eigen::VectorXd& y) const override;
+
+  // The whole motion relative to the vibration: rounding is that of the whole.
+  double coarseness(const Eigen::VectorXd& y) const override;
+
+  // The static state about which the body vibrates, r: lengths are relative to the motion's
+  // distance from it. Without it, zero.
+  void set_rest(const Eigen::VectorXd& rest);
 
   Eigen::Index harmonics() const { return balance_->harmonics(); }
   virtual void set_harmonics(Eigen::Index harmonics);
@@ -48,10 +59,13 @@ class MotionEquations : public CurveEquations {
   const VibratingSystem& system() const { return system_; }
 
  private:
+  double size_of(const Eigen::VectorXd& y) const;
+
   const VibratingSystem& system_;
   std::unique_ptr<HarmonicBalance> balance_;
   bool with_extra_;
   double least_size_, omega_scale_;
+  Eigen::VectorXd rest_;
 };
 
 // g = the residual under a periodic force.

@@ -28,7 +28,9 @@ Result<Eigen::VectorXd> first_motion(const VibratingSystem& system, const Fourie
     Result<FourierSeries> guess = FourierSeries(motion);
     if (done == 0.0) guess = linear_motion(system, rest, part_of_force, omega, harmonics);
     if (!guess) return guess.error();
-    ForcedEquations equations(system, part_of_force, harmonics, guess->norm(), omega_scale);
+    ForcedEquations equations(system, part_of_force, harmonics, vibration_size(*guess, rest),
+                              omega_scale);
+    equations.set_rest(rest);
     y = equations.unknowns_of(*guess, omega);
     const Eigen::VectorXd border = Eigen::VectorXd::Unit(y.size(), y.size() - 1);
     if (solve_on_border(equations, border, kCurveTolerance, y).converged) {
@@ -136,8 +138,11 @@ Result<MotionCurve> response_curve(const VibratingSystem& system, const Response
   }
   if (!first) return first.error();
   const double upwards = request.omega_to > request.omega_from ? 1.0 : -1.0;
-  const double least_size = first->head(first->size() - 1).norm();
-  ForcedEquations equations(system, request.force, harmonics, least_size, omega_scale);
+  const FourierSeries motion =
+      first->head(first->size() - 1).reshaped(system.size(), 2 * harmonics + 1);
+  ForcedEquations equations(system, request.force, harmonics, vibration_size(motion, *rest),
+                            omega_scale);
+  equations.set_rest(*rest);
   CurveGoal goal;
   goal.first = first_with;
   goal.beyond = [&](const CurvePoint& point) {

@@ -26,7 +26,7 @@ struct CurveOptions {
   double harmonic_share = 1e-3;
   bool stability = true;      // compute Floquet multipliers and bifurcations
   int most_points = 4000;     // of a curve
-  double longest_step = 0.1;  // along the curve, relative to the motion's size and the frequency
+  double longest_step = 0.1;  // along the curve, relative to the vibration's size and the frequency
   // The size of a motion, in the unit of largest_amplitude: m in the programs.
   std::function<double(const FourierSeries&)> amplitude;
   double largest_amplitude = 0.0;  // a curve ends there
@@ -43,7 +43,7 @@ struct CurvePoint {
   double missing = 0.0;    // estimate for the harmonics left out (HarmonicBalance::missing_share)
   bool stable = true;      // without options.stability: not known
   int unstable = 0;        // multipliers outside the unit circle
-  double length = 0.0;     // along the curve from its first point, relative to the motion's size
+  double length = 0.0;     // along the curve from its first point, relative to the vibration's size
   // 2r, the largest first; empty without options.stability. Far from the unit circle they are
   // computed with half the steps: those of stiff coordinates may then be too large, never unstable.
   Eigen::VectorXcd multipliers;

@@ -87,7 +87,7 @@ study() { # MODEL
   for r in $orders; do
     local k=$(((r + 1) / 2))
     k=$((k < 3 ? 3 : k > 24 ? 24 : k))
-    make_basis "$model" "$r" --linear-modes "$k" --modes "$r"
+    make_basis "$model" "$r" --linear-modes "$k" --modes "$r" --keep-modes 0
     names+=("$r")
   done
   if [ -n "$target" ]; then

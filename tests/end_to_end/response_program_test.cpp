@@ -1,6 +1,8 @@
 // A file's stored response to forces at points (tremolo-precompute --response-at): under a constant
 // force the displayed shape is that of the whole mesh, for any basis.
+#include <cmath>
 #include <numbers>
+#include <sstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -311,6 +313,49 @@ TEST_F(Response, WrongPlacesAreNamed) {
   fails("--response-at nonsense", 2, "nonsense");
   write_veg(folder_ + "/block.veg", box_mesh({12, 6, 6}, {1.0, 0.31, 0.23}));
   fails("--order 1 --response-at 'x>0.2'", 3, "256");
+}
+
+// What `tremolo run` writes of a body at rest under its default load is the whole mesh's shape. The
+// displacement of 1e-4 is well above the digits of the surface; its nonlinear part is below 1e-3.
+TEST_F(Response, IsInTheProbesAndSurfacesOfARun) {
+  const VertexId tip = near({1.0, 0.155, 0.23});
+  const std::string at = "vertex:" + std::to_string(tip);
+  made(kSolid + std::string("--order 1 --linear-modes 3 --modes 6 --response-at load --load-at ") +
+           at + " --load-force=2e-2,-3e-2,5e-2",
+       "r.tremolo");
+  const std::vector<Vector3d> truth = whole("1", tip, "2e-2,-3e-2,5e-2", {tip});
+  ASSERT_EQ(truth.size(), 1u);
+  const ProgramResult ran =
+      run_program(folder_, kTremolo +
+                               "run r.tremolo --start static --load constant --step 0.001 "
+                               "--duration 0.01 --out out --surfaces 2 --surface-format obj --json "
+                               "--probe " +
+                               at);
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const auto report = nlohmann::json::parse(ran.out);
+  EXPECT_NEAR(report["largest_probe_displacement"].get<double>(), truth[0].norm(),
+              2e-3 * truth[0].norm());
+  std::istringstream table(slurp(folder_ + "/out/run.csv"));
+  std::string row, last;
+  while (std::getline(table, row)) last = row;
+  std::vector<double> values;
+  for (std::istringstream cells(last); std::getline(cells, row, ',');)
+    values.push_back(std::stod(row));
+  ASSERT_GE(values.size(), 3u);
+  EXPECT_LE((Vector3d(values.end()[-3], values.end()[-2], values.end()[-1]) - truth[0]).norm(),
+            2e-3 * truth[0].norm());
+  // The vertex of the last surface that moves most is the loaded one.
+  std::istringstream surface(slurp(folder_ + "/out/surface-0001-t0.010000s.obj"));
+  double nearest = INFINITY;
+  while (std::getline(surface, row)) {
+    Vector3d x;
+    std::istringstream words(row);
+    std::string kind;
+    if (!(words >> kind >> x[0] >> x[1] >> x[2]) || kind != "v") continue;
+    nearest =
+        std::min(nearest, (x - block_.vertices[static_cast<std::size_t>(tip)] - truth[0]).norm());
+  }
+  EXPECT_LE(nearest, 5e-3 * truth[0].norm());
 }
 
 }  // namespace

@@ -185,5 +185,39 @@ TEST(CrossingBranch, BreaksTheSymmetryBetweenTwoBranchPoints) {
   }
 }
 
+// Two modes whose frequencies are 0.3 % apart, of which a little of the load excites the second:
+// parts of the curve are near each other. A step must not end on another part, from which the curve
+// would be followed back; the peak is that of steps a fifth as long.
+TEST(CrossingBranch, StepsStayOnTheirPartOfTheCurve) {
+  const double g = 0.5, d = 1.0027916379560122, f = 0.011372723575490922;
+  const std::vector<double> cubic(4, 0.0),
+      quartic{g / 4.0, 0.0, g / 12.0 * 1.3962374072512826, 0.0, g / 4.0};
+  const double zeta = 0.0070140003239913314;
+  const VibratingSystem system{*Potential::create(Eigen::Vector2d(1.0, d * d), cubic, quartic),
+                               Eigen::Vector2d(2.0 * zeta, 2.0 * zeta * d),
+                               0.0,
+                               {}};
+  const ResponseRequest request{cosine_force(Eigen::Vector2d(f, 0.0021124536107026415 * f)), 0.5,
+                                2.3417037793359947};
+  std::vector<double> peaks;
+  for (const double step : {0.1, 0.02}) {
+    CurveOptions options = plain_options(3);
+    options.stability = false;
+    options.longest_step = step;
+    const Result<MotionCurve> curve = response_curve(system, request, options);
+    ASSERT_TRUE(curve) << curve.error().message;
+    EXPECT_EQ(curve->end, CurveEnd::kDone);
+    double peak = 0.0;
+    for (std::size_t i = 1; i < curve->points.size(); ++i) {
+      const CurvePoint &a = curve->points[i - 1], &b = curve->points[i];
+      const double size = std::max(curve->points[0].motion.norm(), a.motion.norm());
+      EXPECT_LE((b.motion - a.motion).norm() / size, 2.0 * step) << a.omega;
+      peak = std::max(peak, b.amplitude);
+    }
+    peaks.push_back(peak);
+  }
+  EXPECT_NEAR(peaks[0], peaks[1], 1e-3 * peaks[1]);
+}
+
 }  // namespace
 }  // namespace tremolo

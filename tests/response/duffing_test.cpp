@@ -240,5 +240,33 @@ TEST(Duffing, TheHarmonicsLeftOutAreEstimated) {
   }
 }
 
+// Small vibration about a large sag x: w^2 = w0^2 + 3 gamma x^2 and, with the damping c, the
+// largest amplitude f / (c sqrt(w^2 - c^2/4)) at sqrt(w^2 - c^2/2). The constant part must not
+// lengthen the steps.
+TEST(Duffing, UnderAConstantForceIsFollowedThroughTheResonanceAboutItsSag) {
+  const Duffing duffing{1.0, 1.0, 0.01};
+  constexpr double kSag = 2.0, kForce = 1e-5;
+  const double square = 1.0 + 3.0 * kSag * kSag, damping = 2.0 * duffing.zeta;
+  const double resonance = std::sqrt(square - 0.5 * damping * damping);
+  const double largest = kForce / (damping * std::sqrt(square - 0.25 * damping * damping));
+  FourierSeries force = cosine_force(Eigen::VectorXd::Constant(1, kForce));
+  force(0, 0) = kSag + kSag * kSag * kSag;
+  for (const double to : {3.7, 4.0, 5.0, 7.3}) {
+    SCOPED_TRACE(to);
+    const Result<MotionCurve> curve =
+        response_curve(system_of(duffing), {force, 1.0, to}, plain_options(3));
+    ASSERT_TRUE(curve) << curve.error().message;
+    ASSERT_EQ(curve->end, CurveEnd::kDone);
+    const auto vibration = [](const CurvePoint& point) {
+      return point.motion.middleCols(1, 2).norm();
+    };
+    const auto peak =
+        std::max_element(curve->points.begin(), curve->points.end(),
+                         [&](const auto& a, const auto& b) { return vibration(a) < vibration(b); });
+    EXPECT_NEAR(peak->omega, resonance, 1e-3 * resonance);
+    EXPECT_NEAR(vibration(*peak), largest, 0.02 * largest);
+  }
+}
+
 }  // namespace
 }  // namespace tremolo

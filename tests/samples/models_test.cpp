@@ -170,7 +170,7 @@ TEST(Sound, RingsWithTheModes) {
   };
   const Ring rings[] = {{"bell",
                          "--at near:100%,50%,20% --force 0,0,2 --listen near:0%,50%,20%",
-                         {55.5, 94.2, 242.7, 364.8, 993.5}},
+                         {55.4, 94.2, 242.6, 417.5, 993.5}},
                         {"beam", "--scale 0.05 --listen near:100%,50%,100%", {9.66, 47.25}}};
   const testing::TemporaryFolder folder;
   for (const Ring& ring : rings) {

@@ -350,8 +350,10 @@ void add_state(BodyClass& c) {
         "Sets q and p, (r,) each; None leaves one as it is.");
   c.def("step", &step, py::arg("n") = 1,
         "Takes n steps without the interpreter's lock: bodies of several threads step at the same "
-        "time. A failed step raises SolverError or BoundError and leaves the state of the last "
-        "valid step. Ctrl-C ends the call between two steps.");
+        "time. A failed step raises SolverError and leaves the state before it, or BoundError, and "
+        "q and p are those of the last energy check (every 8 steps) that was sound. time and steps "
+        "are always those before the failed step: to go on, set a state or restore a saved one. "
+        "Ctrl-C ends the call between two steps.");
   property(c, "time", "steps times step_size, s.", [](ContactBody& b) { return b.time(); });
   property(c, "steps", "Number of steps taken.", [](ContactBody& b) { return b.counts().steps; });
   property(c, "step_size", "h, s.", [](ContactBody& b) { return b.options().step; });

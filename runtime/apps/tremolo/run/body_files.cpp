@@ -13,23 +13,38 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The author's surface where the body is now.
-Status write_render_shape(const Body& body, const std::string& path, const std::string& materials) {
+// Adds to positions the response to the moment's forces that the body itself does not show: a body
+// in the moment's state has its coordinates, but need not have taken its step.
+void add_missing_response(const Moment& moment, const Body& body, const BasisRows& response,
+                          std::span<double> positions) {
+  if (response.cols() == 0) return;
+  const Eigen::VectorXd missing =
+      moment.place_forces - body.shown().tail(moment.place_forces.size());
+  if (missing.isZero(0.0)) return;
+  Eigen::Map<Eigen::VectorXd>(positions.data(), std::ssize(positions)) +=
+      response.cast<double>() * missing;
+}
+
+// The author's surface where the body is now. Its normals are those of U q.
+Status write_render_shape(const Moment& moment, const Body& body, const std::string& path,
+                          const std::string& materials) {
   RenderSurface surface = body.model().render()->surface;
   const std::size_t count = 3 * surface.vertices.size();
   surface.normals.resize(surface.vertices.size());
   std::vector<float> positions(count);  // of the normals; those that are written are exact
   const Status normals = body.surface(positions, std::span(surface.normals[0].data(), count));
   if (!normals) return normals;
-  const Status exact = body.surface_positions(std::span<double>(surface.vertices[0].data(), count));
-  if (!exact) return exact;
+  const std::span<double> flat(surface.vertices[0].data(), count);
+  if (Status s = body.surface_positions(flat); !s) return s;
+  add_missing_response(moment, body, body.model().drawn().response, flat);
   return write_render_surface(path, surface, materials);
 }
 
 // Writes the present shape of `body` as it is drawn: its render surface, else the boundary.
 // materials: the name of the .mtl file that an .obj refers to.
-Status write_shape(const Body& body, const std::string& path, const std::string& materials) {
-  if (body.model().render() != nullptr) return write_render_shape(body, path, materials);
+Status write_shape(const Moment& moment, const Body& body, const std::string& path,
+                   const std::string& materials) {
+  if (body.model().render() != nullptr) return write_render_shape(moment, body, path, materials);
   SurfaceMesh surface;
   surface.vertices.resize(body.model().surface().vertex_ids.size());
   surface.triangles = body.model().triangles();
@@ -37,6 +52,7 @@ Status write_shape(const Body& body, const std::string& path, const std::string&
   const std::span<double> flat(surface.vertices.empty() ? nullptr : surface.vertices[0].data(),
                                3 * surface.vertices.size());
   if (Status status = body.surface_positions(flat); !status) return status;
+  add_missing_response(moment, body, body.model().drawn().response, flat);
   return write_surface(path, surface);
 }
 
@@ -52,8 +68,8 @@ Result<BodyFiles> BodyFiles::create(const SceneOutputs& outputs, const RecordedC
 
 Status BodyFiles::write_surface(const Moment& moment, const Body& body) {
   if (!frames_.due(moment.steps)) return Success{};
-  return frames_.write(moment.time, [&body](const std::string& path) {
-    return write_shape(body, path, kMaterialsName);
+  return frames_.write(moment.time, [&](const std::string& path) {
+    return write_shape(moment, body, path, kMaterialsName);
   });
 }
 

@@ -17,6 +17,7 @@ void look_at(const Body& body, Moment& moment) {
   moment.steps = body.counts().steps;
   moment.time = body.time();
   moment.state.q = body.state().q;
+  moment.place_forces = body.shown().tail(body.shown().size() - moment.state.q.size());
   moment.state.p.resize(moment.state.q.size());
   body.integrator().synchronized_momentum(body.state(), moment.state.p);
   moment.work = body.sums().work;
@@ -80,6 +81,15 @@ Result<RecordedColumns> recorded_columns(const SceneColumns& columns, const Mode
   return recorded;
 }
 
+Result<ShownResponse> ShownResponse::create(const Model& model, int vertex) {
+  ShownResponse shown;
+  if (model.response_places().empty()) return shown;
+  Result<VertexRows> rows = model.response(vertex);
+  if (!rows) return rows.error();
+  shown.rows_ = std::move(rows->rows);
+  return shown;
+}
+
 Result<Recorder> Recorder::create(const Model& model, const RecordedColumns& columns,
                                   const std::string& path, bool parked) {
   Recorder recorder;
@@ -94,7 +104,9 @@ Result<Recorder> Recorder::create(const Model& model, const RecordedColumns& col
     if (!rows) return rows.error();
     head += fmt::format(",u{0}x,u{0}y,u{0}z", vertex);
     if (columns.velocities) head += fmt::format(",v{0}x,v{0}y,v{0}z", vertex);
-    recorder.probes_.push_back({vertex, std::move(rows->rows)});
+    Result<ShownResponse> response = ShownResponse::create(model, vertex);
+    if (!response) return response.error();
+    recorder.probes_.push_back({vertex, std::move(rows->rows), std::move(*response)});
   }
   if (Status s = take(recorder.table_, CsvTable::create(path, std::move(head), parked)); !s)
     return s.error();
@@ -114,7 +126,7 @@ Status Recorder::record(const Moment& moment, const Energy& energy,
   if (columns_.velocities)
     for (const int i : columns_.coordinates) fmt::format_to(out, ",{:.10g}", p[i]);
   for (const Probe& probe : probes_) {
-    const Eigen::Vector3d u = probe.rows * q;
+    const Eigen::Vector3d u = probe.rows * q + probe.response(moment);
     fmt::format_to(out, ",{:.8g},{:.8g},{:.8g}", u.x(), u.y(), u.z());
     if (!columns_.velocities) continue;
     const Eigen::Vector3d v = probe.rows * p;

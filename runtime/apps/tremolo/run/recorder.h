@@ -21,8 +21,10 @@ namespace tremolo {
 // from the start.
 struct Moment {
   std::int64_t steps = 0;
-  double time = 0.0;        // s
-  State state;              // p: the momentum at the time of q
+  double time = 0.0;  // s
+  State state;        // p: the momentum at the time of q
+  // N, 3 for each of the model's response_places(): W times these is shown on top of U q.
+  Eigen::VectorXd place_forces;
   double work = 0.0;        // J
   double dissipated = 0.0;  // J
   std::int64_t iterations = 0;
@@ -30,6 +32,19 @@ struct Moment {
   bool loaded = false;         // a load can still act
   std::optional<Split> split;  // of a splitting method
   EnergyBound bound;           // with the energy put in so far
+};
+
+// The displacement of a vertex that the forces of a moment add to U q. Zero without a response.
+class ShownResponse {
+ public:
+  static Result<ShownResponse> create(const Model& model, int vertex);
+  Eigen::Vector3d operator()(const Moment& moment) const {
+    if (rows_.cols() == 0) return Eigen::Vector3d::Zero();
+    return rows_ * moment.place_forces;
+  }
+
+ private:
+  Eigen::Matrix<double, 3, Eigen::Dynamic> rows_;
 };
 
 // Copies the body's state into `moment`; allocates only if it has not held as many coordinates
@@ -72,6 +87,7 @@ class Recorder {
   struct Probe {
     int vertex;
     Eigen::Matrix<double, 3, Eigen::Dynamic> rows;
+    ShownResponse response;
   };
 
   RecordedColumns columns_;

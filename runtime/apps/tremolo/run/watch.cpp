@@ -45,6 +45,9 @@ Result<Watch> Watch::create(const BodyScene& scene, const SceneWorld& world, std
     Result<VertexRows> rows = body.model().vertex(*first_probe);
     if (!rows) return rows.error();
     watch.probe_ = std::move(rows->rows);
+    if (Status s = take(watch.probe_response_, ShownResponse::create(body.model(), *first_probe));
+        !s)
+      return s.error();
   }
   const SceneOutputs& outputs = scene.file.outputs;
   if (!outputs.wav.empty())
@@ -105,7 +108,8 @@ Result<bool> Watch::observe(const Moment& moment) {
   const bool due = shape_looks_.due(moment.steps, moment.state.q);
   if (due && (moment.steps > 0 || !scene_->start.empty())) note_shape(moment);
   if (probe_.cols() > 0)
-    report_->largest_probe = std::max(report_->largest_probe, (probe_ * moment.state.q).norm());
+    report_->largest_probe = std::max(report_->largest_probe,
+                                      (probe_ * moment.state.q + probe_response_(moment)).norm());
   if (sound_)
     sound_->add(moment.steps,
                 [&moment](std::size_t) -> const Eigen::VectorXd& { return moment.state.q; });

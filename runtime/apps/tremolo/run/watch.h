@@ -50,6 +50,7 @@ class Watch : public WorldWatch {
   BodyFiles files_;
   std::unique_ptr<SurfaceStretch> stretch_;
   Eigen::Matrix<double, 3, Eigen::Dynamic> probe_;
+  ShownResponse probe_response_;
   std::optional<WorldSound> sound_;  // of --wav
   DriftMeter drift_;
   bool was_loaded_ = true;  // before the step
