@@ -36,7 +36,8 @@ struct SteppedCurve {
 };
 
 // direction: 1 if the curve was followed to higher frequencies, else -1. Its points must have
-// multipliers, of all steps (floquet_steps) where stiff coordinates are to settle. Errors: kSolver if no point is stable; those of steps.
+// multipliers, of all steps (floquet_steps) where stiff coordinates are to settle. Errors: kSolver
+// if no point is stable; those of steps.
 Result<SteppedCurve> step_curve(const SteppedLoad& load, const MotionCurve& curve,
                                 double direction);
 

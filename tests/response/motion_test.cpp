@@ -180,7 +180,8 @@ TEST(Response, SteppingInTimeStaysOnBothStableBranchesAndLeavesTheUnstableOne) {
   // The strain q + 0.3 q^2 of coordinate 1 softens it by 3 (0.3 A)^2: at A = 0.6 by 0.1, five times
   // the damping ratio.
   const double alpha = 0.02, beta = 0.02;
-  StrainModel strains{Eigen::Vector2d(1.0, 4.0), {Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()}};
+  StrainModel strains{Eigen::Vector2d(1.0, 4.0),
+                      {Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()}};
   strains.b[0] << 0.3, 0.1, 0.1, 0.05;
   strains.b[1] << 0.2, 0.1, 0.1, 0.1;
   const Model::Pointer model = *Model::from_data(sample_basis(strains));

@@ -26,10 +26,10 @@
 #include "runtime/bodies/lanes/lane_force.h"
 #include "runtime/bodies/lanes/lane_preserving.h"
 #include "runtime/bodies/lanes/lane_step.h"
+#include "runtime/crowd.h"
 #include "runtime/energy_bound.h"
 #include "runtime/integrator.h"
 #include "runtime/model.h"
-#include "runtime/crowd.h"
 
 namespace tremolo {
 

@@ -46,7 +46,7 @@ struct SceneBodyReport : BodyReport {
   // J; what contact and joints may leave of a body at rest by rounding of its positions. No smaller
   // energy or error is judged.
   double rounding = 0.0;
-  double contact_speed_max = 0.0;        // m/s
+  double contact_speed_max = 0.0;  // m/s
   std::int64_t passed_through = 0;
 
   // |change of the energy - all energy exchanged| over the largest energy; 0 if nothing ever moved
