@@ -16,12 +16,12 @@ constexpr double kLost = 0.25, kPoor = 0.02;
 // Standard deviations by which an estimated volume may be off.
 constexpr double kDeviations = 4;
 
-using Edge = std::pair<VertexId, VertexId>;
+using CornerPair = std::pair<VertexId, VertexId>;
 
 // Labels of the triangles that are joined by edges with exactly two triangles: cubes that touch in
 // an edge or a corner count as two.
 std::vector<std::size_t> joined_triangles(const SurfaceMesh& surface) {
-  std::map<Edge, std::vector<std::size_t>> around;
+  std::map<CornerPair, std::vector<std::size_t>> around;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)
     for (std::size_t k = 0; k < 3; ++k) {
       const auto [low, high] =
