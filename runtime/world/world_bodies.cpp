@@ -315,7 +315,9 @@ std::optional<RayHit> hit_triangle(const Vector3d& x, const Vector3d& d, const V
   if (std::abs(volume) < 1e-300) return std::nullopt;
   const Vector3d from = x - a, m = from.cross(p);
   const double u = from.dot(n) / volume, v = d.dot(m) / volume, t = q.dot(m) / volume;
-  if (u < 0.0 || v < 0.0 || u + v > 1.0 || t < 0.0) return std::nullopt;
+  // A ray through an edge or a corner hits one of the triangles there.
+  constexpr double kEdge = 1e-9;
+  if (u < -kEdge || v < -kEdge || u + v > 1.0 + kEdge || t < 0.0) return std::nullopt;
   return RayHit{{1.0 - u - v, u, v}, t};
 }
 
