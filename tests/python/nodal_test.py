@@ -144,8 +144,7 @@ class WorldsWithTetrahedra(unittest.TestCase):
         w = tremolo.world(scene)
         with self.assertRaisesRegex(tremolo.UsageError, "bodies of other kinds"):
             w.set_step(0.001)
-        for call in (lambda: w.set_method("block", "ep2"), lambda: w.contact_points("block", "floor"),
-                     lambda: w.contact_points("marble", "block"), lambda: w["block"].grab(0)):
+        for call in (lambda: w.set_method("block", "ep2"), lambda: w["block"].grab(0)):
             with self.assertRaisesRegex(tremolo.UsageError, "block"):
                 call()
         with self.assertRaisesRegex(tremolo.ContentError, "vertex 99999 is not in the mesh"):

@@ -179,9 +179,10 @@ def _probes(handover: Handover, given: Any, count: int) -> List[str]:
         return []
     if isinstance(given, (str, int, np.integer)) and not isinstance(given, bool):
         return [str(given)]
-    if not isinstance(given, np.ndarray) and any(isinstance(each, str) for each in given):
-        return [str(each) for each in given]
-    chosen = np.asarray(given)
+    several: Any = given
+    if not isinstance(several, np.ndarray) and any(isinstance(each, str) for each in several):
+        return [str(each) for each in several]
+    chosen = np.asarray(several)
     if chosen.dtype.kind in "iu" and chosen.ndim == 1:
         return [str(each) for each in chosen]
     return handover.selectors(chosen, "probe", count)
