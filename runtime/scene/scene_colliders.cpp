@@ -102,7 +102,10 @@ bool SceneColliders::move(std::int64_t k, double step) {
 void SceneColliders::carry(StateStream& stream) {
   for (std::size_t i = 0; i < placed_.size(); ++i) {
     if (!given_[i]) continue;
-    stream(*given_[i], placed_[i].start, placed_[i].end);
+    for (Pose* pose : {&*given_[i], &placed_[i].start, &placed_[i].end}) {
+      stream(*pose);
+      stream.require(pose->position.allFinite() && std::abs(pose->rotation.norm() - 1.0) <= 1e-6);
+    }
   }
 }
 

@@ -239,18 +239,18 @@ Status World::take_step() {
   for (const SceneWorld::Failure& failure : own_.step())
     add(own_.name(failure.body), error_kind(failure.report.failure),
         failure_message(failure.report, own_.time()));
-  const std::string time = number_text(own_.time());
   for (std::size_t i = 0; i < guests_.size(); ++i) {
     Guest& guest = guests_[i];
     if (guest.over || all_guests().removed(i)) continue;
     const std::string& name = all_guests().name(i);
     guest.over = true;
     if (all_guests().failed(i))
-      add(name, ErrorKind::kSolver, "the step to t = " + time + " s could not be solved");
+      add(name, ErrorKind::kSolver,
+          "the step to t = " + number_text(own_.time()) + " s could not be solved");
     else if (!guest.driven && !look_at(i))
       add(name, ErrorKind::kBound,
-          "at t = " + time + " s the energy is more than " + number_text(kEnergyBound) +
-              " times all that was put in");
+          "at t = " + number_text(own_.time()) + " s the energy is more than " +
+              number_text(kEnergyBound) + " times all that was put in");
     else
       guest.over = false;
   }

@@ -64,6 +64,21 @@ TEST_F(RigidProgram, HardBodiesBalanceTheirEnergyAtLongSteps) {
     }
 }
 
+// Where a step is taken in parts the force of a joint is the mean over them, by which the momentum
+// of the step is known.
+TEST_F(RigidProgram, ASphereOnASpringThatHitsTheFloorKeepsItsMomentum) {
+  for (const double step : {0.006, 0.003}) {
+    const nlohmann::json report =
+        run(fmt::format("duration = 0.5\nstep = {}\n", step) +
+            "gravity = [0, 0, -9.81]\n[[bodies]]\nname = \"ball\"\nkind = \"rigid\"\nshape = "
+            "\"sphere\"\nradius = 0.05\nmass = 0.5\nposition = [0, 0, 0.3]\n[[joints]]\nbody = "
+            "\"ball\"\nat = \"near:0,0,0.05\"\nto = \"world\"\nstiffness = 10\ndamping = 0.1\n" +
+            kFloor);
+    EXPECT_GT(report["bodies"][0]["contacts"].get<int>(), 0);
+    EXPECT_LT(report["momentum_error"].get<double>(), 1e-12) << step;
+  }
+}
+
 TEST_F(RigidProgram, AHeavyBodyThatSinksIntoALightOneIsReported) {
   const auto stack = [](double mass) {
     return "duration = 0.3\nstep = 0.003\ngravity = [0, 0, -9.81]\n" +
