@@ -330,8 +330,9 @@ Result<std::optional<WorldHit>> World::pick(const Vector3d& origin,
   const double length = direction.norm();
   if (!origin.allFinite() || !std::isfinite(length) || length == 0.0)
     return usage_error("a ray needs a finite origin and a direction that is not zero");
-  std::optional<WorldHit> nearest;
-  if (*found) {
+  WorldHit nearest;
+  bool hits = found->has_value();
+  if (hits) {
     const SurfaceHit& hit = (*found)->hit;
     nearest = WorldHit{{body_of((*found)->body), hit.place.triangle, hit.place.weights},
                        hit.distance,
@@ -350,11 +351,13 @@ Result<std::optional<WorldHit>> World::pick(const Vector3d& origin,
     for (std::size_t k = 0; k < all.size(); ++k) {
       const auto hit =
           hit_triangle(origin, direction / length, corner(k, 0), corner(k, 1), corner(k, 2));
-      if (hit && (!nearest || hit->t < nearest->distance))
+      if (hit && (!hits || hit->t < nearest.distance)) {
+        hits = true;
         nearest = WorldHit{{body, k, hit->weights}, hit->t, origin + hit->t / length * direction};
+      }
     }
   }
-  return nearest;
+  return hits ? std::optional(nearest) : std::nullopt;
 }
 
 }  // namespace tremolo

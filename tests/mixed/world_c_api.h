@@ -18,10 +18,10 @@ namespace {
 constexpr double kWorldStep = 0.002, kFall = 9.81, kHalfEdge = 0.05;
 
 // A cube of 0.1 m, of each kind; the cloth is a square of that size.
-enum class CubeKind { kReduced, kRigid, kTets, kCloth };
-constexpr std::array kKinds = {CubeKind::kReduced, CubeKind::kRigid, CubeKind::kTets,
+enum class CubeKind { kReduced, kRigid, kSoft, kCloth };
+constexpr std::array kKinds = {CubeKind::kReduced, CubeKind::kRigid, CubeKind::kSoft,
                                CubeKind::kCloth};
-constexpr std::array kSolids = {CubeKind::kReduced, CubeKind::kRigid, CubeKind::kTets};
+constexpr std::array kSolids = {CubeKind::kReduced, CubeKind::kRigid, CubeKind::kSoft};
 
 class WorldCApi : public ::testing::Test {
  protected:
@@ -101,7 +101,7 @@ class WorldCApi : public ::testing::Test {
       return reduced(place, method);
     }
     if (kind == CubeKind::kRigid) return rigid(place);
-    if (kind == CubeKind::kTets) {
+    if (kind == CubeKind::kSoft) {
       tremolo_tets_options options;
       tremolo_tets_options_init(&options);
       const std::string file = path("cube.tets");

@@ -24,7 +24,7 @@ TEST_F(WorldCApi, EventsHaveTheImpulseOfTheContact) {
     const tremolo_body_id body = add(world, kind, place);
     bool began = false, ended = false;
     double from = 0.0;
-    Eigen::Vector3d start, before = momentum(world, body);
+    Eigen::Vector3d start = Eigen::Vector3d::Zero(), before = momentum(world, body);
     for (int k = 0; k < 400 && !ended; ++k) {
       advance(world, 1);
       Eigen::Vector3d force, sum = Eigen::Vector3d::Zero();
@@ -264,7 +264,7 @@ TEST_F(WorldCApi, StatesOfWorldsThatChangedAreRestoredToTheBit) {
   const double turn[4] = {1.0, 0.0, 0.0, 0.0};
   const auto change = [&](tremolo_world* world) {
     advance(world, 3);
-    const tremolo_body_id gone = add(world, CubeKind::kTets, at("gone", {1.0, 0.0, 0.3}));
+    const tremolo_body_id gone = add(world, CubeKind::kSoft, at("gone", {1.0, 0.0, 0.3}));
     const tremolo_body_id also = add(world, CubeKind::kRigid, at("also", {2.0, 0.0, 0.3}));
     add(world, CubeKind::kCloth, at("sheet", {0.0, 0.0, 0.13}));
     add(world, CubeKind::kReduced, at("soft", {0.0, 0.0, kHalfEdge}));
@@ -279,7 +279,7 @@ TEST_F(WorldCApi, StatesOfWorldsThatChangedAreRestoredToTheBit) {
     std::uint32_t number = 0;
     EXPECT_EQ(tremolo_world_add_joint(world, &joint, &number), TREMOLO_OK);
     advance(world, 2);
-    add(world, CubeKind::kTets, at("cube", {0.5, 0.0, kHalfEdge}));
+    add(world, CubeKind::kSoft, at("cube", {0.5, 0.0, kHalfEdge}));
   };
   double place[3] = {0.0, 0.0, 0.0};
   const auto run = [&](tremolo_world* world, int from) {
@@ -384,7 +384,7 @@ TEST_F(WorldCApi, TheLogHearsFailuresAndWarnings) {
       },
       &heard);
   tremolo_world* world = make_world(false);
-  const tremolo_body_id body = add(world, CubeKind::kTets, at("one", {0.0, 0.0, 1.0}));
+  const tremolo_body_id body = add(world, CubeKind::kSoft, at("one", {0.0, 0.0, 1.0}));
   EXPECT_EQ(tremolo_world_remove(world, 12345), TREMOLO_USAGE);
   ASSERT_EQ(heard.size(), 1U);
   EXPECT_EQ(heard[0].first, TREMOLO_LOG_ERROR);
