@@ -63,8 +63,8 @@ struct WorldHit {
   WorldSite site;
   double distance = 0.0;                            // from the ray's origin, m
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  // m, world
-  // Of the mesh of a body with a basis, as SurfaceHit::vertex.
-  std::optional<VertexId> vertex = {};
+  // Of the mesh of a body with a basis, as SurfaceHit::vertex; -1: a body of another kind.
+  VertexId vertex = -1;
 };
 
 // The begin or the end of a contact of a body with another one or with a collider.

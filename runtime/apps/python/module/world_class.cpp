@@ -273,7 +273,7 @@ py::object pick(const PyWorld& self, py::handle origin, py::handle direction) {
   if (!found) return py::none();
   py::dict dict;
   dict["body"] = world.name(found->site.body);
-  if (found->vertex) dict["vertex"] = *found->vertex;
+  if (found->vertex >= 0) dict["vertex"] = found->vertex;
   dict["triangle"] = found->site.triangle;
   dict["weights"] = array_of<3>(found->site.weights);
   dict["distance"] = found->distance;
