@@ -63,6 +63,9 @@ struct ContactLaw {
   // Of a contact with a rigid body, which comes to rest entirely: changes of distance below this
   // are rounding errors, and the normal is not corrected for them, m.
   double rounding = 0.0;
+  // Of an obstacle whose normals have an error, however short the path: the normal is corrected in
+  // full on paths much longer than this. What that leaves counts as lost, m.
+  double creased = 0.0;
 
   double energy(double distance) const;
 };
@@ -81,8 +84,9 @@ struct ContactMemory {
   double limit = 0.0;                                 // friction limit in the last step, N
   Eigen::Vector3d slip = Eigen::Vector3d::Zero();     // xi of friction.h, m
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // of the plane of xi, length 1
+  std::uint32_t element = 0;  // of an obstacle of tetrahedra, where the point was
 
-  void carry(StateStream& stream) { stream(obstacle, point, begins, limit, slip, normal); }
+  void carry(StateStream& stream) { stream(obstacle, point, begins, limit, slip, normal, element); }
 };
 
 // A collider in the world, in one step.

@@ -10,6 +10,8 @@ namespace tremolo {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
+constexpr double kCreased = 1e-3;  // ContactLaw::creased as a fraction of the margin
+
 bool HullContact::gather(StepBody& points, TetStep& shape, std::size_t obstacle, double h) {
   points_ = &points;
   shape_ = &shape;
@@ -33,15 +35,18 @@ bool HullContact::gather(StepBody& points, TetStep& shape, std::size_t obstacle,
                                             std::sqrt(own.restitution * theirs.restitution)),
                               own, theirs, points.area_of(i));
     touch.law.rounding += shape.rounding();
-    const std::optional<TetDepth> depth = shape.depth_at_start(x);
-    touch.inside = depth && depth->distance < 0.0;
+    touch.law.creased = kCreased * touch.law.margin;
     const ContactMemory* memory = points.memory(obstacle, i);
+    const std::optional<TetDepth> depth =
+        shape.depth_at_start(x, memory != nullptr ? std::optional(memory->element) : std::nullopt);
+    touch.inside = depth && depth->distance < 0.0;
     touch.memory = memory != nullptr ? *memory : ContactMemory{};
     if (memory == nullptr) touch.memory.begins = touch.inside ? depth->distance : 0.0;
     touch.law.begins = touch.memory.begins;
     touch.element = touch.inside ? depth->element : 0;
     touch.distance = touch.inside ? depth->distance : 0.0;
     touch.gradient = touch.inside ? depth->gradient : Vector3d(Vector3d::Zero());
+    touch.normal = touch.inside ? depth->normal : Vector3d(Vector3d::Zero());
     touch.energy = touch.inside ? touch.law.energy(touch.distance) : 0.0;
   }
   if (!touches_.empty()) shape.follow_hull();
@@ -59,7 +64,8 @@ void HullContact::begin() {
 
 // Finds the point at the end of the step, and the path along the body.
 void HullContact::find_end(Touch& touch) {
-  const std::optional<TetDepth> depth = shape_->depth_at_end(touch.motion.end);
+  const std::optional<TetDepth> depth = shape_->depth_at_end(
+      touch.motion.end, touch.inside ? std::optional(touch.element) : std::nullopt);
   const bool inside = depth && depth->distance < 0.0;
   touch.near =
       (inside || touch.inside) &&
@@ -68,9 +74,11 @@ void HullContact::find_end(Touch& touch) {
   touch.axes = nearest_rotation(touch.site.gradient);
   touch.way.path = touch.motion.end - touch.motion.start - shape_->way_of(touch.site);
   touch.end_gradient = inside ? depth->gradient : touch.gradient;
+  touch.end_element = inside ? depth->element : touch.element;
+  touch.end_normal = inside ? depth->normal : touch.normal;
   double d0 = touch.distance, d1 = inside ? depth->distance : 0.0;
-  if (!touch.inside) d0 = std::max(0.0, d1 - touch.end_gradient.dot(touch.way.path));
-  if (!inside) d1 = std::max(0.0, d0 + touch.gradient.dot(touch.way.path));
+  if (!touch.inside) d0 = std::max(0.0, d1 - touch.end_normal.dot(touch.way.path));
+  if (!inside) d1 = std::max(0.0, d0 + touch.normal.dot(touch.way.path));
   touch.gap = make_gap(touch.law, d0, touch.energy, d1);
 }
 
@@ -91,8 +99,8 @@ void HullContact::press(const ContactRenewal& renewal) {
       ContactMemory memory = touch.memory;
       memory.slip = touch.axes * memory.slip;
       memory.normal = touch.axes * memory.normal;
-      const Vector3d start = touch.inside ? touch.gradient : touch.end_gradient;
-      hold_normal(0.5 * (start + touch.end_gradient), memory, touch.held);
+      const Vector3d start = touch.inside ? touch.normal : touch.end_normal;
+      hold_normal(0.5 * (start + touch.end_normal), memory, touch.held);
     }
     touch.now = contact_force(touch.law, touch.gap, touch.way, time(), renewal.limits, touch.held);
     if (!touch.now.acts) continue;
@@ -171,7 +179,8 @@ void HullContact::remember() {
                        .begins = std::min(0.0, std::max(touch.law.begins, touch.now.distance)),
                        .limit = touch.now.limit,
                        .slip = back * touch.now.slip,
-                       .normal = back * normal});
+                       .normal = back * normal,
+                       .element = touch.end_element});
     if (touch.now.acts && touch.now.pressure != 0.0)
       points_->note({.vertex = points_->number_of(touch.point),
                      .on_body = true,

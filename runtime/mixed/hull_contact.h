@@ -8,6 +8,11 @@
 // body is then w = p1 - p0 - sum_I B_I (x_I1 - x_I0): momentum and angular momentum of the pair are
 // kept, and the work on both is F.w = psi(d0) - psi(d1). Where the point begins outside, d0 = d1 -
 // n.w; where it ends outside, d1 = d0 + n.w.
+//
+// The gradient of d jumps where a point passes from one element to the next, because F does. The
+// normal n is therefore that of a continuous F (TetTree::smooth_gradient), and the correction of
+// contact_law.h closes the energy, on paths much longer than ContactLaw::creased. Only derivatives
+// use the gradient itself.
 #pragma once
 
 #include <cstdint>
@@ -50,13 +55,13 @@ class HullContact final : public PairForces {
     ContactGap gap;
     ContactWay way;
     SiteMotion motion;
-    bool inside = false;                                     // at the start
-    std::uint32_t element = 0;                               // there
-    double distance = 0.0, energy = 0.0;                     // at the start, m and J
-    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();      // at the start, if inside
-    bool near = false;                                       // it is inside at an end of the step
-    Eigen::Vector3d end_gradient = Eigen::Vector3d::Zero();  // at the end
-    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();      // of the element, in the middle
+    bool inside = false;                                                    // at the start
+    std::uint32_t element = 0, end_element = 0;                             // there, and at the end
+    double distance = 0.0, energy = 0.0;                                    // at the start, m and J
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero(), normal = gradient;  // there, if inside
+    bool near = false;  // it is inside at an end of the step
+    Eigen::Vector3d end_gradient = Eigen::Vector3d::Zero(), end_normal = end_gradient;
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  // of the element, in the middle
     TetSite site;
     // Slopes of the force on the point: its fall with w, the effect of the pair's rate, and growth
     // of the part that restitution takes with w.

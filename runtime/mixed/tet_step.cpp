@@ -223,22 +223,39 @@ void TetStep::add_slope(std::size_t point, const Matrix3d& by_end, const Vector3
   slopes_.push_back({nodes_of(point), shares_[point], by_end});
 }
 
+// A point stays with an element until it is outside by this share: at rest on the boundary of two
+// it would change between them.
+constexpr double kKeptShare = 1e-5;
+
 std::optional<TetDepth> TetStep::depth_at(const VectorXd& x, const std::vector<TetTree::Box>& boxes,
-                                          const Vector3d& place) const {
-  const std::optional<TetPlace> found = hull_->tree.find(x, boxes, place);
+                                          const Vector3d& place,
+                                          std::optional<std::uint32_t> element) const {
+  std::optional<TetPlace> found = hull_->tree.find(x, boxes, place);
   if (!found) return std::nullopt;
+  if (element && found->element != *element) {
+    const double least = found->weights.minCoeff() < 0.0 ? -kOutsideShare : -kKeptShare;
+    const std::optional<TetPlace> kept = hull_->tree.solve(*element, x, place, least);
+    if (kept && kept->weights.minCoeff() > least) found = kept;
+  }
   const DistanceGrid::Sample sample = hull_->grid->at(hull_->tree.rest_place(*found));
-  const Vector3d gradient = found->gradient.transpose().inverse() * sample.gradient;
+  const auto turned = [&sample](const Matrix3d& slope) {
+    return Vector3d(slope.transpose().inverse() * sample.gradient);
+  };
+  const Vector3d gradient = turned(found->gradient);
+  const Vector3d normal = turned(hull_->tree.smooth_gradient(*found, x));
   if (!(gradient.squaredNorm() > 1e-12) || !gradient.allFinite()) return std::nullopt;
-  return TetDepth{sample.distance, gradient, found->element};
+  if (!(normal.squaredNorm() > 1e-12) || !normal.allFinite()) return std::nullopt;
+  return TetDepth{sample.distance, gradient, normal, found->element};
 }
 
-std::optional<TetDepth> TetStep::depth_at_start(const Vector3d& place) const {
-  return depth_at(body_->now_.x, boxes_at_start_, place);
+std::optional<TetDepth> TetStep::depth_at_start(const Vector3d& place,
+                                                std::optional<std::uint32_t> element) const {
+  return depth_at(body_->now_.x, boxes_at_start_, place, element);
 }
 
-std::optional<TetDepth> TetStep::depth_at_end(const Vector3d& place) const {
-  return depth_at(end_, boxes_at_end_, place);
+std::optional<TetDepth> TetStep::depth_at_end(const Vector3d& place,
+                                              std::optional<std::uint32_t> element) const {
+  return depth_at(end_, boxes_at_end_, place, element);
 }
 
 bool TetStep::find_site(const Vector3d& place, std::uint32_t element, TetSite& site) const {
@@ -247,7 +264,7 @@ bool TetStep::find_site(const Vector3d& place, std::uint32_t element, TetSite& s
   if (!found) return false;
   site.element = element;
   site.values = found->values;
-  site.gradient = found->gradient;
+  site.gradient = hull_->tree.smooth_gradient(*found, middle_);
   return true;
 }
 

@@ -21,20 +21,21 @@
 
 namespace tremolo {
 
-// A position inside the body: its distance from the surface at rest, below 0, m, and the gradient
-// of that with the position.
+// A position inside the body: its distance from the surface at rest, below 0, m, the gradient of
+// that with the position, and the same by a deformation that is continuous between elements.
 struct TetDepth {
   double distance = 0.0;
-  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero(), normal = gradient;
   std::uint32_t element = 0;
 };
 
 // A point of an element on which the forces of others act.
 struct TetSite {
   std::uint32_t element = 0;
-  std::array<double, kMostNodes> values{};                 // B_I there
-  std::array<double, kMostNodes> shares{};                 // the same, condensed
-  Eigen::Matrix3d gradient = Eigen::Matrix3d::Identity();  // F there
+  std::array<double, kMostNodes> values{};  // B_I there
+  std::array<double, kMostNodes> shares{};  // the same, condensed
+  // F there, continuous between elements.
+  Eigen::Matrix3d gradient = Eigen::Matrix3d::Identity();
 };
 
 class TetStep final : public GuestStep {
@@ -62,9 +63,12 @@ class TetStep final : public GuestStep {
   bool has_hull() const { return hull_ && hull_->grid; }
   void follow_hull() { follows_hull_ = true; }
   const TetTree::Box& box_at_start() const { return boxes_at_start_.front(); }
-  // Empty: outside.
-  std::optional<TetDepth> depth_at_start(const Eigen::Vector3d& place) const;
-  std::optional<TetDepth> depth_at_end(const Eigen::Vector3d& place) const;
+  // element: where the point was before; outside of all elements, whose continuations differ, it
+  // stays there. Empty: the point is outside.
+  std::optional<TetDepth> depth_at_start(const Eigen::Vector3d& place,
+                                         std::optional<std::uint32_t> element) const;
+  std::optional<TetDepth> depth_at_end(const Eigen::Vector3d& place,
+                                       std::optional<std::uint32_t> element) const;
   // Finds the point of the element, or of its continuation, that the means of the ends of the step
   // map to `place`. False: there is none.
   bool find_site(const Eigen::Vector3d& place, std::uint32_t element, TetSite& site) const;
@@ -149,7 +153,8 @@ class TetStep final : public GuestStep {
   }
   void condense(std::span<const std::uint32_t> nodes, std::array<double, kMostNodes>& shares) const;
   std::optional<TetDepth> depth_at(const Eigen::VectorXd& x, const std::vector<TetTree::Box>& boxes,
-                                   const Eigen::Vector3d& place) const;
+                                   const Eigen::Vector3d& place,
+                                   std::optional<std::uint32_t> element) const;
   double step_size() const { return length(body_->options().step); }  // of the present part, s
   void assemble(double heavier, TangentKind tangent, bool with_contact);
   void add_contact(const Slope& slope);

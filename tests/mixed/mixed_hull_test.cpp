@@ -115,5 +115,46 @@ TEST(TetsAsObstacle, CarryAWeight) {
   EXPECT_NEAR(world.account(1).impulse_vector.z() / kind.step, weight, 1e-3 * weight);
 }
 
+// Two cubes of one size exactly on each other, so that the points of each are on edges of the
+// other's elements, and those of the rim on the edge of its surface.
+TEST(TetsAsObstacle, CarryABodyOfTheSameWidth) {
+  for (const auto& [method, step] :
+       {std::pair(TetMethod::kBdf2, 3e-3), std::pair(TetMethod::kMidpoint, 1.5e-3)}) {
+    const MixedKind kind{.step = step,
+                         .restitution = 0.0,
+                         .friction = 0.5,
+                         .gravity = {0, 0, -9.81},
+                         .method = method,
+                         .beta = 5e-3};
+    MixedWorld world(kind.step);
+    const TetModelPointer model = testing::tets_cube(1e5, 2);
+    const TetHullPointer hull = testing::cube_hull(model);
+    for (const double z : {0.05, 0.15})
+      ASSERT_TRUE(
+          world.add(z < 0.1 ? "lower" : "upper",
+                    testing::tets_body(model, kind, {0, 0, z}, Vector3d::Zero(), Vector3d::Zero()),
+                    testing::contact_of(kind, Vector3d::Ones()), hull));
+    PlacedCollider floor;
+    floor.shape = PlaneShape{};
+    world.set_colliders({&floor, 1});
+    const int steps = static_cast<int>(std::lround(0.9 / step));
+    Vector3d settled = Vector3d::Zero();
+    double pressed = 0.0, moved = 0.0;
+    for (int i = 0; i < steps; ++i) {
+      const Status made = world.step();
+      ASSERT_TRUE(made) << tet_method_name(method) << " " << step << " " << i
+                        << made.error().message;
+      if (i >= steps / 2)
+        pressed += world.account(1).impulse_vector.z() / (step * (steps - steps / 2));
+      const Vector3d corner = world.tets(1)->positions().head<3>();
+      if (i == 2 * steps / 3) settled = corner;
+      if (i > 2 * steps / 3) moved = std::max(moved, (corner - settled).norm());
+    }
+    const double weight = 9.81 * model->mass();
+    EXPECT_NEAR(pressed, weight, 0.005 * weight);
+    EXPECT_LT(moved, 1e-5);
+  }
+}
+
 }  // namespace
 }  // namespace tremolo

@@ -51,6 +51,18 @@ TetTree::TetTree(TetModelPointer model) : model_(std::move(model)) {
   split(elements);
   middles_.clear();
   middles_.shrink_to_fit();
+  find_around();
+}
+
+void TetTree::find_around() {
+  firsts_.assign(model_->vertices() + 1, 0);
+  for (const TetModelElement& element : model_->elements())
+    for (std::size_t a = 0; a < 4; ++a) ++firsts_[element.nodes[a] + 1];
+  std::partial_sum(firsts_.begin(), firsts_.end(), firsts_.begin());
+  around_.resize(firsts_.back());
+  std::vector<std::uint32_t> next(firsts_.begin(), firsts_.end() - 1);
+  for (std::uint32_t e = 0; e < model_->elements().size(); ++e)
+    for (std::size_t a = 0; a < 4; ++a) around_[next[model_->elements()[e].nodes[a]]++] = e;
 }
 
 void TetTree::split(std::span<std::uint32_t> elements) {
@@ -132,6 +144,31 @@ std::optional<TetPlace> TetTree::find(const Eigen::VectorXd& x, const std::vecto
     if (depth >= 0.0) break;
   }
   return best;
+}
+
+Eigen::Matrix3d TetTree::vertex_gradient(std::uint32_t vertex, const Eigen::VectorXd& x) const {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  double volume = 0.0;
+  for (std::uint32_t k = firsts_[vertex]; k < firsts_[vertex + 1]; ++k) {
+    const TetModelElement& element = model_->elements()[around_[k]];
+    std::size_t a = 0;
+    while (element.nodes[a] != vertex) ++a;
+    Eigen::Matrix<double, 3, 4> slopes;
+    for (std::size_t b = 0; b < 4; ++b)
+      slopes.col(static_cast<Eigen::Index>(b)) = node_place(element, kNodeAt[a][b], x);
+    const double part = element.element.geometry.volume;
+    sum.noalias() += (2.0 * part) * (slopes * element.element.geometry.gradients.transpose());
+    volume += part;
+  }
+  return sum / volume;
+}
+
+Eigen::Matrix3d TetTree::smooth_gradient(const TetPlace& place, const Eigen::VectorXd& x) const {
+  const TetModelElement& element = model_->elements()[place.element];
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (std::size_t a = 0; a < 4; ++a)
+    sum += place.weights[static_cast<Eigen::Index>(a)] * vertex_gradient(element.nodes[a], x);
+  return sum;
 }
 
 Eigen::Vector3d TetTree::rest_place(const TetPlace& place) const {

@@ -53,7 +53,13 @@ class TetTree {
                                 const Eigen::Vector3d& place, double least) const;
   // The position at rest.
   Eigen::Vector3d rest_place(const TetPlace& place) const;
-  std::size_t bytes() const { return items_.capacity() * sizeof(Item); }
+  // F of the body there, continuous between elements: linear in the element between the means of F
+  // at its vertices, by volume, over all elements around each. Allocates nothing.
+  Eigen::Matrix3d smooth_gradient(const TetPlace& place, const Eigen::VectorXd& x) const;
+  std::size_t bytes() const {
+    return items_.capacity() * sizeof(Item) +
+           (firsts_.capacity() + around_.capacity()) * sizeof(std::uint32_t);
+  }
 
  private:
   // A node of the tree; its first child follows it.
@@ -63,9 +69,13 @@ class TetTree {
     bool leaf = false;
   };
   void split(std::span<std::uint32_t> elements);
+  void find_around();
+  Eigen::Matrix3d vertex_gradient(std::uint32_t vertex, const Eigen::VectorXd& x) const;
 
   TetModelPointer model_;
   std::vector<Item> items_;
+  // The elements around vertex v are around_[firsts_[v]] to around_[firsts_[v + 1] - 1].
+  std::vector<std::uint32_t> firsts_, around_;
   std::vector<Eigen::Vector3d> middles_;  // of elements at rest; only while it is made
 };
 
