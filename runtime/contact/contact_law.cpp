@@ -155,11 +155,14 @@ Vector3d surface_arm(const ContactLaw& law, const ContactHeld& held) {
   return length > 0.0 ? Vector3d(-law.radius / length * held.normal) : Vector3d(Vector3d::Zero());
 }
 
-ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider,
-                           const Vector3d& x) {
+ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider, const Vector3d& x,
+                           const ContactMemory* memory) {
   ContactStart start;
   start.place = into_frame(collider.start, x);
-  const CollisionDistance found = signed_distance(collider.shape, start.place);
+  if (memory != nullptr && memory->side.counts() &&
+      is_behind(collider.shape, memory->side, start.place))
+    start.side = memory->side;
+  const CollisionDistance found = distance_by(collider.shape, start.side, start.place);
   start.distance = found.distance - law.radius;
   start.normal = found.normal;
   start.energy = law.energy(start.distance);
@@ -290,7 +293,10 @@ ContactEnd contact_end(const ContactLaw& law, const PlacedCollider& collider,
                        const ColliderTurns& turns, const ContactStart& start, const Vector3d& x1) {
   ContactEnd end;
   end.place = turns.end.transpose() * (x1 - collider.end.position);
-  const CollisionDistance found = signed_distance(collider.shape, end.place);
+  CollisionDistance found = signed_distance(collider.shape, end.place);
+  end.side = side_at(collider.shape, start.side,
+                     {start.place, start.distance + law.radius, start.normal}, end.place, found);
+  if (end.side.counts()) found = {end.side.at(end.place), end.side.normal};
   end.normal = found.normal;
   end.gap = make_gap(law, start.distance, start.energy, found.distance - law.radius);
   return end;
@@ -310,15 +316,16 @@ ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider
     }
   }
   if (renewal.normals) {
+    const EntrySide& side = start.side.counts() ? start.side : end.side;
     const bool flat = std::holds_alternative<PlaneShape>(collider.shape);
-    hold_normal(
-        flat ? end.normal : signed_distance(collider.shape, 0.5 * (start.place + end.place)).normal,
-        memory, held);
+    const Vector3d middle = 0.5 * (start.place + end.place);
+    hold_normal(flat ? end.normal : distance_by(collider.shape, side, middle).normal, memory, held);
   }
   const ContactWay way{.path = end.place - start.place, .turn = end.turn};
   ContactForce contact = contact_force(law, end.gap, way, time, renewal.limits, held);
   if (contact.acts) contact.force = turns.mean * contact.force;
   if (contact.acts && law.radius > 0.0) contact.rub = turns.mean * contact.rub;
+  if (end.side.counts() && !is_behind(collider.shape, end.side, end.place)) contact.release();
   return contact;
 }
 

@@ -43,6 +43,7 @@
 
 #include "common/state_stream.h"
 #include "runtime/contact/collider.h"
+#include "runtime/contact/entry_side.h"
 #include "runtime/contact/friction.h"
 #include "runtime/math/pose.h"
 
@@ -85,8 +86,14 @@ struct ContactMemory {
   Eigen::Vector3d slip = Eigen::Vector3d::Zero();     // xi of friction.h, m
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // of the plane of xi, length 1
   std::uint32_t element = 0;  // of an obstacle of tetrahedra, where the point was
+  EntrySide side = {};        // where the point is past the middle
+  double depth = 0.0;         // by that side, m
 
-  void carry(StateStream& stream) { stream(obstacle, point, begins, limit, slip, normal, element); }
+  void carry(StateStream& stream) {
+    stream(obstacle, point, begins, limit, slip, normal, element);
+    side.carry(stream);
+    stream(depth);
+  }
 };
 
 // A collider in the world, in one step.
@@ -103,6 +110,7 @@ struct ContactStart {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // at that position, length 1
   double distance = 0.0;                              // d0, m
   double energy = 0.0;                                // psi(d0), J
+  EntrySide side;                                   // that counts, of the centre of a round point
 };
 
 // The rate at which a body and an obstacle separate in a step, averaged over all their points: v =
@@ -142,6 +150,7 @@ struct ContactForce {
   Eigen::Vector3d bend_force = Eigen::Vector3d::Zero();
   Eigen::Vector3d rub = Eigen::Vector3d::Zero();  // of a round point: the part that is friction, N
   bool acts = false;                              // there is a force
+  bool released = false;       // it is beside its side (entry_side.h): its energy is lost
   double pressure = 0.0;       // the length of s n without restitution and friction, N
   double limit = 0.0;          // friction limit mu |s n| found in this evaluation, N
   double energy = 0.0;         // psi(d1) and that of friction, J
@@ -152,12 +161,19 @@ struct ContactForce {
 
   // Sets all forces to zero. The energy `stored` (J) in friction's memory becomes friction loss.
   void clear(double at, double stored) {
-    acts = false;
+    acts = released = false;
     pressure = limit = energy = lost = 0.0;
     friction_loss = stored;
     distance = at;
     slip.setZero();
     rub.setZero();
+  }
+  // Counts the energy stored as lost.
+  void release() {
+    released = true;
+    lost += energy;
+    energy = 0.0;
+    slip.setZero();
   }
 };
 
@@ -228,15 +244,16 @@ struct ColliderTurns {
 };
 ColliderTurns turns_of(const PlacedCollider& collider);
 
-// x: world, m.
+// x: world, m. memory: of the point's contact; null: none.
 ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider,
-                           const Eigen::Vector3d& x);
+                           const Eigen::Vector3d& x, const ContactMemory* memory = nullptr);
 
 // The position of a point at the end of a step.
 struct ContactEnd {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();    // in the collider's frame then, m
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // there, along its axes
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();     // as in ContactWay; the caller sets it
+  EntrySide side;                                   // as at the start
   ContactGap gap;
 };
 

@@ -18,6 +18,14 @@ class ContactMemories {
     return found != list_.end() && !is_before(key, *found) ? &*found : nullptr;
   }
 
+  // The deepest of the points past the middle of that obstacle, m, not below 0.
+  double deepest(std::size_t obstacle) const {
+    double deepest = 0.0;
+    for (const ContactMemory& memory : list_)
+      if (memory.obstacle == obstacle) deepest = std::max(deepest, -memory.depth);
+    return deepest;
+  }
+
   void reserve(std::size_t count) { list_.reserve(count); }
   void clear() { list_.clear(); }
   // Adds memories in any order; call sort() before the next find().

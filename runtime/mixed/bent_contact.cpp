@@ -22,7 +22,7 @@ void BentContact::add(std::size_t point, const Vector3d& y, double distance) {
                            own, theirs, points_->area_of(point));
   pair.law.rounding += distance_rounding(shape_->surface(), shape_->gathered().ball);
   place_point(pair, {first, second, obstacle_}, point, points_->memory(obstacle_, point), y,
-              distance);
+              distance, shape_->equations().shape_at_start());
 }
 
 bool BentContact::gather(StepBody& points, ContactStep& shape, std::size_t obstacle) {
@@ -35,7 +35,8 @@ bool BentContact::gather(StepBody& points, ContactStep& shape, std::size_t obsta
   const StepBall mine = points.ball();
   const ContactBall& other = shape.gathered().ball;
   const double bent = other.deformed;
-  const double reach = points.area_law().margin + 2.0 * (mine.travel + other.travel);
+  const double reach =
+      points.area_law().margin + 2.0 * (mine.travel + other.travel) + points.deepest(obstacle);
   if ((mine.centre - other.centre).norm() > mine.radius + other.radius + bent + reach) return false;
   for (std::size_t i = 0; i < points.points(); ++i) {
     if (shape.on_bones() && !shape.may_reach(points.start_of(i), reach)) continue;

@@ -24,8 +24,8 @@ void ColliderContact::add(std::size_t point) {
   Touch& touch = touches_.emplace_back();
   touch.point = point;
   touch.law = points_->law_of(point, collider_->friction, collider_->restitution);
-  touch.start = contact_start(touch.law, *collider_, points_->start_of(point));
   const ContactMemory* memory = points_->memory(obstacle_, point);
+  touch.start = contact_start(touch.law, *collider_, points_->start_of(point), memory);
   if (memory != nullptr)
     touch.memory = *memory;
   else
@@ -44,7 +44,8 @@ bool ColliderContact::gather(StepBody& points, const PlacedCollider& collider, s
   touches_.clear();
   const StepBall ball = points.ball();
   const double reach = points.area_law().margin +
-                       2.0 * (ball.travel + travel_of(collider, ball.centre, ball.radius));
+                       2.0 * (ball.travel + travel_of(collider, ball.centre, ball.radius)) +
+                       points.deepest(obstacle);
   if (distance_at(collider.shape, collider.start, ball.centre) > ball.radius + reach) return false;
   for (std::size_t i = 0; i < points.points(); ++i)
     if (distance_at(collider.shape, collider.start, points.start_of(i)) <= reach) add(i);
@@ -137,7 +138,7 @@ void ColliderContact::settle(ContactAccount& first_account, ContactAccount& seco
     sum.slip = std::max(sum.slip, held_slip(touch.law, now));
     bool through = false;
     sum.way = std::max(sum.way, contact_passage(*collider_, touch.start, touch.end, through));
-    sum.passed += through ? 1 : 0;
+    sum.passed += through || now.released ? 1 : 0;
     if (now.pressure == 0.0) continue;
     sum.impulse += h_ * now.force.norm();
     sum.impulse_vector += h_ * now.force;
@@ -153,7 +154,7 @@ void ColliderContact::remember() {
                      .position = touch.motion.end,
                      .normal = collider_->end.rotation * touch.held.normal.normalized(),
                      .impulse = h_ * touch.now.force});
-    if (!(touch.now.distance < touch.law.margin)) continue;
+    if (!(touch.now.distance < touch.law.margin) || touch.now.released) continue;
     const double length = touch.held.normal.norm();
     points_->remember({.obstacle = obstacle_,
                        .point = touch.point,
@@ -161,7 +162,9 @@ void ColliderContact::remember() {
                        .limit = touch.now.limit,
                        .slip = touch.now.slip,
                        .normal = length > 0.0 ? Vector3d(touch.held.normal / length)
-                                              : Vector3d(Vector3d::UnitZ())});
+                                              : Vector3d(Vector3d::UnitZ()),
+                       .side = touch.end.side,
+                       .depth = touch.end.side.counts() ? touch.now.distance : 0.0});
   }
 }
 

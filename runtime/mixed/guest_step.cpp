@@ -29,6 +29,13 @@ const ContactMemory* GuestStep::memory(std::size_t obstacle, std::size_t point) 
   return found != memories_.end() && !is_before(wanted, *found) ? &*found : nullptr;
 }
 
+double GuestStep::deepest(std::size_t obstacle) const {
+  double deepest = 0.0;
+  for (const ContactMemory& memory : memories_)
+    if (memory.obstacle == obstacle) deepest = std::max(deepest, -memory.depth);
+  return deepest;
+}
+
 void GuestStep::start() {
   part_ = {};
   prepare();
@@ -47,7 +54,8 @@ void GuestStep::carry(StateStream& stream) {
   for (const ContactMemory& memory : memories_)
     stream.require(memory.point < points() && std::isfinite(memory.begins) &&
                    std::isfinite(memory.limit) && memory.slip.allFinite() &&
-                   memory.normal.allFinite());
+                   memory.normal.allFinite() && memory.side.normal.allFinite() &&
+                   std::isfinite(memory.side.offset) && std::isfinite(memory.depth));
   stream.require(std::is_sorted(memories_.begin(), memories_.end(), is_before));
 }
 

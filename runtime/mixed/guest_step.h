@@ -61,6 +61,7 @@ class GuestStep : public StepBody {
 
   StepBall ball() const override { return ball_; }
   const ContactMemory* memory(std::size_t obstacle, std::size_t point) const override;
+  double deepest(std::size_t obstacle) const override;
   void remember(const ContactMemory& memory) override { memories_.push_back(memory); }
   void note(const ContactedPoint& point) override { contacted_.push_back(point); }
 

@@ -100,7 +100,9 @@ void HullContact::press(const ContactRenewal& renewal) {
       memory.slip = touch.axes * memory.slip;
       memory.normal = touch.axes * memory.normal;
       const Vector3d start = touch.inside ? touch.normal : touch.end_normal;
-      hold_normal(0.5 * (start + touch.end_normal), memory, touch.held);
+      // Past the middle the normals of both ends may be opposite.
+      const bool turned = start.dot(touch.end_normal) < 0.0;
+      hold_normal(turned ? start : Vector3d(0.5 * (start + touch.end_normal)), memory, touch.held);
     }
     touch.now = contact_force(touch.law, touch.gap, touch.way, time(), renewal.limits, touch.held);
     if (!touch.now.acts) continue;

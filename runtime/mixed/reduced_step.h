@@ -42,6 +42,9 @@ class ReducedStep final : public StepBody {
   const ContactMemory* memory(std::size_t obstacle, std::size_t point) const override {
     return contact().pair_memories().find(obstacle, point);
   }
+  double deepest(std::size_t obstacle) const override {
+    return contact().pair_memories().deepest(obstacle);
+  }
 
   Eigen::Index unknowns() const override { return equations().unknowns(); }
   void begin() override;

@@ -177,17 +177,17 @@ const std::string kCube =
     "\"free\"\n";
 
 TEST_F(InspectScene, OfAWorldSaysWhoIsWhereAndWhatIsInContact) {
-  const nlohmann::json json = inspected(kCube + "position = [1, 2, 0.001]\n" + floor());
-  ASSERT_EQ(json["bodies"].size(), 1u);
-  EXPECT_NEAR(json["bodies"][0]["low"][2].get<double>(), 0.001, 1e-12);
-  EXPECT_NEAR(json["bodies"][0]["high"][0].get<double>(), 1.2, 1e-12);
-  EXPECT_GT(json["bodies"][0]["first_mode_hz"].get<double>(), 1.0);
-  EXPECT_NEAR(json["bodies"][0]["steps_a_period"].get<double>() * 0.01 *
-                  json["bodies"][0]["first_mode_hz"].get<double>(),
+  const nlohmann::json report = inspected(kCube + "position = [1, 2, 0.001]\n" + floor());
+  ASSERT_EQ(report["bodies"].size(), 1u);
+  EXPECT_NEAR(report["bodies"][0]["low"][2].get<double>(), 0.001, 1e-12);
+  EXPECT_NEAR(report["bodies"][0]["high"][0].get<double>(), 1.2, 1e-12);
+  EXPECT_GT(report["bodies"][0]["first_mode_hz"].get<double>(), 1.0);
+  EXPECT_NEAR(report["bodies"][0]["steps_a_period"].get<double>() * 0.01 *
+                  report["bodies"][0]["first_mode_hz"].get<double>(),
               1.0, 1e-9);
-  ASSERT_EQ(json["contacts"].size(), 1u);
-  EXPECT_EQ(json["contacts"][0]["collider"], "floor");
-  EXPECT_NEAR(json["contacts"][0]["distance_m"].get<double>(), 0.001, 1e-9);
+  ASSERT_EQ(report["contacts"].size(), 1u);
+  EXPECT_EQ(report["contacts"][0]["collider"], "floor");
+  EXPECT_NEAR(report["contacts"][0]["distance_m"].get<double>(), 0.001, 1e-9);
   EXPECT_TRUE(inspected(kCube + "position = [1, 2, 0.5]\n" + floor())["contacts"].empty());
 }
 

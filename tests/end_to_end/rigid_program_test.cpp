@@ -1,4 +1,5 @@
 // Scenes of rigid bodies as a user meets them: at rest, joined, hard, and of unequal masses.
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <string>
@@ -89,6 +90,46 @@ TEST_F(RigidProgram, AHeavyBodyThatSinksIntoALightOneIsReported) {
   ASSERT_EQ(warnings.size(), 1U);
   for (const char* words : {"contact-modulus", "5e+03 times the mass"})
     EXPECT_NE(warnings[0].get<std::string>().find(words), std::string::npos) << warnings[0];
+}
+
+// A plate 4 mm thick, fixed or free, stops a box at any speed: it leaves with half its speed.
+TEST_F(RigidProgram, ThinPlatesStopWhatHitsThem) {
+  for (const double speed : {1.0, 10.0, 50.0})
+    for (const double step : {1.0 / 60.0, 0.003, 0.0005})
+      for (const bool free : {false, true}) {
+        SCOPED_TRACE(fmt::format("{} m/s, {} s, free {}", speed, step, free));
+        const std::string plate =
+            "name = \"plate\"\nshape = \"box\"\nhalf-extents = [0.3, 0.3, 0.002]\n";
+        const nlohmann::json report =
+            run(fmt::format("duration = {}\nstep = {}\n", std::max(0.1, 6.0 * step), step) +
+                box("a", 0.2, "[0, 0, 0.07]") + fmt::format("velocity = [0, 0, {}]\n", -speed) +
+                (free ? "[[bodies]]\nkind = \"rigid\"\nmass = 40\n" : "[[colliders]]\n") + plate);
+        const nlohmann::json& body = report["bodies"][0];
+        const double left = body["linear_momentum_final"][2], came = 0.2 * speed;
+        // Of a plate of 40 kg: (m_b e - m_a)/(m_a + m_b) of the momentum is given back.
+        const double wanted = free ? came * (40.0 * 0.5 - 0.2) / 40.2 : 0.5 * came;
+        EXPECT_NEAR(left, wanted, 0.02 * came);
+        EXPECT_EQ(body["passed_through"], 0);
+        EXPECT_LT(report["energy_balance_error"], 1e-8);
+        EXPECT_LT(report["momentum_error"], 1e-10);
+      }
+}
+
+// Trays and shelves: a thin free plate between the floor and a load ten times as heavy, laid on it
+// or dropped.
+TEST_F(RigidProgram, ATrayOnTheFloorCarriesWhatIsPutOrFallsOnIt) {
+  for (const double gap : {0.0, 0.2})
+    for (const double step : {0.003, 0.0015}) {
+      SCOPED_TRACE(fmt::format("from {} m, {} s", gap, step));
+      const nlohmann::json report =
+          run(fmt::format("duration = 1.5\nstep = {}\ngravity = [0, 0, -9.81]\n", step) +
+              "[[bodies]]\nname = \"tray\"\nkind = \"rigid\"\nshape = \"box\"\nhalf-extents = "
+              "[0.2, 0.15, 0.002]\nmass = 1\nposition = [0, 0, 0.002]\n" +
+              box("load", 10.0, fmt::format("[0, 0, {}]", 0.054 + gap)) + kFloor);
+      const nlohmann::json& load = report["bodies"][1];
+      EXPECT_NEAR(load["position_final"][2], 0.053, 0.005);
+      EXPECT_LT(report["energy_balance_error"], 1e-7);
+    }
 }
 
 }  // namespace

@@ -76,8 +76,13 @@ struct ContactEquations {
   // Bound of the displacement of any point by the coordinates in the step, m.
   double bend_in_step() const { return z.head(modes()).cwiseAbs().dot(points().reach); }
   // The shape, deformed as at the start or the end of the step.
-  BentShape shape_at_start() const { return {&*surface.shape, surface.points.get(), &u0}; }
-  BentShape shape_at_end() const { return {&*surface.shape, surface.points.get(), &u1}; }
+  // side: of the point in question.
+  BentShape shape_at_start(const EntrySide& side = {}) const {
+    return {&*surface.shape, surface.points.get(), &u0, side};
+  }
+  BentShape shape_at_end(const EntrySide& side = {}) const {
+    return {&*surface.shape, surface.points.get(), &u1, side};
+  }
 
   void clear_forces();
   // Adds a force, N, world. bend_force: the force that deforms the body, N, world. at: the motion

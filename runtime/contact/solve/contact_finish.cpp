@@ -44,7 +44,7 @@ void ContactStep::settle_account(const ContactAccount& pairs, double start) {
     const double way = contact_passage(gathered_.colliders[candidate.collider], candidate.start,
                                        candidate.end, through);
     account.way = std::max(account.way, way);
-    account.passed += through ? 1 : 0;
+    account.passed += through || now.released ? 1 : 0;
     if (now.pressure == 0.0) continue;
     const double impulse = options_.step * now.force.norm();
     record_.impulses[candidate.collider] += impulse;
@@ -75,7 +75,7 @@ void ContactStep::remember() {
   pair_memories_.clear();
   for (const Candidate& candidate : touching()) {
     const ContactForce& now = candidate.now;
-    if (!(now.distance < surface().law.margin)) continue;
+    if (!(now.distance < surface().law.margin) || now.released) continue;
     const double length = candidate.held.normal.norm();
     memories_.add({.obstacle = candidate.collider,
                    .point = candidate.point,
@@ -83,7 +83,9 @@ void ContactStep::remember() {
                    .limit = now.limit,
                    .slip = now.slip,
                    .normal = length > 0.0 ? Vector3d(candidate.held.normal / length)
-                                          : Vector3d(Vector3d::UnitZ())});
+                                          : Vector3d(Vector3d::UnitZ()),
+                   .side = candidate.end.side,
+                   .depth = candidate.end.side.counts() ? now.distance : 0.0});
   }
   memories_.sort();
 }

@@ -114,7 +114,8 @@ bool ContactStep::gather(const ContactNear& near, const StepPoses& poses, const 
     const StepPoses its{collider.start, collider.end};
     const Vector3d local = collider.start.rotation.conjugate() * (centre - collider.start.position);
     // Twice, because contact may accelerate a point.
-    const double reach = surface().law.margin + 2.0 * (ball.travel + reach_of(its, local, radius));
+    const double reach = surface().law.margin + 2.0 * (ball.travel + reach_of(its, local, radius)) +
+                         memories_.deepest(c);
     const double far = signed_distance(collider.shape, local).distance - radius;
     if (far > reach) continue;
     turns_[c] = turns_of(collider);
@@ -133,8 +134,8 @@ ContactStep::Candidate ContactStep::make_candidate(std::size_t point, std::size_
                       .collider = index,
                       .law = law_of(surface(), point, collider.friction, collider.restitution,
                                     distance_rounding(surface(), gathered_.ball))};
-  candidate.start = contact_start(candidate.law, collider, x);
   const ContactMemory* memory = memories_.find(index, point);
+  candidate.start = contact_start(candidate.law, collider, x, memory);
   if (memory != nullptr)
     candidate.memory = *memory;
   else

@@ -245,7 +245,7 @@ BentSlope bent_slope(const BentShape& bent, const Vector3d& y) {
   Matrix3d at_y, at_rest1;
   slope.rest1 = y - field_at(field, *bent.u, y, at_y);
   const Vector3d rest = y - field_at(field, *bent.u, slope.rest1, at_rest1);
-  slope.normal = signed_distance(*bent.shape, rest).normal;
+  slope.normal = distance_by(*bent.shape, bent.side, rest).normal;
   slope.through = at_rest1.transpose() * slope.normal;
   slope.gradient = slope.normal - slope.through + at_y.transpose() * slope.through;
   return slope;
@@ -253,15 +253,19 @@ BentSlope bent_slope(const BentShape& bent, const Vector3d& y) {
 
 }  // namespace
 
-double bent_distance(const BentShape& bent, const Vector3d& y) {
-  if (bent.points->rigid()) return signed_distance(*bent.shape, y).distance;
+Vector3d bent_rest(const BentShape& bent, const Vector3d& y) {
+  if (bent.points->rigid()) return y;
   const ScatteredPoints& field = bent.points->field;
   const Vector3d rest1 = y - field_at(field, *bent.u, y);
-  return signed_distance(*bent.shape, y - field_at(field, *bent.u, rest1)).distance;
+  return y - field_at(field, *bent.u, rest1);
+}
+
+double bent_distance(const BentShape& bent, const Vector3d& y) {
+  return distance_by(*bent.shape, bent.side, bent_rest(bent, y)).distance;
 }
 
 Vector3d bent_gradient(const BentShape& bent, const Vector3d& y) {
-  if (bent.points->rigid()) return signed_distance(*bent.shape, y).normal;
+  if (bent.points->rigid()) return distance_by(*bent.shape, bent.side, y).normal;
   return bent_slope(bent, y).gradient;
 }
 

@@ -8,6 +8,7 @@
 
 #include "common/mesh/tet_mesh.h"
 #include "runtime/contact/collider.h"
+#include "runtime/contact/entry_side.h"
 #include "runtime/math/kernels/scattered_field.h"
 #include "runtime/model.h"
 
@@ -90,6 +91,7 @@ struct BentShape {
   const ContactPoints* points = nullptr;
   // U q of the points, same as ContactPoints::displacement(), m.
   const Eigen::VectorXd* u = nullptr;
+  EntrySide side = {};  // of the point in question
 };
 
 // Buffers for rows, of r rows each.
@@ -97,6 +99,9 @@ struct BentScratch {
   Eigen::VectorXd weights;
   Eigen::MatrixX3d first, second;
 };
+
+// X.
+Eigen::Vector3d bent_rest(const BentShape& bent, const Eigen::Vector3d& y);
 
 // Distance of X from the shape, m, and its gradient by y.
 double bent_distance(const BentShape& bent, const Eigen::Vector3d& y);

@@ -39,7 +39,7 @@ Vector3d gradient_at_end(const PairPoint& pair, const ContactEquations& second) 
 }
 
 void find_start(PairPoint& pair, const ContactEquations& second, PairScratch& scratch) {
-  const BentShape shape = second.shape_at_start();
+  const BentShape shape = second.shape_at_start(pair.side);
   bent_rows(shape, pair.place_at_start, scratch.bent, pair.rows);
   pair.gradient = bent_gradient(shape, pair.place_at_start);
   pair.fresh = false;
@@ -48,6 +48,7 @@ void find_start(PairPoint& pair, const ContactEquations& second, PairScratch& sc
 
 // The point's path is computed as if the second body did not deform.
 bool passes(const PairPoint& pair, const Vector3d& place, const ContactEquations& second) {
+  if (pair.now.released || pair.end_side.counts()) return pair.now.released;
   const double way = (place - pair.place_at_start).norm();
   if (pair.distance <= 0.0 || way <= pair.distance) return false;
   const BentShape start = second.shape_at_start(), end = second.shape_at_end();
@@ -68,7 +69,8 @@ void find_changes(PairPoint& pair, const Way& first_way, ContactEquations& secon
   // Slopes of a nearby position are accurate enough: they change over the distance between points.
   const double near = kSameSlopes * second.points().gap;
   if (!pair.sloped || (pair.place - pair.slope_place).squaredNorm() > near * near) {
-    pair.slope = bent_change(second.shape_at_end(), pair.place, scratch.bent, pair.by_q);
+    pair.slope =
+        bent_change(second.shape_at_end(pair.end_side), pair.place, scratch.bent, pair.by_q);
     pair.slope_place = pair.place;
     pair.sloped = true;
     if (second.bones) {
@@ -150,13 +152,15 @@ void begin_point(PairPoint& pair, const ContactStep& first, const ContactStep& s
   pair.law = law_between(first.surface(), point, second.surface(),
                          distance_rounding(first.surface(), first.gathered().ball) +
                              distance_rounding(second.surface(), second.gathered().ball));
-  place_point(pair, names, point, first.pair_memories().find(names.obstacle, point), y, distance);
+  place_point(pair, names, point, first.pair_memories().find(names.obstacle, point), y, distance,
+              second.equations().shape_at_start());
 }
 
 }  // namespace
 
 void place_point(PairPoint& pair, const PairNames& names, std::size_t point,
-                 const ContactMemory* memory, const Vector3d& y, double distance) {
+                 const ContactMemory* memory, const Vector3d& y, double distance,
+                 const BentShape& shape) {
   pair.a = names.a;
   pair.b = names.b;
   pair.point = point;
@@ -167,7 +171,16 @@ void place_point(PairPoint& pair, const PairNames& names, std::size_t point,
   pair.memory.obstacle = names.obstacle;
   pair.memory.point = point;
   pair.law.begins = pair.memory.begins;
-  pair.energy = pair.law.energy(distance);
+  pair.side = {};
+  pair.from.reset();
+  if (pair.memory.side.counts()) {
+    const Vector3d rest = bent_rest(shape, y);
+    if (is_behind(*shape.shape, pair.memory.side, rest)) {
+      pair.side = pair.memory.side;
+      pair.distance = pair.side.at(rest) - pair.law.radius;
+    }
+  }
+  pair.energy = pair.law.energy(pair.distance);
 }
 
 std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
@@ -179,8 +192,9 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
     return count;
   const bool rigid = second.surface().points->rigid();
   const double margin = first.surface().law.margin;
-  const double reach =
-      margin + 2.0 * (first.gathered().ball.travel + second.gathered().ball.travel);
+  const double reach = margin +
+                       2.0 * (first.gathered().ball.travel + second.gathered().ball.travel) +
+                       first.pair_memories().deepest(names.obstacle);
   const double bent = second.gathered().ball.deformed;
   // The place of a group is known in one frame only, and on bones only near the surface.
   const bool frames = !first.on_bones() && !second.on_bones();
@@ -216,6 +230,7 @@ void begin_pair(PairPoint& pair) {
   pair.held.limit = pair.memory.limit;
   pair.fresh = true;
   pair.sloped = false;
+  pair.end_side = pair.side;
 }
 
 PairWays ways_between(const StepWay& first, const StepWay& second) {
@@ -242,6 +257,22 @@ bool stays_away(const PairPoint& pair, double way, double bend) {
   return pair.distance - 2.0 * (way + bend) > pair.law.margin;
 }
 
+// The distance of the centre of the point at the end, by the side that counts there.
+double distance_at_end(PairPoint& pair, const ContactEquations& second) {
+  const BentShape end = second.shape_at_end();
+  const Vector3d rest = bent_rest(end, pair.place);
+  const CollisionDistance found = signed_distance(*end.shape, rest);
+  if (!pair.from) {
+    const Vector3d start = bent_rest(second.shape_at_start(), pair.place_at_start);
+    pair.from = {start, pair.distance + pair.law.radius,
+                 distance_by(*end.shape, pair.side, start).normal};
+  }
+  const EntrySide side = side_at(*end.shape, pair.side, *pair.from, rest, found);
+  if (side.counts() != pair.end_side.counts()) pair.sloped = false;
+  pair.end_side = side;
+  return side.counts() ? side.at(rest) : found.distance;
+}
+
 // Computes the distance at the pair's place.
 void measure_distance(PairPoint& pair, const ContactEquations& second, double bend,
                       PairRate& rate) {
@@ -249,7 +280,7 @@ void measure_distance(PairPoint& pair, const ContactEquations& second, double be
   pair.near = false;
   if (!acts && stays_away(pair, (pair.place - pair.place_at_start).norm(), bend))
     return pair.now.clear(pair.distance, stored_by_friction(pair));
-  const double distance = bent_distance(second.shape_at_end(), pair.place) - pair.law.radius;
+  const double distance = distance_at_end(pair, second) - pair.law.radius;
   pair.now.clear(distance, stored_by_friction(pair));
   if (!acts && distance >= pair.law.begins) return;
   pair.near = true;
@@ -320,11 +351,17 @@ void press_shape(PairPoint& pair, const ContactEquations& second, const PairSite
     ContactMemory memory = pair.memory;
     memory.slip = pair.frame * memory.slip;
     memory.normal = pair.frame * memory.normal;
-    const Vector3d end = bent_gradient(second.shape_at_end(), pair.place);
-    hold_normal(normal_in_middle(pair, second, 0.5 * (pair.gradient + end)), memory, pair.held);
+    const Vector3d end = bent_gradient(second.shape_at_end(pair.end_side), pair.place);
+    // Around a thin edge the gradients of both ends may be opposite.
+    const bool turned = pair.gradient.dot(end) < 0.0;
+    const Vector3d mean = turned ? pair.gradient : Vector3d(0.5 * (pair.gradient + end));
+    hold_normal(normal_in_middle(pair, second, mean), memory, pair.held);
   }
   if (pair.law.radius > 0.0) pair.way.turn = site.turn - second.motion.turn_in_step();
   pair.now = contact_force(pair.law, pair.gap, pair.way, time, renewal.limits, pair.held);
+  if (!pair.end_side.counts()) return;
+  const BentShape shape = second.shape_at_end();
+  if (!is_behind(*shape.shape, pair.end_side, bent_rest(shape, pair.place))) pair.now.release();
 }
 
 std::size_t add_missed_points(const ContactStep& first, const ContactStep& second,
@@ -362,8 +399,10 @@ std::size_t add_missed_points(const ContactStep& first, const ContactStep& secon
 }
 
 bool memory_of(const PairPoint& pair, ContactMemory& memory) {
-  if (!(pair.now.distance < pair.law.margin)) return false;
+  if (!(pair.now.distance < pair.law.margin) || pair.now.released) return false;
   memory = pair.memory;
+  memory.side = pair.end_side;
+  memory.depth = pair.end_side.counts() ? pair.now.distance : 0.0;
   memory.begins = std::max(pair.law.begins, pair.now.distance);
   memory.limit = pair.now.limit;
   memory.slip.setZero();
@@ -454,7 +493,8 @@ void add_site_slopes(PairPoint& pair, ContactEquations& second, const ContactTim
 
 ImpactPoint impact_point(const PairPoint& pair, const ContactStep& second) {
   const Pose& pose = second.gathered().poses.start;
-  const Vector3d normal = signed_distance(*second.surface().shape, pair.place_at_start).normal;
+  const Vector3d normal =
+      distance_by(*second.surface().shape, pair.side, pair.place_at_start).normal;
   return {.a = pair.a,
           .b = pair.b,
           .law = pair.law,

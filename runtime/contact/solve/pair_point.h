@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -47,6 +48,10 @@ struct PairPoint {
   ContactWay way;
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  // y at the end, m, where it may act
   std::shared_ptr<BoneSite> site = {};              // once it acts, if b is on several bones
+  EntrySide side, end_side;                       // that count at the start and at the end
+  // The point at the start in the shape's coordinates at rest, with distance and normal there, of
+  // the centre of a round point, once they are needed.
+  std::optional<PassagePoint> from;
 };
 
 // The motion that the point's position follows with the second body, once it acts.
@@ -159,9 +164,10 @@ struct PairNames {
 };
 
 // Places a point, whose law is set, near the shape: at y in the shape's mesh coordinates and at
-// that distance, m, at the start. memory: of its contact; null: none.
+// that distance, m, at the start. memory: of its contact; null: none. shape: the shape then.
 void place_point(PairPoint& pair, const PairNames& names, std::size_t point,
-                 const ContactMemory* memory, const Eigen::Vector3d& y, double distance);
+                 const ContactMemory* memory, const Eigen::Vector3d& y, double distance,
+                 const BentShape& shape);
 
 // Adds the points of a (its body is `first`) that may be in contact with b in the step to `points`,
 // whose first `count` entries are used. Returns the new number of points. Both bodies must have

@@ -135,6 +135,7 @@ SceneRun report_of(const SceneFile& file, const SceneWorld& world, const WorldRu
   print_bodies(file, world, run.logs);
   run.guests.print();
   Warnings warnings = world_warnings(file.scene, world);
+  add_sheet_warnings(run.guests.json(), warnings);
   if (run.sound)
     for (std::string& warning :
          sound_warnings(world, 1.0 / (world.step_size() * file.outputs.sound_steps)))

@@ -190,6 +190,20 @@ Warnings world_warnings(const Scene& scene, const SceneWorld& world) {
   return warnings;
 }
 
+void add_sheet_warnings(const std::vector<Json>& guests, Warnings& warnings) {
+  for (const Json& guest : guests) {
+    if (!guest.contains("thickness")) continue;
+    const double deep = guest["penetration_max"].get<double>();
+    const double thickness = guest["thickness"].get<double>();
+    if (!(deep > thickness)) continue;
+    warnings.push_back(fmt::format(
+        "cloth '{}': its particles were {:.3g} mm deep in what it met, more than its thickness of "
+        "{:.3g} mm, and may pass through: say a larger contact-stiffness for it and for what it "
+        "meets, 1600 for instance",
+        guest["body"].get<std::string>(), 1e3 * deep, 1e3 * thickness));
+  }
+}
+
 Json world_json(const SceneFile& file, const SceneWorld& world, const std::vector<BodyLog>& logs,
                 const std::vector<Json>& guests, const WorldEnding& ending, double momentum_error,
                 const Warnings& warnings) {

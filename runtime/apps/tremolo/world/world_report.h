@@ -17,6 +17,8 @@ namespace tremolo {
 // Frames that move at the start, steps that are too long, shapes and springs that are out of range,
 // and, after a run, bodies that went deep into others.
 Warnings world_warnings(const Scene& scene, const SceneWorld& world);
+// Cloths whose particles went deeper than their thickness. guests: as in the report.
+void add_sheet_warnings(const std::vector<nlohmann::ordered_json>& guests, Warnings& warnings);
 
 nlohmann::ordered_json world_json(const SceneFile& file, const SceneWorld& world,
                                   const std::vector<BodyLog>& logs,
