@@ -110,7 +110,7 @@ struct ContactStart {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // at that position, length 1
   double distance = 0.0;                              // d0, m
   double energy = 0.0;                                // psi(d0), J
-  EntrySide side;                                   // that counts, of the centre of a round point
+  EntrySide side;                                     // that counts, of the centre of a round point
 };
 
 // The rate at which a body and an obstacle separate in a step, averaged over all their points: v =
@@ -253,7 +253,7 @@ struct ContactEnd {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();    // in the collider's frame then, m
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // there, along its axes
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();     // as in ContactWay; the caller sets it
-  EntrySide side;                                   // as at the start
+  EntrySide side;                                     // as at the start
   ContactGap gap;
 };
 
