@@ -318,7 +318,7 @@ class Tracer {
     point.motion = a + part * (b - a);
     point.motion -= odd_harmonics(point.motion);
     point.omega += part * (equations_.omega(next.y) - point.omega);
-    point.amplitude = options_.amplitude(point.motion);
+    point.amplitude = amplitude(point.motion, point.load);
     point.length = length_;
     add_point(std::move(point));
     curve_.end = CurveEnd::kJoined;
@@ -342,13 +342,18 @@ class Tracer {
     CurvePoint point;
     point.omega = equations_.omega(y);
     point.motion = equations_.motion(y);
-    point.amplitude = options_.amplitude(point.motion);
     point.load = equations_.load_factor(y);
+    point.amplitude = amplitude(point.motion, point.load);
     return point;
+  }
+  double amplitude(const FourierSeries& motion, double load) const {
+    return options_.loaded_amplitude ? options_.loaded_amplitude(motion, load)
+                                     : options_.amplitude(motion);
   }
 
   // Folds and changes of stability between state_ and `next`, whose point is `point`.
   void find_events(const CurveState& next, const CurvePoint& point) {
+    if (!goal_.events) return;
     const double span = (state_.border.array() * (next.y - state_.y).array()).sum() /
                         state_.border.dot(state_.tangent);
     const bool turned = (next.omega_slope() > 0.0) != (state_.omega_slope() > 0.0);

@@ -10,9 +10,9 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
+#include "runtime/response/equations/fourier_series.h"
+#include "runtime/response/equations/vibrating_system.h"
 #include "runtime/response/floquet.h"
-#include "runtime/response/fourier_series.h"
-#include "runtime/response/vibrating_system.h"
 
 namespace tremolo {
 
@@ -29,6 +29,9 @@ struct CurveOptions {
   double longest_step = 0.1;  // along the curve, relative to the vibration's size and the frequency
   // The size of a motion, in the unit of largest_amplitude: m in the programs.
   std::function<double(const FourierSeries&)> amplitude;
+  // The same with the factor of the load (CurvePoint::load), for a point that a force moves besides
+  // the motion. Empty: `amplitude`.
+  std::function<double(const FourierSeries&, double load)> loaded_amplitude;
   double largest_amplitude = 0.0;  // a curve ends there
   std::function<bool()> stopped;   // asked at every point; true ends the curve. May be empty
 };

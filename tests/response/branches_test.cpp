@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/response/backbone.h"
-#include "runtime/response/harmonic_balance.h"
+#include "runtime/response/equations/harmonic_balance.h"
 #include "tests/response/oscillators.h"
 
 namespace tremolo {

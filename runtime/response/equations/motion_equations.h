@@ -5,8 +5,8 @@
 
 #include <memory>
 
-#include "runtime/response/curve.h"
-#include "runtime/response/harmonic_balance.h"
+#include "runtime/response/equations/curve.h"
+#include "runtime/response/equations/harmonic_balance.h"
 
 namespace tremolo {
 
@@ -86,6 +86,27 @@ class ForcedEquations : public MotionEquations {
  private:
   const FourierSeries& force_;
   FourierSeries resized_force_;
+};
+
+// g = the residual under factor . force, and the condition that omega is the given one. The factor
+// is an unknown, that of the force's constant part is 1.
+class LoadEquations : public MotionEquations {
+ public:
+  // force: r x (2K + 1), kept by reference. omega: rad/s.
+  LoadEquations(const VibratingSystem& system, const FourierSeries& force, Eigen::Index harmonics,
+                double omega, double least_size, double omega_scale);
+
+  void set_harmonics(Eigen::Index harmonics) override;
+  // The factor itself is its length.
+  Eigen::VectorXd weights(const Eigen::VectorXd& y) const override;
+  double load_factor(const Eigen::VectorXd& y) const override { return extra(y); }
+  void residual(const Eigen::VectorXd& y, Eigen::VectorXd& out) override;
+  void jacobian(const Eigen::VectorXd& y, Eigen::MatrixXd& out) override;
+
+ private:
+  const FourierSeries& force_;
+  double omega_, omega_scale_;
+  FourierSeries constant_, varying_;  // the force's parts with the present number of harmonics
 };
 
 // g = the residual without damping and force but a constant one, and the condition that the phase
