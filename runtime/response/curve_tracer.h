@@ -2,6 +2,7 @@
 // stability.
 #pragma once
 
+#include <cmath>
 #include <functional>
 
 #include "runtime/response/equations/motion_equations.h"
@@ -20,6 +21,8 @@ struct CurveGoal {
   std::function<Result<Eigen::VectorXd>(Eigen::Index harmonics)> first;
   // True if the curve has all that is needed: it ends as done. May be empty.
   std::function<bool(const MotionCurve&)> enough;
+  // The curve ends, as coarse, where the two highest harmonics hold more than this fraction.
+  double most_share = INFINITY;
   // Folds and bifurcations are looked for.
   bool events = true;
   // The curve ends, as joined, where the odd harmonics vanish and change their sign: it meets a

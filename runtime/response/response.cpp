@@ -34,8 +34,8 @@ Status check(const VibratingSystem& system, const ResponseRequest& request,
 }  // namespace
 
 const char* name_of(CurveEnd end) {
-  constexpr const char* kNames[] = {"done", "unbounded", "returned", "stuck",
-                                    "long", "stopped",   "joined"};
+  constexpr const char* kNames[] = {"done",    "unbounded", "returned", "stuck", "long",
+                                    "stopped", "joined",    "loop",     "coarse"};
   return kNames[static_cast<int>(end)];
 }
 

@@ -59,13 +59,27 @@ struct Bifurcation {
   BifurcationKind kind = BifurcationKind::kFold;
   CurvePoint point;
   std::complex<double> multiplier{1.0, 0.0};  // the one that crosses the unit circle
+  // A branch point that is none: two curves pass each other there across a gap that is narrower
+  // than a step, as those of a nearly symmetric body.
+  bool imperfect = false;
 };
 
 // Reason for the end of a curve. kDone: the requested end. kUnbounded: the largest amplitude.
 // kReturned: it left the range where it had begun. kStuck: no further point was found. kLong: the
 // most points. kStopped: options.stopped. kJoined: a backbone ends on that of another mode with
-// twice the frequency.
-enum class CurveEnd { kDone, kUnbounded, kReturned, kStuck, kLong, kStopped, kJoined };
+// twice the frequency. kLoop: it came back onto itself (MotionCurve::loop_start). kCoarse: the
+// highest harmonics hold too much for the points to be motions (CurveGoal::most_share).
+enum class CurveEnd {
+  kDone,
+  kUnbounded,
+  kReturned,
+  kStuck,
+  kLong,
+  kStopped,
+  kJoined,
+  kLoop,
+  kCoarse
+};
 
 const char* name_of(CurveEnd end);
 
@@ -73,6 +87,7 @@ struct MotionCurve {
   std::vector<CurvePoint> points;
   std::vector<Bifurcation> bifurcations;  // folds too, in the order of the curve
   CurveEnd end = CurveEnd::kDone;
+  std::size_t loop_start = 0;  // kLoop: the point that it came back to
   double largest_share = 0.0;  // of the two highest harmonics, over all points
   // Points with too few harmonics since more of them gave no motion, and the frequency of the
   // first.

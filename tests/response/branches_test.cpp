@@ -185,6 +185,41 @@ TEST(CrossingBranch, BreaksTheSymmetryBetweenTwoBranchPoints) {
   }
 }
 
+// A millionth of the load on the second coordinate leaves a narrow gap where the branches crossed.
+// The step that crosses it says so, and where: at the branch points without that part of the load,
+// however long it is.
+TEST(CrossingBranch, AGapIsAnImperfectBranchPointAtItsOwnFrequency) {
+  const double g = 0.2, d = 0.02, f = 0.1;
+  const std::vector<double> cubic(4, 0.0), quartic{0.0, 0.0, g / 6.0, 0.0, 0.02};
+  const VibratingSystem system{*Potential::create(Eigen::Vector2d(1.0, 0.8), cubic, quartic),
+                               Eigen::Vector2d(0.1, d),
+                               0.0,
+                               {}};
+  const auto branches_of = [&](double part, double step) {
+    CurveOptions options = plain_options(7);
+    options.longest_step = step;
+    const Result<MotionCurve> curve =
+        response_curve(system, {cosine_force(Eigen::Vector2d(f, part * f)), 0.7, 1.4}, options);
+    EXPECT_TRUE(curve && curve->end == CurveEnd::kDone);
+    std::vector<Bifurcation> found;
+    for (const Bifurcation& at : curve->bifurcations)
+      if (at.kind == BifurcationKind::kBranch) found.push_back(at);
+    return found;
+  };
+  const std::vector<Bifurcation> exact = branches_of(0.0, 0.1);
+  ASSERT_EQ(exact.size(), 2U);
+  for (const Bifurcation& at : exact) EXPECT_FALSE(at.imperfect);
+  for (const double step : {0.1, 0.07, 0.03}) {
+    const std::vector<Bifurcation> gaps = branches_of(1e-6, step);
+    ASSERT_EQ(gaps.size(), 2U) << step;
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_TRUE(gaps[i].imperfect);
+      // The gap is as wide as the part of the load to the power 2/3: 1e-4.
+      EXPECT_NEAR(gaps[i].point.omega, exact[i].point.omega, 2e-3) << step;
+    }
+  }
+}
+
 // Two modes whose frequencies are 0.3 % apart, of which a little of the load excites the second:
 // parts of the curve are near each other. A step must not end on another part, from which the curve
 // would be followed back; the peak is that of steps a fifth as long.

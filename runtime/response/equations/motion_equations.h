@@ -47,6 +47,8 @@ class MotionEquations : public CurveEquations {
   double extra(const Eigen::VectorXd& y) const { return with_extra_ ? y[y.size() - 2] : 0.0; }
   // The factor of the load at y.
   virtual double load_factor(const Eigen::VectorXd& y) const;
+  // The phase of a motion is only that of the reference: shifted in time it is a solution too.
+  virtual bool has_free_phase() const { return false; }
   // The sign of the determinant of the residual's derivatives by the motion alone. It is negative
   // where an odd number of real multipliers is above 1, and changes at folds and branch points. 0
   // for equations that are not those of a motion under a given force.
@@ -121,6 +123,7 @@ class FreeEquations : public MotionEquations {
 
   void set_harmonics(Eigen::Index harmonics) override;
   void refer_to(const Eigen::VectorXd& y) override;
+  bool has_free_phase() const override { return true; }
   void residual(const Eigen::VectorXd& y, Eigen::VectorXd& out) override;
   void jacobian(const Eigen::VectorXd& y, Eigen::MatrixXd& out) override;
 
