@@ -191,6 +191,27 @@ void print_curve(const CurveResult& result, const CurveContext& context) {
   print_warnings(result.warnings);
 }
 
+namespace {
+
+void add_warnings(bool damped, const CurveOptions& options, CurveResult& result) {
+  const MotionCurve& curve = result.curve;
+  if (curve.refused > 0)
+    result.warnings.push_back(
+        fmt::format("{} points, the first at {:.6g} Hz, have too few harmonics: with more of them "
+                    "no motion was found; --harmonics begins with more",
+                    curve.refused, in_hertz(curve.first_refused)));
+  if (!damped)
+    result.warnings.push_back(
+        "without damping no motion attracts others: stability was not computed");
+  if (curve.largest_share > options.harmonic_share)
+    result.warnings.push_back(fmt::format(
+        "the two highest harmonics hold up to {:.2g} % of the motion, more than {:.2g} %: raise "
+        "--most-harmonics above {}",
+        100.0 * curve.largest_share, 100.0 * options.harmonic_share, options.most_harmonics));
+}
+
+}  // namespace
+
 void set_ending(const PeriodicModel& made, bool damped, const std::string& to,
                 const CurveOptions& options, CurveResult& result) {
   MotionCurve& curve = result.curve;
@@ -242,19 +263,7 @@ void set_ending(const PeriodicModel& made, bool damped, const std::string& to,
         fmt::format("it has {} points and has not reached {}; raise --most-points or "
                     "--longest-step",
                     curve.points.size(), to));
-  if (curve.refused > 0)
-    result.warnings.push_back(
-        fmt::format("{} points, the first at {:.6g} Hz, have too few harmonics: with more of them "
-                    "no motion was found; --harmonics begins with more",
-                    curve.refused, in_hertz(curve.first_refused)));
-  if (!damped)
-    result.warnings.push_back(
-        "without damping no motion attracts others: stability was not computed");
-  if (curve.largest_share > options.harmonic_share)
-    result.warnings.push_back(fmt::format(
-        "the two highest harmonics hold up to {:.2g} % of the motion, more than {:.2g} %: raise "
-        "--most-harmonics above {}",
-        100.0 * curve.largest_share, 100.0 * options.harmonic_share, options.most_harmonics));
+  add_warnings(damped, options, result);
 }
 
 }  // namespace tremolo
