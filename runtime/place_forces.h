@@ -63,4 +63,8 @@ class PlaceForces {
   Eigen::VectorXd now_;
 };
 
+// The forces at the model's places that stand for a load, as PlaceForces::add() takes it: N, 3 per
+// place, along the body's axes.
+Eigen::VectorXd place_forces_of(const Model& model, const DefaultLoad& load);
+
 }  // namespace tremolo

@@ -711,14 +711,17 @@ void tremolo_curve_options_init(tremolo_curve_options* options);
 
 /* The end of a curve: at the requested frequency or amplitude; at the largest amplitude; back in
  * the range where it had begun; where no further point was found; after most_points points; a
- * backbone on that of a mode of twice the frequency. */
+ * backbone on that of a mode of twice the frequency; back on one of its own points; a backbone
+ * where the two highest harmonics hold more than 50 harmonic_share. */
 typedef enum tremolo_curve_end {
   TREMOLO_CURVE_DONE = 0,
   TREMOLO_CURVE_UNBOUNDED = 1,
   TREMOLO_CURVE_RETURNED = 2,
   TREMOLO_CURVE_STUCK = 3,
   TREMOLO_CURVE_LONG = 4,
-  TREMOLO_CURVE_JOINED = 6
+  TREMOLO_CURVE_JOINED = 6,
+  TREMOLO_CURVE_LOOP = 7,
+  TREMOLO_CURVE_COARSE = 8
 } tremolo_curve_end;
 
 /* One periodic motion. */

@@ -91,8 +91,8 @@ Comparison compare(const FitModel& model, const std::vector<FitUnknown>& unknown
   return result;
 }
 
-// The weighted equations: residual = (measured - computed)/deviation, and its derivatives with the
-// opposite sign.
+// The weighted equations: residual = (measured - computed)/deviation, or the difference of the
+// logarithms, and its derivatives with the opposite sign.
 struct Equations {
   VectorXd residual;
   MatrixXd jacobian;
@@ -114,8 +114,10 @@ Equations equations_of(const FitProblem& problem, const FitModel& model,
     if (!measured[i].frequency) continue;
     const Uncertain& known = *measured[i].frequency;
     const Comparison computed = compare(model, problem.unknowns, modes[i]);
-    const double scale = known.deviation > 0.0 ? known.deviation : known.value;
-    equations.residual[at] = (known.value - computed.hertz) / scale;
+    const bool absolute = known.deviation > 0.0;
+    const double scale = absolute ? known.deviation : computed.hertz;
+    equations.residual[at] =
+        absolute ? (known.value - computed.hertz) / scale : std::log(known.value / computed.hertz);
     equations.jacobian.row(at++) = computed.by.transpose() / scale;
     equations.rows.push_back(
         {modes[i], computed.equal, known.value, known.deviation, computed.hertz, false});
@@ -179,6 +181,16 @@ void find_ambiguous(const FitModel& model, std::vector<FittedRow>& rows) {
       const double other = std::abs(row.measured - hertz);
       row.ambiguous = row.ambiguous || other <= std::max(2.0 * own, 2.0 * row.deviation);
     }
+  }
+}
+
+// The rows were compared without damping; they are shown as they were measured.
+void show_as_measured(const Measurements& measured, std::vector<FittedRow>& rows) {
+  std::size_t at = 0;
+  for (const MeasuredMode& row : measured.rows) {
+    if (!row.frequency) continue;
+    FittedRow& shown = rows[at++];
+    for (double* value : {&shown.measured, &shown.deviation, &shown.fitted}) *value /= row.stretch;
   }
 }
 
@@ -276,6 +288,7 @@ Result<MaterialFit> fit_materials(const FitProblem& problem) {
       add_uncertainty(problem, now, fit);
       fit.rows = now.rows;
       find_ambiguous(model, fit.rows);
+      show_as_measured(problem.measured, fit.rows);
       return fit;
     }
     if (!std::isfinite(longest) || fit.solves >= kMostSolves)

@@ -2,8 +2,9 @@
 //
 // The unknowns are ln E and ln rho of a material, and nu; with the standard deviations s of the
 // measured frequencies f, the sum of ((f - f(unknowns))/s)^2 is made least. The covariance of the
-// unknowns is (J^T J)^-1, J the derivatives of f(unknowns)/s; deviations that are not known are
-// equal fractions of the frequencies, with the fraction that the misfit has.
+// unknowns is (J^T J)^-1, J the derivatives of f(unknowns)/s. Where the deviations are not known
+// the sum is that of (ln f - ln f(unknowns))^2: all frequencies are off by equal fractions, and the
+// misfit gives the fraction. Fractions of the measured values would favour those measured low.
 //
 // Frequencies alone do not change when E and rho are multiplied by one number: they give the ratio.
 // The unknowns of which a combination has no effect are refused by name.
@@ -55,7 +56,7 @@ struct FitProblem {
   std::function<FitModel(const MaterialTable&)> solve;
 };
 
-// A measured frequency after the fit, Hz.
+// A measured frequency after the fit, Hz, of the ringing body as in the file.
 struct FittedRow {
   int mode = 0;   // from 0
   int equal = 1;  // modes of this frequency: their mean is compared

@@ -93,6 +93,13 @@ Result<Uncertain> ratio_of_cells(const Cells& cells) {
     ratio = {cells[kRatio], known(kRatioSd) ? cells[kRatioSd] : 0.0};
   } else {
     if (!known(kFrequency)) return content_error("decay_time needs the frequency");
+    const double period = 1.0 / cells[kFrequency];
+    if (cells[kDecay] < period)
+      return content_error(
+          "a decay_time of " + number_text(cells[kDecay]) + " s is shorter than the period of " +
+          number_text(cells[kFrequency]) + " Hz, " + text("%.3g", period) +
+          " s: nothing rings so. It is in seconds, not ms; heavier damping is given as "
+          "damping_ratio");
     // e^{-zeta omega t} with the frequency omega sqrt(1 - zeta^2) of the zeros.
     const double rate = 1.0 / cells[kDecay];
     const double omega = std::hypot(2.0 * std::numbers::pi * cells[kFrequency], rate);
@@ -119,15 +126,17 @@ Result<MeasuredMode> row_of(const Cells& cells, int line) {
     const Result<Uncertain> ratio = ratio_of_cells(cells);
     if (!ratio) return ratio.error();
     row.ratio = *ratio;
+    if (known(kDecay))
+      row.decay = Uncertain{cells[kDecay], known(kDecaySd) ? cells[kDecaySd] : 0.0};
   }
   if (!known(kFrequency)) {
     if (!row.ratio) return content_error("it has a mode, but neither a frequency nor damping");
     return row;
   }
-  const double zeta = row.ratio ? row.ratio->value : 0.0,
-               stretch = 1.0 / std::sqrt(1.0 - zeta * zeta);
-  row.frequency = Uncertain{stretch * cells[kFrequency],
-                            known(kFrequencySd) ? stretch * cells[kFrequencySd] : 0.0};
+  const double zeta = row.ratio ? row.ratio->value : 0.0;
+  row.stretch = 1.0 / std::sqrt(1.0 - zeta * zeta);
+  row.frequency = Uncertain{row.stretch * cells[kFrequency],
+                            known(kFrequencySd) ? row.stretch * cells[kFrequencySd] : 0.0};
   return row;
 }
 

@@ -5,7 +5,8 @@
 // ring-down falls to 1/e), `decay_time_sd`. A cell may be empty. # begins a comment.
 //
 // A ring-down is that of the damped oscillation: frequencies are those of its zeros, and the
-// frequency without damping follows from both.
+// frequency without damping follows from both. One that falls to 1/e within a period does not ring:
+// such a time is in the wrong unit, or of another mode.
 #pragma once
 
 #include <optional>
@@ -27,6 +28,8 @@ struct MeasuredMode {
   std::optional<int> mode;             // from 0; none: found by the frequency
   std::optional<Uncertain> frequency;  // without damping, Hz
   std::optional<Uncertain> ratio;      // of critical damping
+  std::optional<Uncertain> decay;      // s; the ratio follows from it
+  double stretch = 1.0;                // the frequency without damping over that of the ringing
   int line = 0;                        // of the file
 };
 
@@ -37,7 +40,8 @@ struct Measurements {
 };
 
 // Errors (kContent) with the line: an unknown or missing column, a cell that is no number or out of
-// range, a mode or a frequency twice, a row without both, deviations of some rows only.
+// range, a mode or a frequency twice, a row without both, deviations of some rows only, a decay
+// shorter than the period.
 Result<Measurements> parse_measurements(std::string_view text, const std::string& path);
 
 // Also kSystem for a file that cannot be read.

@@ -10,6 +10,7 @@
 #include "common/text.h"
 #include "runtime/bodies/reduced/integrators/solve/damping.h"
 #include "runtime/c/c_api_curve.h"
+#include "runtime/place_forces.h"
 #include "runtime/response/backbone.h"
 #include "runtime/response/branches.h"
 #include "runtime/response/probe.h"
@@ -113,12 +114,25 @@ Result<Eigen::VectorXd> load_of(const tremolo_curve_options& given, const Model&
   return sum;
 }
 
+// The same forces at the places of the model's stored response (place_forces_of).
+Eigen::VectorXd place_forces(const tremolo_curve_options& given, const Model& model) {
+  if (given.load_vertices == nullptr) return tremolo::place_forces_of(model, model.default_load());
+  tremolo::DefaultLoad load;
+  for (std::size_t i = 0; i < given.load_count; ++i) {
+    load.vertices.push_back(static_cast<tremolo::VertexId>(given.load_vertices[i]));
+    load.forces.emplace_back(given.load_forces + 3 * i);
+  }
+  return tremolo::place_forces_of(model, load);
+}
+
 // The constant forces: of gravity, and `load` times static_scale.
 Result<Eigen::VectorXd> constant_of(const tremolo_curve_options& given, const Model& model,
                                     const Eigen::VectorXd& load) {
   Eigen::VectorXd constant = given.static_scale * load;
   const Eigen::Vector3d gravity(given.gravity);
   if (gravity.isZero(0.0)) return constant;
+  if (model.rigid_mode_count() >= 6)
+    return content_error("gravity: a free body falls and does not sag");
   if (model.inertia() == nullptr)
     return content_error(
         "gravity needs the integrals of the mass, which the model does not have: make it again "
@@ -151,6 +165,17 @@ Result<Vibration> vibration_of(const Model& model, const tremolo_curve_options& 
                    given.load_scale * *load, std::move(*constant)};
 }
 
+// Adds the model's stored response to the amplitude. course: of the load in time.
+Status show_response(const Model& model, const tremolo_curve_options& given,
+                     const FourierSeries& course, Vibration& made) {
+  const Result<tremolo::ProbeResponse> response =
+      probe_response(model, made.probe.vertex, given.load_scale * place_forces(given, model),
+                     course, given.static_scale / given.load_scale);
+  if (!response) return response.error();
+  made.options.loaded_amplitude = loaded_amplitude_of(made.probe, *response);
+  return Success{};
+}
+
 // load_scale: that of a point whose factor of the load is 1.
 tremolo_curve_point to_point(const CurvePoint& point, const VibratingSystem& system,
                              double load_scale) {
@@ -177,6 +202,11 @@ const char* reason_of(CurveEnd end) {
       return "it has most_points points: raise most_points or longest_step";
     case CurveEnd::kJoined:
       return "it has joined the backbone of a mode of twice the frequency";
+    case CurveEnd::kLoop:
+      return "it has come back onto one of its own points: a closed loop, onto which a step has "
+             "crossed a narrow gap; shorten longest_step";
+    case CurveEnd::kCoarse:
+      return "the two highest harmonics hold too much for a motion: raise most_harmonics";
     default:
       return "no further point was found, even with the shortest step: raise most_harmonics";
   }
@@ -252,6 +282,8 @@ tremolo_status make_curve(const tremolo_model* model, const tremolo_curve_option
 }  // namespace
 
 static_assert(TREMOLO_CURVE_JOINED == static_cast<int>(CurveEnd::kJoined) &&
+              TREMOLO_CURVE_LOOP == static_cast<int>(CurveEnd::kLoop) &&
+              TREMOLO_CURVE_COARSE == static_cast<int>(CurveEnd::kCoarse) &&
               TREMOLO_CURVE_LONG == static_cast<int>(CurveEnd::kLong) &&
               TREMOLO_NEIMARK_SACKER == static_cast<int>(tremolo::BifurcationKind::kNeimarkSacker));
 
@@ -291,6 +323,7 @@ tremolo_status tremolo_response(const tremolo_model* model, const tremolo_curve_
                       if (Status s = need_load(*made, full); !s) return s;
                       const Result<FourierSeries> course = course_of(full);
                       if (!course) return course.error();
+                      if (Status s = show_response(*known, full, *course, *made); !s) return s;
                       if (!made->system.damped()) limit_undamped(made->options);
                       ResponseRequest request{made->load * *course, kTurn * from_hz, kTurn * to_hz};
                       request.force.col(0) = made->constant;
@@ -314,6 +347,7 @@ tremolo_status tremolo_backbone(const tremolo_model* model, const tremolo_curve_
         if (Status s = check_amplitude(to_amplitude); !s) return s;
         Result<Vibration> made = vibration_of(*known, full);
         if (!made) return made.error();
+        if (Status s = show_response(*known, full, FourierSeries::Zero(1, 3), *made); !s) return s;
         made->options.largest_amplitude =
             std::max(made->options.largest_amplitude, 1.01 * to_amplitude);
         return store(begin_curve(known, *made, 0.0),
@@ -337,6 +371,9 @@ tremolo_status tremolo_damped_backbone(const tremolo_model* model,
         if (!made->system.damped())
           return content_error("a damped backbone needs a damping, such as damping_ratio \"2%\"");
         if (Status s = need_load(*made, full); !s) return s;
+        FourierSeries cosine = FourierSeries::Zero(1, 3);
+        cosine(0, tremolo::cosine_column(1)) = 1.0;
+        if (Status s = show_response(*known, full, cosine, *made); !s) return s;
         made->options.largest_amplitude =
             std::max(made->options.largest_amplitude, 1.01 * to_amplitude);
         return store(begin_curve(known, *made, full.load_scale),

@@ -17,6 +17,10 @@ namespace {
 
 constexpr double kFirstAmplitude = 1e-3;  // of a backbone, relative to its last
 
+// Of the two highest harmonics relative to the share at which harmonics are added: 5 % in all if
+// that is not given. An orbit with as much misses its beginning by more than that after a period.
+constexpr double kMostShare = 50.0;
+
 constexpr int kMostJoints = 8;  // with backbones of twice the frequency
 
 // A mode of small vibration about a state at rest.
@@ -155,6 +159,7 @@ Result<MotionCurve> backbone_curve(const VibratingSystem& system, const Backbone
                                          equal_frequency(system, request.mode)};
   CurveGoal goal = amplitude_goal(request.to_amplitude);
   goal.ends_at_half_period = true;
+  goal.most_share = kMostShare * options.harmonic_share;
   Result<MotionCurve> curve =
       trace_curve(equations, undamped, std::move(y), direction, goal, true, options);
   const FreeMotions free{undamped, constant, *rest, size, mode.omega};

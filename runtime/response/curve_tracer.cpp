@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "runtime/response/closed_loop.h"
+
 namespace tremolo {
 namespace {
 
@@ -18,6 +20,9 @@ constexpr double kFarBelow = 0.2;  // of both limits, before harmonics are taken
 constexpr int kFewFactorizations = 2, kManyFactorizations = 3;
 // Distance of a multiplier from the unit circle that counts: above the errors of its computation.
 constexpr double kOutside = 1e-7, kOutsideConservative = 1e-5;
+// Longer steps of free motions do not pass a change of the determinant's sign, where they may cross
+// from one curve to another.
+constexpr double kShortestOverGap = 1e-3;
 // So many points take all steps after one whose multipliers are near the unit circle.
 constexpr int kPointsNear = 8;
 // So many points have the harmonics of the one before once more of them were tried in vain.
@@ -53,7 +58,8 @@ class Tracer {
     held_.resize(0);
     add_point(next_point_of(state_));
     while (!ended()) {
-      if (!advance_once()) curve_.end = CurveEnd::kStuck, finished_ = true;
+      if (!advance_once() && !pass_singular_point())
+        curve_.end = CurveEnd::kStuck, finished_ = true;
     }
     return std::move(curve_);
   }
@@ -164,6 +170,7 @@ class Tracer {
     };
     if (options_.stopped && options_.stopped()) return end(CurveEnd::kStopped);
     if (last.amplitude > options_.largest_amplitude) return end(CurveEnd::kUnbounded);
+    if (last.share > goal_.most_share) return end(CurveEnd::kCoarse);
     if (curve_.points.size() > 1 && goal_.returned && goal_.returned(last))
       return end(CurveEnd::kReturned);
     if (goal_.enough && goal_.enough(curve_)) return end(CurveEnd::kDone);
@@ -275,17 +282,54 @@ class Tracer {
     return false;
   }
 
+  // At a branch point the steps shrink to nothing, since its tangent is not unique. The direction
+  // from a point further back leads over it.
+  bool pass_singular_point() {
+    constexpr double kBack = 0.02, kAhead[] = {0.02, 0.05, 0.01, 0.1, 0.005};
+    const auto before =
+        std::find_if(curve_.points.rbegin(), curve_.points.rend(), [&](const CurvePoint& point) {
+          return curve_.points.back().length - point.length > kBack;
+        });
+    if (before == curve_.points.rend() || before->harmonics() != equations_.harmonics())
+      return false;
+    const double extra = equations_.has_free_phase() ? equations_.extra(state_.y) : before->load;
+    Eigen::VectorXd way = state_.y - equations_.unknowns_of(before->motion, before->omega, extra);
+    way /= (state_.weights.array() * way.array()).matrix().norm();
+    const Eigen::VectorXd border = state_.weights.array().square() * way.array();
+    for (const double ahead : kAhead) {
+      ds_ = ahead;
+      Eigen::VectorXd y = state_.y + ahead * way;
+      equations_.refer_to(state_.y);
+      const CorrectorReport report = solve_on_border(equations_, border, kCurveTolerance, y);
+      if (!report.converged) continue;
+      Result<CurveState> next = curve_state(equations_, std::move(y), border);
+      if (next && is_near(*next) && border.dot(next->tangent) > kLeastCosine &&
+          accept(*next, report))
+        return true;
+    }
+    return false;
+  }
+
   // False: the end of the curve in this step was not found.
   bool accept(CurveState& next, const CorrectorReport& report) {
+    const bool joins = goal_.ends_at_half_period && meets_half_period(next);
+    if (!joins && equations_.has_free_phase() && next.sign != state_.sign && ds_ > kShortestOverGap)
+      return false;
     length_ += ds_;
+    if (joins) return join(next);
     CurvePoint point = next_point_of(next);
-    if (goal_.ends_at_half_period && meets_half_period(next)) return join(next);
     if (goal_.beyond(point) >= 0.0) {
       if (arrive(point)) return true;
       length_ -= ds_;
       return false;
     }
     find_events(next, point);
+    if (const auto again = point_passed_again(equations_, curve_, state_, next)) {
+      curve_.loop_start = *again;
+      curve_.end = CurveEnd::kLoop;
+      finished_ = true;
+    }
+    equations_.refer_to(next.y);
     state_ = std::move(next);
     const Eigen::Index before = equations_.harmonics();
     adapt_harmonics();
@@ -318,7 +362,7 @@ class Tracer {
     point.motion = a + part * (b - a);
     point.motion -= odd_harmonics(point.motion);
     point.omega += part * (equations_.omega(next.y) - point.omega);
-    point.amplitude = options_.amplitude(point.motion);
+    point.amplitude = amplitude(point.motion, point.load);
     point.length = length_;
     add_point(std::move(point));
     curve_.end = CurveEnd::kJoined;
@@ -342,13 +386,18 @@ class Tracer {
     CurvePoint point;
     point.omega = equations_.omega(y);
     point.motion = equations_.motion(y);
-    point.amplitude = options_.amplitude(point.motion);
     point.load = equations_.load_factor(y);
+    point.amplitude = amplitude(point.motion, point.load);
     return point;
+  }
+  double amplitude(const FourierSeries& motion, double load) const {
+    return options_.loaded_amplitude ? options_.loaded_amplitude(motion, load)
+                                     : options_.amplitude(motion);
   }
 
   // Folds and changes of stability between state_ and `next`, whose point is `point`.
   void find_events(const CurveState& next, const CurvePoint& point) {
+    if (!goal_.events) return;
     const double span = (state_.border.array() * (next.y - state_.y).array()).sum() /
                         state_.border.dot(state_.tangent);
     const bool turned = (next.omega_slope() > 0.0) != (state_.omega_slope() > 0.0);
@@ -356,10 +405,9 @@ class Tracer {
     const bool forced = equations_.motion_sign(next) != 0;
     const std::size_t known = curve_.bifurcations.size();
     if (turned) find_fold(span, next);
-    if (crossed && forced)
-      find_branch(span, next);
-    else if (crossed && !options_.stability)
-      curve_.bifurcations.push_back({BifurcationKind::kBranch, point, 1.0});
+    // With stability the multipliers name the branch points of free motions.
+    if (crossed && (forced || !options_.stability))
+      curve_.bifurcations.push_back(find_branch(span, next));
     if (options_.stability) find_crossing(span, point, turned, forced && turned != crossed, forced);
     std::stable_sort(curve_.bifurcations.begin() + static_cast<std::ptrdiff_t>(known),
                      curve_.bifurcations.end(), [&](const auto& a, const auto& b) {
@@ -386,27 +434,57 @@ class Tracer {
               find_zero(equations_, state_, span, state_.omega_slope(), next.omega_slope(), slope),
               next);
   }
-  // Where the bordered matrix B is singular: with its null vectors v, u at `next`, 1 / (v . B^-1 u)
-  // is about its least singular value, with a sign.
-  void find_branch(double span, const CurveState& next) {
-    Eigen::VectorXd left = Eigen::VectorXd::Ones(next.y.size()), right = left;
+  // The least singular value of a state's matrix, with the sign of its determinant.
+  static double signed_least(const CurveState& at) {
+    Eigen::VectorXd left = Eigen::VectorXd::Ones(at.y.size()).normalized();
+    double inverse = 0.0;
     for (int i = 0; i < 3; ++i) {
-      right = next.factor.solve(left).normalized();
-      left = next.factor.solve_transposed(right).normalized();
+      left = at.factor.solve_transposed(at.factor.solve(left).normalized());
+      inverse = left.norm();
+      left /= inverse;
     }
-    double scale = 1.0;
+    return at.sign / inverse;
+  }
+  // Where the bordered matrix is singular. If its determinant jumps from one sign to the other, the
+  // step has left the curve for another one across a narrow gap, and the point is that of the jump.
+  Bifurcation find_branch(double span, const CurveState& next) {
+    constexpr double kSingular = 1e-3;  // relative to the values at the ends
+    const double before = signed_least(state_), behind = signed_least(next);
+    const double scale = std::min(std::abs(before), std::abs(behind));
+    double newest = NAN;
     const auto least = [&](const Eigen::VectorXd& y) {
       const Result<CurveState> at = curve_state(equations_, y, onwards());
-      return at ? scale / right.dot(at->factor.solve(left)) : NAN;
+      return newest = at ? signed_least(*at) / scale : NAN;
     };
-    const double behind = least(next.y);
-    scale /= std::abs(behind);
-    const double before = least(state_.y), end = behind > 0.0 ? 1.0 : -1.0;
-    add_event(BifurcationKind::kBranch,
-              before * end < 0.0
-                  ? find_zero(equations_, state_, span, before, end, least)
-                  : Result<Eigen::VectorXd>(Error{ErrorKind::kSolver, "no change of sign"}),
-              next);
+    const Result<Eigen::VectorXd> found =
+        find_zero(equations_, state_, span, before / scale, behind / scale, least);
+    const bool singular = found && std::abs(newest) < kSingular;
+    CurvePoint at = point_of(singular ? *found : point_of_jump(span, next));
+    return {BifurcationKind::kBranch, std::move(at), 1.0, !singular};
+  }
+  // By halves of the step, on the far side of the jump.
+  Eigen::VectorXd point_of_jump(double span, const CurveState& next) {
+    constexpr double kNearEnough = 1e-6;  // of the step
+    double a = 0.0, b = span;
+    Eigen::VectorXd far = next.y, y;
+    while (std::abs(b - a) > kNearEnough * std::abs(span)) {
+      bool found = false;
+      // At a singular point in between nothing is found; next to it there is.
+      for (const double part : {0.5, 0.3, 0.7, 0.1, 0.9}) {
+        const double at = a + part * (b - a);
+        if (!advance(equations_, state_, at, true, y).converged) continue;
+        const Result<CurveState> state = curve_state(equations_, y, onwards());
+        if (!state) continue;
+        found = true;
+        if (state->sign == next.sign)
+          b = at, far = y;
+        else
+          a = at;
+        break;
+      }
+      if (!found) break;
+    }
+    return far;
   }
 
   // The multiplier that leaves or enters the unit circle, and where. explained: a fold or a branch

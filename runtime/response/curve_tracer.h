@@ -2,9 +2,10 @@
 // stability.
 #pragma once
 
+#include <cmath>
 #include <functional>
 
-#include "runtime/response/motion_equations.h"
+#include "runtime/response/equations/motion_equations.h"
 #include "runtime/response/response.h"
 
 namespace tremolo {
@@ -20,6 +21,10 @@ struct CurveGoal {
   std::function<Result<Eigen::VectorXd>(Eigen::Index harmonics)> first;
   // True if the curve has all that is needed: it ends as done. May be empty.
   std::function<bool(const MotionCurve&)> enough;
+  // The curve ends, as coarse, where the two highest harmonics hold more than this fraction.
+  double most_share = INFINITY;
+  // Folds and bifurcations are looked for.
+  bool events = true;
   // The curve ends, as joined, where the odd harmonics vanish and change their sign: it meets a
   // motion of half the period there and would then repeat itself, half a period later.
   bool ends_at_half_period = false;

@@ -34,6 +34,41 @@ std::function<double(const FourierSeries&)> amplitude_of(const Probe& probe) {
   };
 }
 
+Result<ProbeResponse> probe_response(const Model& model, VertexId vertex,
+                                     const Eigen::VectorXd& forces, const FourierSeries& course,
+                                     double static_scale) {
+  ProbeResponse response;
+  response.periodic = FourierSeries::Zero(3, course.cols());
+  if (forces.size() == 0 || forces.isZero(0.0)) return response;
+  const Result<VertexRows> rows = model.response(vertex);
+  if (!rows) return rows.error();
+  const Eigen::Vector3d displacement = rows->rows * forces;
+  response.constant = static_scale * displacement;
+  response.periodic = displacement * course;
+  response.periodic.col(0).setZero();
+  return response;
+}
+
+FourierSeries shown_motion(const Probe& probe, const ProbeResponse& response,
+                           const FourierSeries& motion, double load) {
+  FourierSeries shown = probe.rows * motion;
+  if (response.none()) return shown;
+  shown = with_harmonics(shown, std::max(harmonics_of(shown), harmonics_of(response.periodic)));
+  shown.leftCols(response.periodic.cols()) += load * response.periodic;
+  shown.col(0) += response.constant;
+  return shown;
+}
+
+std::function<double(const FourierSeries&, double load)> loaded_amplitude_of(
+    const Probe& probe, const ProbeResponse& response) {
+  if (response.none()) return {};
+  return [=](const FourierSeries& motion, double load) {
+    return largest_over_period(Eigen::Matrix3d::Identity(),
+                               shown_motion(probe, response, motion, load))
+        .value;
+  };
+}
+
 void limit_undamped(CurveOptions& options) {
   constexpr int kMostPoints = 500;
   options.stability = false;

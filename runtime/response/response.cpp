@@ -8,43 +8,11 @@
 
 #include "common/text.h"
 #include "runtime/response/curve_tracer.h"
+#include "runtime/response/first_motion.h"
 #include "runtime/response/static_state.h"
 
 namespace tremolo {
 namespace {
-
-// The motion at one frequency under the growing force, from the linear one on.
-Result<Eigen::VectorXd> first_motion(const VibratingSystem& system, const FourierSeries& force,
-                                     const Eigen::VectorXd& rest, double omega,
-                                     Eigen::Index harmonics, double omega_scale) {
-  constexpr double kLeastPart = 1e-3;
-  FourierSeries part_of_force = force;
-  FourierSeries motion = with_harmonics(rest, harmonics);
-  double done = 0.0, part = 1.0;
-  Eigen::VectorXd y;
-  while (done < 1.0) {
-    const double next = std::min(1.0, done + part);
-    part_of_force.rightCols(force.cols() - 1) = next * force.rightCols(force.cols() - 1);
-    Result<FourierSeries> guess = FourierSeries(motion);
-    if (done == 0.0) guess = linear_motion(system, rest, part_of_force, omega, harmonics);
-    if (!guess) return guess.error();
-    ForcedEquations equations(system, part_of_force, harmonics, vibration_size(*guess, rest),
-                              omega_scale);
-    equations.set_rest(rest);
-    y = equations.unknowns_of(*guess, omega);
-    const Eigen::VectorXd border = Eigen::VectorXd::Unit(y.size(), y.size() - 1);
-    if (solve_on_border(equations, border, kCurveTolerance, y).converged) {
-      motion = equations.motion(y);
-      done = next;
-      part *= 1.5;
-      continue;
-    }
-    part *= 0.5;
-    if (part < kLeastPart)
-      return Error{ErrorKind::kSolver, "no periodic motion was found at the first frequency"};
-  }
-  return y;
-}
 
 Status check(const VibratingSystem& system, const ResponseRequest& request,
              const CurveOptions& options) {
@@ -66,8 +34,8 @@ Status check(const VibratingSystem& system, const ResponseRequest& request,
 }  // namespace
 
 const char* name_of(CurveEnd end) {
-  constexpr const char* kNames[] = {"done", "unbounded", "returned", "stuck",
-                                    "long", "stopped",   "joined"};
+  constexpr const char* kNames[] = {"done",    "unbounded", "returned", "stuck", "long",
+                                    "stopped", "joined",    "loop",     "coarse"};
   return kNames[static_cast<int>(end)];
 }
 
@@ -124,36 +92,33 @@ Result<MotionCurve> response_curve(const VibratingSystem& system, const Response
   if (Status s = check(system, request, options); !s) return s.error();
   const Result<Eigen::VectorXd> rest = static_state(system.potential, request.force.col(0));
   if (!rest) return rest.error();
-  Eigen::Index harmonics =
-      std::min(options.most_harmonics, std::max(options.harmonics, harmonics_of(request.force)));
   const double omega_scale = std::max(request.omega_from, request.omega_to);
-  const auto first_with = [&](Eigen::Index with) {
-    return first_motion(system, request.force, *rest, request.omega_from, with, omega_scale);
-  };
-  Result<Eigen::VectorXd> first = first_with(harmonics);
-  // The equations of few harmonics may have no motion there that grows out of the linear one.
-  while (!first && first.error().kind == ErrorKind::kSolver && harmonics < options.most_harmonics) {
-    harmonics = std::min(harmonics + 2, options.most_harmonics);
-    first = first_with(harmonics);
-  }
-  if (!first) return first.error();
+  const FirstMotionRequest at_start{system, request.force, *rest, request.omega_from, omega_scale};
+  CurveOptions starting = options;
+  starting.harmonics =
+      std::min(options.most_harmonics, std::max(options.harmonics, harmonics_of(request.force)));
+  const Result<FourierSeries> motion = first_motion(at_start, starting);
+  if (!motion) return motion.error();
   const double upwards = request.omega_to > request.omega_from ? 1.0 : -1.0;
-  const FourierSeries motion =
-      first->head(first->size() - 1).reshaped(system.size(), 2 * harmonics + 1);
-  ForcedEquations equations(system, request.force, harmonics, vibration_size(motion, *rest),
-                            omega_scale);
+  ForcedEquations equations(system, request.force, harmonics_of(*motion),
+                            vibration_size(*motion, *rest), omega_scale);
   equations.set_rest(*rest);
+  Eigen::VectorXd first = equations.unknowns_of(*motion, request.omega_from);
   CurveGoal goal;
-  goal.first = first_with;
+  goal.first = [&](Eigen::Index harmonics) -> Result<Eigen::VectorXd> {
+    starting.harmonics = starting.most_harmonics = harmonics;
+    const Result<FourierSeries> again = first_motion(at_start, starting);
+    if (!again) return again.error();
+    return equations.unknowns_of(*again, request.omega_from);
+  };
   goal.beyond = [&](const CurvePoint& point) {
     return upwards * (point.omega / request.omega_to - 1.0);
   };
   goal.returned = [&](const CurvePoint& point) {
     return upwards * (point.omega / request.omega_from - 1.0) < -1e-9;
   };
-  const Eigen::VectorXd direction =
-      upwards * Eigen::VectorXd::Unit(first->size(), first->size() - 1);
-  return trace_curve(equations, system, *first, direction, goal, false, options);
+  const Eigen::VectorXd direction = upwards * Eigen::VectorXd::Unit(first.size(), first.size() - 1);
+  return trace_curve(equations, system, std::move(first), direction, goal, false, options);
 }
 
 }  // namespace tremolo

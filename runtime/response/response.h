@@ -10,9 +10,9 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
+#include "runtime/response/equations/fourier_series.h"
+#include "runtime/response/equations/vibrating_system.h"
 #include "runtime/response/floquet.h"
-#include "runtime/response/fourier_series.h"
-#include "runtime/response/vibrating_system.h"
 
 namespace tremolo {
 
@@ -29,6 +29,9 @@ struct CurveOptions {
   double longest_step = 0.1;  // along the curve, relative to the vibration's size and the frequency
   // The size of a motion, in the unit of largest_amplitude: m in the programs.
   std::function<double(const FourierSeries&)> amplitude;
+  // The same with the factor of the load (CurvePoint::load), for a point that a force moves besides
+  // the motion. Empty: `amplitude`.
+  std::function<double(const FourierSeries&, double load)> loaded_amplitude;
   double largest_amplitude = 0.0;  // a curve ends there
   std::function<bool()> stopped;   // asked at every point; true ends the curve. May be empty
 };
@@ -56,13 +59,27 @@ struct Bifurcation {
   BifurcationKind kind = BifurcationKind::kFold;
   CurvePoint point;
   std::complex<double> multiplier{1.0, 0.0};  // the one that crosses the unit circle
+  // A branch point that is none: two curves pass each other there across a gap that is narrower
+  // than a step, as those of a nearly symmetric body.
+  bool imperfect = false;
 };
 
 // Reason for the end of a curve. kDone: the requested end. kUnbounded: the largest amplitude.
 // kReturned: it left the range where it had begun. kStuck: no further point was found. kLong: the
 // most points. kStopped: options.stopped. kJoined: a backbone ends on that of another mode with
-// twice the frequency.
-enum class CurveEnd { kDone, kUnbounded, kReturned, kStuck, kLong, kStopped, kJoined };
+// twice the frequency. kLoop: it came back onto itself (MotionCurve::loop_start). kCoarse: the
+// highest harmonics hold too much for the points to be motions (CurveGoal::most_share).
+enum class CurveEnd {
+  kDone,
+  kUnbounded,
+  kReturned,
+  kStuck,
+  kLong,
+  kStopped,
+  kJoined,
+  kLoop,
+  kCoarse
+};
 
 const char* name_of(CurveEnd end);
 
@@ -70,6 +87,7 @@ struct MotionCurve {
   std::vector<CurvePoint> points;
   std::vector<Bifurcation> bifurcations;  // folds too, in the order of the curve
   CurveEnd end = CurveEnd::kDone;
+  std::size_t loop_start = 0;  // kLoop: the point that it came back to
   double largest_share = 0.0;  // of the two highest harmonics, over all points
   // Points with too few harmonics since more of them gave no motion, and the frequency of the
   // first.

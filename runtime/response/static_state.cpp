@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "common/text.h"
@@ -32,6 +33,26 @@ bool is_near(const Eigen::VectorXd& predicted, const Eigen::VectorXd& made) {
   return (made - predicted).norm() <= 0.5 * predicted.norm();
 }
 
+// The message for a force of which the part `done` has the last state that was found, q.
+Error not_found(const Potential& potential, PotentialWorkspace& workspace, Evaluation& at,
+                const Eigen::VectorXd& q, double done) {
+  constexpr double kNearZero = 0.1;  // of the least stiffness without force
+  const auto least_stiffness = [&](const Eigen::VectorXd& where) {
+    potential.evaluate(where, kWantTangent, workspace, at);
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(at.tangent, Eigen::EigenvaluesOnly)
+        .eigenvalues()[0];
+  };
+  const double at_rest = least_stiffness(Eigen::VectorXd::Zero(q.size()));
+  if (least_stiffness(q) < kNearZero * at_rest)
+    return Error{ErrorKind::kContent,
+                 "the constant force is beyond a static instability: at " + number_text(done) +
+                     " of it the stiffness stops being positive (the body buckles or snaps "
+                     "through); use a smaller constant force"};
+  return Error{ErrorKind::kContent,
+               "no state at rest was found beyond " + number_text(done) +
+                   " of the constant force, where the body is stiff; use a smaller constant force"};
+}
+
 }  // namespace
 
 Result<Eigen::VectorXd> static_state(const Potential& potential, const Eigen::VectorXd& force) {
@@ -39,7 +60,8 @@ Result<Eigen::VectorXd> static_state(const Potential& potential, const Eigen::Ve
   if (force.isZero(0.0)) return q;
   PotentialWorkspace workspace = potential.make_workspace(kUseTangent);
   Evaluation at = potential.make_evaluation();
-  constexpr double kLeastPart = 1e-5;
+  // A force of many times what bends the body far needs small first parts.
+  constexpr double kLeastPart = 1e-12;
   double done = 0.0, part = 0.125;
   while (done < 1.0) {
     const double next = std::min(1.0, done + part);
@@ -54,11 +76,7 @@ Result<Eigen::VectorXd> static_state(const Potential& potential, const Eigen::Ve
       continue;
     }
     part *= 0.5;
-    if (part < kLeastPart)
-      return content_error("the constant force is beyond a static instability: at " +
-                           number_text(done) +
-                           " of it the stiffness stops being positive (the body buckles or snaps "
-                           "through); use a smaller constant force");
+    if (part < kLeastPart) return not_found(potential, workspace, at, q, done);
   }
   return q;
 }

@@ -65,7 +65,10 @@ Result<Settled> settle_at(const SteppedLoad& load, const CurvePoint& point, Stat
       const StepReport report = body->step();
       if (!report.converged)
         return Error{error_kind(report.failure), failure_message(report, body->time())};
-      const double now = (load.probe_rows * body->state().q).squaredNorm();
+      const double sine = std::sin(kTurn * (n + 1) / steps);
+      const double now =
+          (load.probe_rows * body->state().q + sine * load.probe_periodic + load.probe_constant)
+              .squaredNorm();
       square = std::max({square, now, n < 2 ? 0.0 : peak_of(before, at, now)});
       before = at;
       at = now;

@@ -24,6 +24,9 @@ struct SteppedLoad {
   Eigen::VectorXd periodic;    // times sin omega t, r
   Eigen::VectorXd constant;    // r
   Eigen::MatrixXd probe_rows;  // 3 x r
+  // Displacement of the probe by the forces themselves: times sin omega t, and constant, m.
+  Eigen::Vector3d probe_periodic = Eigen::Vector3d::Zero();
+  Eigen::Vector3d probe_constant = Eigen::Vector3d::Zero();
 };
 
 struct SteppedCurve {

@@ -304,6 +304,7 @@ TEST_F(PeriodicProgram, WrongInputIsNamed) {
   refused(damped + "--from 1 --to 2 --probe 99", 3, "99");
   refused(damped + "--from 1 --to 2 --harmonics 0", 3, "--harmonics");
   refused(damped + "--from 1 --to 2 --load-scale 0", 3, "--load-scale");
+  refused(damped + "--from 1 --to 2 --folds-to 0", 3, "--folds-to");
   refused(damped + "--from 1 --to 2 --load-scale 1,,2", 2, "commas");
   refused(damped + "--from 1 --to 2 --load-scale 1,x", 2, "commas");
   refused(damped + "--from 1 --to 2 --load-harmonic 0:1", 3, "--static-scale");
@@ -317,6 +318,25 @@ TEST_F(PeriodicProgram, WrongInputIsNamed) {
   refused("backbone small.tremolo --mode 4", 3, "modes 1 to 3");
   refused("backbone small.tremolo --to-amplitude x", 2, "10%");
   refused("backbone small.tremolo --to-amplitude 0%", 3, "positive");
+}
+
+// The amplitude of a free body leaves its rigid motion out, which a reader must know.
+TEST_F(PeriodicProgram, AFreeBodySaysThatRigidMotionIsLeftOut) {
+  BasisData data = testing::sample_basis(
+      testing::random_strain_model(testing::spread_omega(3, 6.0, 30.0), 0.3, 3));
+  data.rigid_mode_count = 6;
+  ASSERT_TRUE(write_basis(folder_ + "/free.tremolo", data));
+  const std::string command =
+      "response free.tremolo --load-scale 0.1 --damping-ratio 2% --from 0.6 --to 0.8";
+  const Json json = json_of(command);
+  EXPECT_EQ(json["rigid_modes"], 6);
+  ASSERT_FALSE(json["warnings"].empty());
+  EXPECT_NE(json["warnings"][0].get<std::string>().find("a free body"), std::string::npos);
+  refused(command + " --gravity 0,0,-9.81", 3, "free body");
+  EXPECT_EQ(
+      json_of("response small.tremolo --load-scale 0.1 --damping-ratio 2% --from 0.6 --to 0.8")
+          ["rigid_modes"],
+      0);
 }
 
 TEST_F(PeriodicProgram, AdviceNamesFlagsThatThereAre) {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/response/backbone.h"
-#include "runtime/response/harmonic_balance.h"
+#include "runtime/response/equations/harmonic_balance.h"
 #include "tests/response/oscillators.h"
 
 namespace tremolo {
@@ -182,6 +182,41 @@ TEST(CrossingBranch, BreaksTheSymmetryBetweenTwoBranchPoints) {
     // It meets the curve again at the other branch point; its last point is within half a step.
     EXPECT_LT(branch->points.back().motion.row(1).norm(), 0.2 * most);
     EXPECT_NEAR(branch->points.back().omega, branches[1]->omega, 0.002);
+  }
+}
+
+// A millionth of the load on the second coordinate leaves a narrow gap where the branches crossed.
+// The step that crosses it says so, and where: at the branch points without that part of the load,
+// however long it is.
+TEST(CrossingBranch, AGapIsAnImperfectBranchPointAtItsOwnFrequency) {
+  const double g = 0.2, d = 0.02, f = 0.1;
+  const std::vector<double> cubic(4, 0.0), quartic{0.0, 0.0, g / 6.0, 0.0, 0.02};
+  const VibratingSystem system{*Potential::create(Eigen::Vector2d(1.0, 0.8), cubic, quartic),
+                               Eigen::Vector2d(0.1, d),
+                               0.0,
+                               {}};
+  const auto branches_of = [&](double part, double step) {
+    CurveOptions options = plain_options(7);
+    options.longest_step = step;
+    const Result<MotionCurve> curve =
+        response_curve(system, {cosine_force(Eigen::Vector2d(f, part * f)), 0.7, 1.4}, options);
+    EXPECT_TRUE(curve && curve->end == CurveEnd::kDone);
+    std::vector<Bifurcation> found;
+    for (const Bifurcation& at : curve->bifurcations)
+      if (at.kind == BifurcationKind::kBranch) found.push_back(at);
+    return found;
+  };
+  const std::vector<Bifurcation> exact = branches_of(0.0, 0.1);
+  ASSERT_EQ(exact.size(), 2U);
+  for (const Bifurcation& at : exact) EXPECT_FALSE(at.imperfect);
+  for (const double step : {0.1, 0.07, 0.03}) {
+    const std::vector<Bifurcation> gaps = branches_of(1e-6, step);
+    ASSERT_EQ(gaps.size(), 2U) << step;
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_TRUE(gaps[i].imperfect);
+      // The gap is as wide as the part of the load to the power 2/3: 1e-4.
+      EXPECT_NEAR(gaps[i].point.omega, exact[i].point.omega, 2e-3) << step;
+    }
   }
 }
 

@@ -8,7 +8,10 @@
 
 #include <gtest/gtest.h>
 
+#include "common/damping_ratios.h"
 #include "formats/basis/basis_writer.h"
+#include "runtime/bodies/reduced/integrators/solve/damping.h"
+#include "runtime/body.h"
 #include "runtime/load.h"
 #include "runtime/model.h"
 #include "runtime/response/probe.h"
@@ -316,6 +319,60 @@ TEST_F(CCurve, ABranchBreaksTheSymmetryAndMeetsTheResponseAgain) {
   }
   EXPECT_EQ(tremolo_branch_curve(response, 0, 2, &curve_), TREMOLO_USAGE);
   tremolo_curve_destroy(response);
+}
+
+// A body that keeps its response to the default load shows U q + W f: in time steps too.
+TEST_F(CCurve, TheAmplitudeHasTheStoredResponseAsTheBodyHas) {
+  BasisData data = duffing_basis(2.0, 3.0);
+  data.response.at = {kAtDefaultLoad};
+  data.response.surface = BasisRows::Random(15, 3);
+  data.response.surface.topRows(3).setZero();
+  data.response.interior = BasisRows::Random(6, 3);
+  load(data);
+  const Model::Pointer model = *Model::from_data(data);
+  const double unit = std::abs((*reduce_load(*model, model->default_load()))[0]);
+  const double scale = 2.0 * 0.05 * 4.0 * 0.3 / unit;  // 0.3 at resonance
+  tremolo_curve_options options;
+  tremolo_curve_options_init(&options);
+  options.damping_ratio = "5%";
+  options.load_scale = scale;
+  options.static_scale = 0.2 * scale;
+  options.probe = 5;
+  options.largest_amplitude = 1e3;
+  ASSERT_EQ(tremolo_response(model_, &options, 0.2, 0.6, &curve_), TREMOLO_OK)
+      << tremolo_last_error();
+  const VertexRows rows = *model->vertex(5), own = *model->response(5);
+  DefaultLoad forces = model->default_load();
+  for (Eigen::Vector3d& force : forces.forces) force *= scale;
+  DefaultLoad constant = forces;
+  for (Eigen::Vector3d& force : constant.forces) force *= 0.2;
+  for (const std::size_t index : {std::size_t{0}, tremolo_curve_points(curve_) - 1}) {
+    tremolo_curve_point point;
+    ASSERT_EQ(tremolo_curve_point_at(curve_, index, &point), TREMOLO_OK);
+    constexpr int kSteps = 256;
+    IntegratorOptions stepping;
+    stepping.step = 1.0 / point.frequency_hz / kSteps;
+    DampingRatios ratios;
+    ratios.of_modes = {0.05};
+    put_damping(ratios, stepping);
+    Result<Body> made = Body::create(model, kDefaultIntegrator, stepping);
+    ASSERT_TRUE(made);
+    Body& body = *made;
+    const Signal sine{.kind = SignalKind::kSine, .frequency = point.frequency_hz};
+    ASSERT_TRUE(body.add_load(sine, forces));
+    ASSERT_TRUE(body.add_load(Signal{.kind = SignalKind::kConstant}, constant));
+    double largest = 0.0, without = 0.0;
+    for (int n = 0; n < 40 * kSteps; ++n) {
+      ASSERT_TRUE(body.step().converged);
+      if (n < 39 * kSteps) continue;
+      largest = std::max(largest, body.displacement(5)->norm());
+      without = std::max(without, (rows.rows * body.state().q).norm());
+    }
+    // 256 steps a period see the largest displacement to their square, 1e-4, and the fifth
+    // harmonic is 1e-3 of the motion.
+    EXPECT_NEAR(point.amplitude, largest, 1e-3 * largest) << point.frequency_hz;
+    EXPECT_GT(std::abs(without - largest), 0.05 * largest);
+  }
 }
 
 }  // namespace

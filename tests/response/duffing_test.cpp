@@ -268,5 +268,54 @@ TEST(Duffing, UnderAConstantForceIsFollowedThroughTheResonanceAboutItsSag) {
   }
 }
 
+// The motion at rest that is pushed by the whole force: what a body does that is stepped.
+double settled_amplitude(const Duffing& duffing, double f, double omega) {
+  Eigen::Vector2d state = Eigen::Vector2d::Zero();
+  for (int period = 0; period < 600; ++period) state = shoot(duffing, f, omega, state, 200).end;
+  double largest = 0.0;
+  // A fraction of the period after the other: an omega of n times the frequency ends 1/n of it.
+  for (int part = 1; part <= 64; ++part) {
+    const double angle = 2.0 * std::numbers::pi * part / 64.0;
+    Eigen::Vector2d at = state;
+    double t = 0.0;
+    const double h = angle / omega / 200.0;
+    const auto slope = [&](double time, const Eigen::Vector2d& y) {
+      return Eigen::Vector2d(
+          y[1], -2.0 * duffing.zeta * duffing.omega * y[1] - duffing.omega * duffing.omega * y[0] -
+                    duffing.gamma * std::pow(y[0], 3) + f * std::cos(omega * time));
+    };
+    for (int n = 0; n < 200; ++n, t += h) {
+      const Eigen::Vector2d k1 = slope(t, at), k2 = slope(t + 0.5 * h, at + 0.5 * h * k1);
+      const Eigen::Vector2d k3 = slope(t + 0.5 * h, at + 0.5 * h * k2),
+                            k4 = slope(t + h, at + h * k3);
+      at += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+    }
+    largest = std::max(largest, std::abs(at[0]));
+  }
+  return largest;
+}
+
+// Just above a resonance the motion over the load turns back, so that the load cannot simply grow.
+// Where there is one motion alone, below the fold at which the curve from below jumps up, the
+// stepped body settles on it.
+TEST(Duffing, ACurveBeginsAtAndAboveItsResonance) {
+  for (const auto& [zeta, f] : {std::pair(0.02, 0.3), {0.01, 0.3}, {0.02, 1.0}}) {
+    const Duffing duffing{1.0, 1.0, zeta};
+    const VibratingSystem system = system_of(duffing);
+    const FourierSeries force = cosine_force(Eigen::VectorXd::Constant(1, f));
+    for (const double from : {0.9, 1.0, 1.05, 1.1, 1.15, 1.2, 1.25, 1.3})
+      for (const double to : {0.5, 4.0}) {
+        CurveOptions options = plain_options(7);
+        options.most_harmonics = 15;
+        const Result<MotionCurve> curve = response_curve(system, {force, from, to}, options);
+        ASSERT_TRUE(curve) << zeta << " " << f << " " << from << ": " << curve.error().message;
+        EXPECT_EQ(curve->end, CurveEnd::kDone) << zeta << " " << f << " " << from << " " << to;
+        const double settled = settled_amplitude(duffing, f, from);
+        EXPECT_NEAR(curve->points.front().amplitude, settled, 2e-3 * settled)
+            << zeta << " " << f << " " << from;
+      }
+  }
+}
+
 }  // namespace
 }  // namespace tremolo

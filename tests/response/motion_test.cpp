@@ -12,7 +12,7 @@
 #include "runtime/body.h"
 #include "runtime/model.h"
 #include "runtime/response/backbone.h"
-#include "runtime/response/harmonic_balance.h"
+#include "runtime/response/equations/harmonic_balance.h"
 #include "runtime/response/response.h"
 #include "runtime/response/static_state.h"
 #include "tests/response/oscillators.h"
@@ -378,7 +378,20 @@ TEST(StaticState, BeyondBucklingIsRefusedWithTheFractionOfTheForce) {
   ASSERT_FALSE(beyond);
   EXPECT_EQ(beyond.error().kind, ErrorKind::kContent);
   EXPECT_NE(beyond.error().message.find("static instability"), std::string::npos);
-  EXPECT_NE(beyond.error().message.find("0.49"), std::string::npos) << beyond.error().message;
+  EXPECT_NE(beyond.error().message.find("at 0.5 of it"), std::string::npos)
+      << beyond.error().message;
+}
+
+// A force that bends a hardening body 2000 times as far as where the stiffness has doubled: the
+// first part of it must be small.
+TEST(StaticState, UnderALargeForceItIsTheRootOfTheCubic) {
+  const VibratingSystem system = system_of({1.0, 1.0, 0.0});
+  for (const double x : {1.0, 40.0, 2000.0}) {
+    const Eigen::VectorXd force = Eigen::VectorXd::Constant(1, x + x * x * x);
+    const Result<Eigen::VectorXd> state = static_state(system.potential, force);
+    ASSERT_TRUE(state) << x << ": " << state.error().message;
+    EXPECT_NEAR((*state)[0], x, 1e-10 * x);
+  }
 }
 
 TEST(Response, WithoutDampingItIsUnboundedAtResonance) {

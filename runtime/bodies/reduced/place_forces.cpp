@@ -49,6 +49,13 @@ void PlaceForces::add(const Signal& signal, const Model& model, const DefaultLoa
       add(signal, *place, load.forces[i], steps);
 }
 
+Eigen::VectorXd place_forces_of(const Model& model, const DefaultLoad& load) {
+  PlaceForces forces(model.response_places().size());
+  forces.add(Signal{}, model, load, 1);
+  forces.end_step(0.0, 1.0, [](Eigen::Index) { return Eigen::Matrix3d::Identity(); });
+  return forces.now();
+}
+
 void PlaceForces::clear() {
   forces_.clear();
 }

@@ -1,14 +1,15 @@
 // Model.response and Model.backbone: curves of periodic motions as dicts of arrays.
 #include <cmath>
 #include <numbers>
-#include <optional>
 
 #include "common/damping_ratios.h"
 #include "runtime/apps/python/module/model_class.h"
 #include "runtime/bodies/reduced/integrators/solve/damping.h"
 #include "runtime/load.h"
+#include "runtime/place_forces.h"
 #include "runtime/response/backbone.h"
 #include "runtime/response/branches.h"
+#include "runtime/response/probe.h"
 #include "runtime/response/response.h"
 
 namespace tremolo::python {
@@ -37,47 +38,37 @@ VibratingSystem system_of(const Model& model, double alpha, double beta, py::han
 }
 
 // Of the boundary's vertices, or of those that `at` names, the one that moves most in the mode.
-VertexRows probe_of(py::handle at, const Model& model, Eigen::Index mode) {
+Probe probe_of(py::handle at, const Model& model, Eigen::Index mode) {
   const std::vector<VertexId> vertices =
       at.is_none() ? model.surface().vertex_ids : vertices_at(at, model);
-  std::optional<VertexRows> probe;
-  for (const VertexId vertex : vertices) {
-    VertexRows rows = unwrap(model.vertex(vertex));
-    if (!probe || rows.rows.col(mode).norm() > probe->rows.col(mode).norm())
-      probe = std::move(rows);
-  }
-  if (!probe || probe->rows.isZero(0.0))
+  Probe probe = unwrap(moving_most(model, vertices, mode));
+  if (!probe.moves)
     raise(content_error("the probe is fixed: it does not move, so that it has no amplitude"));
-  return std::move(*probe);
+  return probe;
 }
 
-double size_of(const Model& model) {
-  const BoundingBox box = bounding_box(model.drawn().rest);
-  return (box.high - box.low).maxCoeff();
+// The probe's stored response to the default load, which a reduced force does not have.
+ProbeResponse probe_response_of(const Model& model, const Probe& probe, py::handle load,
+                                double load_scale, const FourierSeries& course) {
+  if (!load.is_none()) return {};
+  return unwrap(probe_response(
+      model, probe.vertex, load_scale * place_forces_of(model, model.default_load()), course, 0.0));
 }
 
-CurveOptions options_of(int harmonics, bool stability, const VertexRows& probe, double largest) {
+CurveOptions options_of(int harmonics, bool stability, const Probe& probe, double largest) {
   if (harmonics < 1 || harmonics > 99) raise(content_error("harmonics must be from 1 to 99"));
   CurveOptions options;
   options.harmonics = harmonics;
   options.most_harmonics = std::max<Eigen::Index>(harmonics, options.most_harmonics);
   options.stability = stability;
   options.largest_amplitude = largest;
-  options.amplitude = [rows = Eigen::MatrixXd(probe.rows)](const FourierSeries& motion) {
-    return largest_over_period(rows, motion).value;
-  };
+  options.amplitude = amplitude_of(probe);
   // Ctrl-C ends the curve, which is then raised.
   options.stopped = [] {
     const py::gil_scoped_acquire locked;
     return PyErr_CheckSignals() != 0;
   };
   return options;
-}
-
-const char* name_of_end(CurveEnd end) {
-  constexpr const char* kNames[] = {"done", "unbounded", "returned", "stuck",
-                                    "long", "stopped",   "joined"};
-  return kNames[static_cast<int>(end)];
 }
 
 // load_scale: of a point whose load has the factor 1.
@@ -107,11 +98,11 @@ py::dict dict_of(const MotionCurve& curve, const VibratingSystem& system, double
     bifurcations.append(py::dict(
         "kind"_a = tremolo::name_of(found.kind), "frequency_hz"_a = found.point.omega / kTurn,
         "amplitude"_a = found.point.amplitude, "multiplier"_a = found.multiplier,
-        "load_scale"_a = load_scale * found.point.load));
+        "load_scale"_a = load_scale * found.point.load, "imperfect"_a = found.imperfect));
   return py::dict("frequency_hz"_a = frequencies, "amplitude"_a = amplitudes, "energy"_a = energies,
                   "stable"_a = stable, "harmonics"_a = harmonics, "share"_a = shares,
                   "load_scale"_a = loads, "motion"_a = motions, "bifurcations"_a = bifurcations,
-                  "end"_a = name_of_end(curve.end));
+                  "end"_a = tremolo::name_of(curve.end));
 }
 
 // A reduced force (r,), or zero for None.
@@ -165,14 +156,17 @@ py::dict response(const PyModel& self, const std::pair<double, double>& frequenc
                   int harmonics, bool stability, py::handle folds_to) {
   const Model& model = *self.model;
   const VibratingSystem system = system_of(model, alpha, beta, damping_ratio);
-  ResponseRequest request{load_of(load, load_scale, model) * course_of(load_harmonics),
-                          kTurn * frequencies.first, kTurn * frequencies.second};
+  const FourierSeries course = course_of(load_harmonics);
+  ResponseRequest request{load_of(load, load_scale, model) * course, kTurn * frequencies.first,
+                          kTurn * frequencies.second};
   request.force.col(0) = force_of(constant, model, "constant");
   const double factor = folds_to.is_none() ? 1.0 : folds_to.cast<double>() / load_scale;
   if (!(factor > 0.0) || !std::isfinite(factor))
     raise(content_error("folds_to must be finite, not zero, and have the sign of load_scale"));
-  const CurveOptions options =
-      options_of(harmonics, stability, probe_of(probe, model, 0), size_of(model));
+  const Probe seen = probe_of(probe, model, 0);
+  CurveOptions options = options_of(harmonics, stability, seen, extent_of(model));
+  options.loaded_amplitude =
+      loaded_amplitude_of(seen, probe_response_of(model, seen, load, load_scale, course));
   const MotionCurve curve = traced([&] { return response_curve(system, request, options); });
   py::dict result = dict_of(curve, system, load_scale);
   if (folds_to.is_none()) return result;
@@ -202,7 +196,7 @@ py::dict backbone(const PyModel& self, int mode, double to_amplitude, py::handle
   const VibratingSystem system = system_of(model, 0.0, 0.0, py::none());
   const BackboneRequest request{mode - 1, force_of(constant, model, "constant"), to_amplitude};
   const CurveOptions options = options_of(harmonics, stability, probe_of(probe, model, mode - 1),
-                                          std::max(2.0 * to_amplitude, size_of(model)));
+                                          std::max(2.0 * to_amplitude, extent_of(model)));
   return dict_of(traced([&] { return backbone_curve(system, request, options); }), system, 0.0);
 }
 
@@ -216,8 +210,13 @@ py::dict damped_backbone(const PyModel& self, int mode, double to_amplitude, py:
     raise(content_error("a damped backbone needs a damping, such as damping_ratio=\"2%\""));
   const DampedBackboneRequest request{mode - 1, force_of(constant, model, "constant"),
                                       load_of(load, load_scale, model), to_amplitude};
-  const CurveOptions options = options_of(harmonics, stability, probe_of(probe, model, mode - 1),
-                                          std::max(2.0 * to_amplitude, size_of(model)));
+  const Probe seen = probe_of(probe, model, mode - 1);
+  CurveOptions options =
+      options_of(harmonics, stability, seen, std::max(2.0 * to_amplitude, extent_of(model)));
+  FourierSeries cosine = FourierSeries::Zero(1, 3);
+  cosine(0, cosine_column(1)) = 1.0;
+  options.loaded_amplitude =
+      loaded_amplitude_of(seen, probe_response_of(model, seen, load, load_scale, cosine));
   return dict_of(traced([&] { return damped_backbone_curve(system, request, options); }), system,
                  load_scale);
 }
@@ -238,11 +237,16 @@ void add_curves(py::class_<PyModel, PyModelPointer>& model) {
       "scale * sin(number * 2 pi f t + degrees) replaces the sine. "
       "alpha (1/s), beta (s), or damping_ratio, such as \"2%\" or \"1:2%,30:5%\". probe: a "
       "vertex or a selector; by default what moves most in mode 1. Returns a dict of n "
-      "points: frequency_hz, amplitude (of the probe, m), energy (J), stable, harmonics, "
+      "points: frequency_hz, amplitude (of the probe, m, with the stored response to the default "
+      "load), "
+      "energy (J), stable, harmonics, "
       "share (of the two highest ones) and load_scale, each (n,); motion, a list of n arrays (r, 2 "
       "H + 1), "
       "columns c_0, a_1, b_1, ..., of c_0 + sum a_k cos k w t + b_k sin k w t; bifurcations, "
-      "a list of dicts; end, why the curve ends: done, unbounded, returned, stuck or long. "
+      "a list of dicts; end, why the curve ends: done, unbounded, returned, stuck, long, loop, or "
+      "of "
+      "backbones joined or coarse. A bifurcation is imperfect where the curve passes another one "
+      "across a gap narrower than a step. "
       "With folds_to, a load_scale, each fold is followed over the load, and fold_curves is a list "
       "of such dicts, without stable; their bifurcations are cusps. "
       "Other threads run meanwhile; Ctrl-C ends it.");

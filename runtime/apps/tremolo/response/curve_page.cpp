@@ -18,22 +18,22 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kInks[] = {"#0060a8", "#d95f02", "#1b9e77", "#7b3fa0", "#d01c6f", "#8c5a1e"};
 
 // A value of a point, for an axis.
-using Axis = double (*)(const CurvePoint&, const CurveContext&);
+using Axis = double (*)(const CurvePoint&, double load_scale, const CurveContext&);
 
-double frequency_of(const CurvePoint& point, const CurveContext&) {
+double frequency_of(const CurvePoint& point, double, const CurveContext&) {
   return point.omega / (2.0 * std::numbers::pi);
 }
-double amplitude_of(const CurvePoint& point, const CurveContext&) {
+double amplitude_of(const CurvePoint& point, double, const CurveContext&) {
   return point.amplitude;
 }
-double load_of(const CurvePoint& point, const CurveContext&) {
+double load_of(const CurvePoint& point, double, const CurveContext&) {
   return point.load;
 }
-double phase_of(const CurvePoint& point, const CurveContext& context) {
-  return values_of(point, context).phase;
+double phase_of(const CurvePoint& point, double load_scale, const CurveContext& context) {
+  return values_of(point, load_scale, context).phase;
 }
-double energy_of(const CurvePoint& point, const CurveContext& context) {
-  return values_of(point, context).energy;
+double energy_of(const CurvePoint& point, double load_scale, const CurveContext& context) {
+  return values_of(point, load_scale, context).energy;
 }
 
 // The stable or the unstable parts of a curve, with gaps between them. A part begins at the last
@@ -46,8 +46,8 @@ Curve parts_of(const CurveResult& result, bool stable, Axis x, Axis y, const Cur
     const bool starts = i + 1 < points.size() && points[i + 1].stable == stable;
     const bool shown = points[i].stable == stable || starts;
     const double gap = std::numeric_limits<double>::quiet_NaN();
-    line.x.push_back(shown ? x(points[i], context) : gap);
-    line.y.push_back(shown ? y(points[i], context) : gap);
+    line.x.push_back(shown ? x(points[i], result.load_scale, context) : gap);
+    line.y.push_back(shown ? y(points[i], result.load_scale, context) : gap);
     if (loops != nullptr) line.loops.push_back((*loops)[i]);
   }
   return line;
@@ -81,8 +81,8 @@ Chart chart_of(const std::string& x_label, Axis x, const std::string& y_label, A
       const Bifurcation& found = result.curve.bifurcations[i];
       Curve& mark = marks[name_of(found.kind)];
       if (plays) mark.loops.push_back(film.loop_of_bifurcation[number][i]);
-      mark.x.push_back(x(found.point, context));
-      mark.y.push_back(y(found.point, context));
+      mark.x.push_back(x(found.point, result.load_scale, context));
+      mark.y.push_back(y(found.point, result.load_scale, context));
     }
     ++number;
   }
@@ -113,7 +113,7 @@ Json table_of(const std::vector<CurveResult>& results, const CurveContext& conte
   for (const CurveResult& result : results)
     for (const Bifurcation& found : result.curve.bifurcations)
       rows.push_back({result.label, name_of(found.kind),
-                      fmt::format("{:.8g}", frequency_of(found.point, context)),
+                      fmt::format("{:.8g}", frequency_of(found.point, result.load_scale, context)),
                       fmt::format("{:.6g}", found.point.amplitude),
                       fmt::format("{}", found.point.harmonics())});
   return {{"kind", "table"},

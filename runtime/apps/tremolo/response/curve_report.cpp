@@ -34,7 +34,7 @@ bool own_loads(const CurveResult& result, const CurveContext& context) {
 }
 
 Json point_json(const CurveResult& result, const CurvePoint& point, const CurveContext& context) {
-  const PointValues values = values_of(point, context);
+  const PointValues values = values_of(point, result.load_scale, context);
   Json json;
   json["frequency_hz"] = values.frequency;
   json["amplitude"] = values.amplitude;
@@ -55,12 +55,13 @@ Json point_json(const CurveResult& result, const CurvePoint& point, const CurveC
 
 Json bifurcation_json(const CurveResult& result, const Bifurcation& found,
                       const CurveContext& context) {
-  const PointValues values = values_of(found.point, context);
+  const PointValues values = values_of(found.point, result.load_scale, context);
   Json json = {{"kind", name_of(found.kind)},
                {"frequency_hz", values.frequency},
                {"amplitude", values.amplitude},
                {"energy", values.energy},
                {"harmonics", found.point.harmonics()},
+               {"imperfect", found.imperfect},
                {"multiplier", {found.multiplier.real(), found.multiplier.imag()}}};
   if (own_loads(result, context)) json["load_scale"] = result.load_scale * found.point.load;
   return json;
@@ -90,12 +91,13 @@ const CurvePoint& peak_of(const MotionCurve& curve) {
 
 }  // namespace
 
-PointValues values_of(const CurvePoint& point, const CurveContext& context) {
+PointValues values_of(const CurvePoint& point, double load_scale, const CurveContext& context) {
   PointValues values;
   values.frequency = in_hertz(point.omega);
   values.amplitude = point.amplitude;
   values.energy = mean_energy(context.system, point.motion, point.omega);
-  const FourierSeries seen = context.made.probe_rows * point.motion;
+  const FourierSeries seen = shown_motion(context.made.the_probe(), context.response, point.motion,
+                                          load_scale * point.load);
   const Eigen::Index H = harmonics_of(seen);
   values.harmonics.push_back(seen.col(0).norm());
   for (Eigen::Index k = 1; k <= H; ++k)
@@ -148,7 +150,7 @@ std::string curve_table(const std::vector<CurveResult>& results, const CurveCont
   text += '\n';
   for (const CurveResult& result : results)
     for (const CurvePoint& point : result.curve.points) {
-      const PointValues values = values_of(point, context);
+      const PointValues values = values_of(point, result.load_scale, context);
       if (context.forced) text += fmt::format("{},", result.load_scale * point.load);
       const char* stable = point.multipliers.size() == 0 ? "" : point.stable ? "1" : "0";
       text += fmt::format("{},{},{},{},{}", values.frequency, values.amplitude, stable,
@@ -183,10 +185,32 @@ void print_curve(const CurveResult& result, const CurveContext& context) {
         stepped.elsewhere > 0 ? fmt::format("; {} settled elsewhere", stepped.elsewhere) : "");
   }
   for (const Bifurcation& found : curve.bifurcations)
-    tell("  {} at {:.6g} Hz, amplitude {:.4g} m\n", name_of(found.kind),
+    tell("  {}{} at {:.6g} Hz, amplitude {:.4g} m\n", name_of(found.kind),
+         found.imperfect ? ", imperfect (two curves with a gap narrower than the step)," : "",
          in_hertz(found.point.omega), found.point.amplitude);
   print_warnings(result.warnings);
 }
+
+namespace {
+
+void add_warnings(bool damped, const CurveOptions& options, CurveResult& result) {
+  const MotionCurve& curve = result.curve;
+  if (curve.refused > 0)
+    result.warnings.push_back(
+        fmt::format("{} points, the first at {:.6g} Hz, have too few harmonics: with more of them "
+                    "no motion was found; --harmonics begins with more",
+                    curve.refused, in_hertz(curve.first_refused)));
+  if (!damped)
+    result.warnings.push_back(
+        "without damping no motion attracts others: stability was not computed");
+  if (curve.largest_share > options.harmonic_share)
+    result.warnings.push_back(fmt::format(
+        "the two highest harmonics hold up to {:.2g} % of the motion, more than {:.2g} %: raise "
+        "--most-harmonics above {}",
+        100.0 * curve.largest_share, 100.0 * options.harmonic_share, options.most_harmonics));
+}
+
+}  // namespace
 
 void set_ending(const PeriodicModel& made, bool damped, const std::string& to,
                 const CurveOptions& options, CurveResult& result) {
@@ -218,6 +242,18 @@ void set_ending(const PeriodicModel& made, bool damped, const std::string& to,
                     "which it branches off by period doubling; no part beyond this internal "
                     "resonance was found up to {}",
                     2.0 * in_hertz(last.omega), to));
+  else if (curve.end == CurveEnd::kLoop)
+    end(exit_code(ErrorKind::kSolver),
+        fmt::format(
+            "it has come back onto its own point {} at {:.6g} Hz: a closed loop, of which no "
+            "part reaches {}. A curve does not lead onto a loop by itself: one of its steps "
+            "has crossed a narrow gap; a smaller --longest-step may stay off the loop",
+            curve.loop_start + 1, in_hertz(curve.points[curve.loop_start].omega), to));
+  else if (curve.end == CurveEnd::kCoarse)
+    end(exit_code(ErrorKind::kSolver),
+        fmt::format("the two highest harmonics hold {:.2g} % of the motion, too much for it to "
+                    "repeat; raise --most-harmonics above {}",
+                    100.0 * last.share, last.harmonics()));
   else if (curve.end == CurveEnd::kStuck)
     end(exit_code(ErrorKind::kSolver),
         "no further point was found, even with the shortest step; more harmonics "
@@ -227,19 +263,7 @@ void set_ending(const PeriodicModel& made, bool damped, const std::string& to,
         fmt::format("it has {} points and has not reached {}; raise --most-points or "
                     "--longest-step",
                     curve.points.size(), to));
-  if (curve.refused > 0)
-    result.warnings.push_back(
-        fmt::format("{} points, the first at {:.6g} Hz, have too few harmonics: with more of them "
-                    "no motion was found; --harmonics begins with more",
-                    curve.refused, in_hertz(curve.first_refused)));
-  if (!damped)
-    result.warnings.push_back(
-        "without damping no motion attracts others: stability was not computed");
-  if (curve.largest_share > options.harmonic_share)
-    result.warnings.push_back(fmt::format(
-        "the two highest harmonics hold up to {:.2g} % of the motion, more than {:.2g} %: raise "
-        "--most-harmonics above {}",
-        100.0 * curve.largest_share, 100.0 * options.harmonic_share, options.most_harmonics));
+  add_warnings(damped, options, result);
 }
 
 }  // namespace tremolo

@@ -46,10 +46,12 @@ struct CurveContext {
   VibratingSystem system;
   Eigen::Vector3d direction;
   double load_phase = 0.0;
-  bool forced = true;  // the points have a phase and stability against a load
-  bool ridge = false;  // a damped backbone: each point has a load of its own
+  bool forced = true;      // the points have a phase and stability against a load
+  bool ridge = false;      // a damped backbone: each point has a load of its own
+  ProbeResponse response;  // of the probe at the load scale 1
 };
-PointValues values_of(const CurvePoint& point, const CurveContext& context);
+// load_scale: of the curve (CurveResult).
+PointValues values_of(const CurvePoint& point, double load_scale, const CurveContext& context);
 
 // points, folds, bifurcations, end, reason and seconds of one curve.
 nlohmann::ordered_json curve_json(const CurveResult& result, const CurveContext& context);

@@ -90,6 +90,7 @@ Json head_of(const PeriodicOptions& options, const PeriodicModel& made) {
   json["coordinates"] = made.model->modes();
   json["probe"] = made.probe;
   json["size"] = made.size;
+  json["rigid_modes"] = made.model->rigid_mode_count();
   return json;
 }
 
@@ -192,6 +193,9 @@ Status check_frequencies(const ResponseOptions& options) {
           flag, frequency));
   if (options.from == options.to)
     return content_error("--from and --to are the same: a curve needs a range of frequencies");
+  if (options.folds_to && (!std::isfinite(*options.folds_to) || *options.folds_to == 0.0))
+    return content_error(
+        "--folds-to must be finite and other than zero: without load nothing folds");
   return Success{};
 }
 
@@ -262,6 +266,23 @@ CurveResult curve_not_found(const std::string& where, const Error& error) {
   return result;
 }
 
+using LoadedAmplitude = std::function<double(const FourierSeries&, double)>;
+
+// The amplitude under `scale` times the load.
+LoadedAmplitude at_scale(LoadedAmplitude amplitude, double scale) {
+  if (!amplitude) return {};
+  return [=](const FourierSeries& motion, double load) { return amplitude(motion, scale * load); };
+}
+
+// Of a free body, as `tremolo run` says it.
+void note_rigid_motion(const Model& model, CurveResult& result) {
+  if (model.rigid_mode_count() == 0) return;
+  result.warnings.push_back(fmt::format(
+      "a free body: amplitudes are those of its strain, {} motions without strain are left out; a "
+      "force F moves a mass m by F/(m omega^2) besides",
+      model.rigid_mode_count()));
+}
+
 // A response curve and how it was found.
 struct Followed {
   const VibratingSystem& system;
@@ -269,6 +290,7 @@ struct Followed {
   const CurveOptions& options;
   const PeriodicModel& made;
   bool damped;
+  const ProbeResponse& response;  // at the load scale 1
 };
 
 Status check_stepping(const ResponseOptions& options, const VibratingSystem& system) {
@@ -286,13 +308,20 @@ Status check_stepping(const ResponseOptions& options, const VibratingSystem& sys
 
 // The stable points of the curve by time stepping. The damping has been checked.
 Status step_points(const ResponseOptions& options, const PeriodicModel& made,
-                   const VibratingSystem& system, CurveResult& result) {
+                   const VibratingSystem& system, const ProbeResponse& response,
+                   CurveResult& result) {
   // Few steps show stiff coordinates as slow to settle, which would make the other side wait.
   Floquet floquet(system);
   for (CurvePoint& point : result.curve.points)
     point.multipliers =
         floquet.multipliers(point.motion, point.omega, floquet_steps(point.harmonics()));
-  SteppedLoad load{made.model, {}, result.load_scale * made.load, made.constant, made.probe_rows};
+  SteppedLoad load{made.model,
+                   {},
+                   result.load_scale * made.load,
+                   made.constant,
+                   made.probe_rows,
+                   result.load_scale * response.periodic.col(sine_column(1)),
+                   response.constant};
   load.damping.alpha = options.alpha;
   load.damping.beta = options.beta;
   if (!options.damping_ratio.empty())
@@ -317,7 +346,7 @@ Status follow(const ResponseOptions& options, const Followed& by, const CurveRes
     result->label = fmt::format("{} {:.5g} Hz", folds ? "folds from" : "branch at", frequency);
     result->role = role;
     result->load_scale = first.load_scale;
-    const std::string to = folds ? fmt::format("a load scale of {:g}", options.folds_to)
+    const std::string to = folds ? fmt::format("a load scale of {:g}", *options.folds_to)
                                  : std::string("the end of the range");
     if (found) set_ending(by.made, by.damped, to, by.options, *result);
     more.push_back(std::move(*result));
@@ -325,9 +354,9 @@ Status follow(const ResponseOptions& options, const Followed& by, const CurveRes
   };
   for (const Bifurcation& at : first.curve.bifurcations) {
     Status done = Success{};
-    if (options.folds_to != 0.0 && at.kind == BifurcationKind::kFold)
+    if (options.folds_to && at.kind == BifurcationKind::kFold)
       done = add(CurveRole::kFolds, at, [&] {
-        return fold_curve(by.system, by.request, at.point, options.folds_to / first.load_scale,
+        return fold_curve(by.system, by.request, at.point, *options.folds_to / first.load_scale,
                           by.options);
       });
     for (const int sign : {1, -1})
@@ -364,8 +393,9 @@ Result<CurveResult> response_at(const ResponseOptions& options, const Followed& 
     result->curve.end = CurveEnd::kUnbounded;
   set_ending(by.made, by.damped, fmt::format("{:g} Hz", options.to), by.options, *result);
   note_signal(interruption, *result);
+  note_rigid_motion(*by.made.model, *result);
   if (!options.by_stepping || interruption.signal() != 0) return result;
-  if (Status s = step_points(options, by.made, by.system, *result); !s) {
+  if (Status s = step_points(options, by.made, by.system, by.response, *result); !s) {
     result->stepped.reset();
     result->exit_code = exit_code(s.error().kind);
     result->reason +=
@@ -398,14 +428,19 @@ int response_command(const ResponseOptions& options) {
   curve->stopped = [&] { return interruption.signal() != 0; };
   Eigen::Vector3d direction = made->probe_rows.col(0);
   if (made->load[0] < 0.0) direction = -direction;
-  const CurveContext context{*made, *system, direction.normalized(),
-                             std::atan2((*course)(0, 1), (*course)(0, 2)), true};
+  const Result<ProbeResponse> response =
+      probe_response(*made->model, made->probe, made->place_forces, *course, options.static_scale);
+  if (!response) return report_error(response.error());
+  const CurveContext context{
+      *made, *system,  direction.normalized(), std::atan2((*course)(0, 1), (*course)(0, 2)), true,
+      false, *response};
   std::vector<CurveResult> results, more;
   for (const double scale : *scales) {
     ResponseRequest request{scale * made->load * *course, in_radians(options.from),
                             in_radians(options.to)};
     request.force.col(0) = made->constant;
-    const Followed followed{*system, request, *curve, *made, system->damped()};
+    curve->loaded_amplitude = at_scale(loaded_amplitude_of(made->the_probe(), *response), scale);
+    const Followed followed{*system, request, *curve, *made, system->damped(), *response};
     Result<CurveResult> result = response_at(options, followed, scale, interruption);
     if (!result) return report_error(result.error());
     results.push_back(std::move(*result));
@@ -471,8 +506,14 @@ int backbone_command(const BackboneOptions& options) {
   // The load of a damped backbone is cos(omega t) = sin(omega t + 90 degrees).
   Eigen::Vector3d direction = made->probe_rows.col(mode).normalized();
   if (options.damped && made->load[mode] < 0.0) direction = -direction;
-  const CurveContext context{*made,          *system,       direction, 0.5 * std::numbers::pi,
-                             options.damped, options.damped};
+  FourierSeries course = FourierSeries::Zero(1, 3);
+  if (options.damped) course(0, cosine_column(1)) = 1.0;
+  const Result<ProbeResponse> response =
+      probe_response(*made->model, made->probe, made->place_forces, course, options.static_scale);
+  if (!response) return report_error(response.error());
+  curve->loaded_amplitude = loaded_amplitude_of(made->the_probe(), *response);
+  const CurveContext context{*made,          *system,        direction, 0.5 * std::numbers::pi,
+                             options.damped, options.damped, *response};
   Result<CurveResult> result = timed([&] {
     return options.damped ? damped_backbone_curve(
                                 *system, {mode, made->constant, made->load, *amplitude}, *curve)
@@ -482,6 +523,7 @@ int backbone_command(const BackboneOptions& options) {
   result->label = fmt::format("mode {}{}", options.mode, options.damped ? ", damped" : "");
   set_ending(*made, true, fmt::format("{:.4g} m", *amplitude), *curve, *result);
   note_signal(interruption, *result);
+  note_rigid_motion(*made->model, *result);
   Json head = head_of(options, *made);
   head["mode"] = options.mode;
   if (options.damped)

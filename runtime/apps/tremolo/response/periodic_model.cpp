@@ -11,6 +11,7 @@
 #include "runtime/apps/tremolo/run/run_options.h"
 #include "runtime/apps/tremolo/start/start_state.h"
 #include "runtime/load.h"
+#include "runtime/place_forces.h"
 #include "runtime/response/probe.h"
 #include "runtime/scene/selection.h"
 
@@ -46,6 +47,7 @@ Status set_load(const PeriodicOptions& options, bool needed, PeriodicModel& made
         ": no vertex there moves (they are fixed or belong to no tetrahedron), or the force is "
         "zero");
   made.load = std::move(*reduced);
+  made.place_forces = place_forces_of(*made.model, *forces);
   return Success{};
 }
 
@@ -55,6 +57,9 @@ Status set_constant(const PeriodicOptions& options, PeriodicModel& made) {
   if (options.gravity.empty()) return Success{};
   const Result<Eigen::Vector3d> gravity = parse_force(options.gravity);
   if (!gravity) return usage_error("--gravity " + options.gravity + ": expected X,Y,Z in m/s^2");
+  if (made.model->rigid_mode_count() >= 6)
+    return content_error("--gravity " + options.gravity + ": " + options.model +
+                         " is a free body, which falls and does not sag");
   const InertiaIntegrals* inertia = made.model->inertia();
   if (inertia == nullptr)
     return content_error(options.model +
@@ -123,7 +128,7 @@ Result<CurveOptions> curve_options(const PeriodicOptions& options, const Periodi
   curve.stability = !options.no_stability;
   curve.most_points = options.most_points;
   curve.longest_step = options.longest_step;
-  curve.amplitude = amplitude_of({made.probe, made.probe_rows, true});
+  curve.amplitude = amplitude_of(made.the_probe());
   curve.largest_amplitude = kLargestAmplitude * made.size;
   return curve;
 }

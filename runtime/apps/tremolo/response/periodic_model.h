@@ -9,6 +9,7 @@
 #include "runtime/apps/tremolo/response/response_commands.h"
 #include "runtime/apps/tremolo/run/body_scene.h"
 #include "runtime/model.h"
+#include "runtime/response/probe.h"
 #include "runtime/response/response.h"
 
 namespace tremolo {
@@ -18,9 +19,13 @@ struct PeriodicModel {
   BodyScene scene;           // of the flags, for messages and input files
   Eigen::VectorXd load;      // reduced, r; zero without one
   Eigen::VectorXd constant;  // of --static-scale and --gravity, r
-  double size = 0.0;         // largest extent of the surface at rest, m
+  // Of the load at the places of the model's stored response (place_forces_of); zero without one.
+  Eigen::VectorXd place_forces;
+  double size = 0.0;  // largest extent of the surface at rest, m
   VertexId probe = 0;
   Eigen::MatrixXd probe_rows;  // 3 x r
+
+  Probe the_probe() const { return {probe, probe_rows, true}; }
 };
 
 // needs_load: a model without a default load is refused unless --at names one. mode: from 0; the

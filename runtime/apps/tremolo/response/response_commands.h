@@ -1,6 +1,7 @@
 // `tremolo response` and `tremolo backbone`.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,9 +32,9 @@ struct ResponseOptions : PeriodicOptions {
   std::vector<std::string> load_scales = {"1"};  // each a list as in "1,2,5"
   std::vector<std::string> load_harmonics;       // "K:SCALE[:DEGREES]"; empty: 1:1
   double from = 0.0, to = 0.0;                   // Hz
-  double folds_to = 0.0;     // the folds are followed to this load scale; 0: not
-  bool branches = false;     // branches at branch points are followed
-  bool by_stepping = false;  // the stable points by time stepping too
+  std::optional<double> folds_to;                // the folds are followed to this load scale
+  bool branches = false;                         // branches at branch points are followed
+  bool by_stepping = false;                      // the stable points by time stepping too
 };
 
 struct BackboneOptions : PeriodicOptions {

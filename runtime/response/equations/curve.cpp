@@ -1,4 +1,4 @@
-#include "runtime/response/curve.h"
+#include "runtime/response/equations/curve.h"
 
 #include <algorithm>
 #include <cmath>

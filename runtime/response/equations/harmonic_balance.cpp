@@ -1,4 +1,4 @@
-#include "runtime/response/harmonic_balance.h"
+#include "runtime/response/equations/harmonic_balance.h"
 
 #include <cmath>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-#include "runtime/response/fourier_series.h"
+#include "runtime/response/equations/fourier_series.h"
 
 #include <algorithm>
 #include <cmath>

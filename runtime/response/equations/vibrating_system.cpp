@@ -1,4 +1,4 @@
-#include "runtime/response/vibrating_system.h"
+#include "runtime/response/equations/vibrating_system.h"
 
 #include "runtime/bodies/reduced/integrators/solve/damping.h"
 

@@ -17,8 +17,8 @@
 #include <Eigen/Core>
 
 #include "runtime/math/dense/dense_lu.h"
-#include "runtime/response/fourier_series.h"
-#include "runtime/response/vibrating_system.h"
+#include "runtime/response/equations/fourier_series.h"
+#include "runtime/response/equations/vibrating_system.h"
 
 namespace tremolo {
 

@@ -1,4 +1,4 @@
-#include "runtime/response/motion_equations.h"
+#include "runtime/response/equations/motion_equations.h"
 
 #include <algorithm>
 #include <cmath>
@@ -83,6 +83,46 @@ void ForcedEquations::residual(const Eigen::VectorXd& y, Eigen::VectorXd& out) {
 
 void ForcedEquations::jacobian(const Eigen::VectorXd& y, Eigen::MatrixXd& out) {
   balance().jacobian(motion(y), omega(y), 0.0, out, out.col(out.cols() - 1), nullptr);
+}
+
+LoadEquations::LoadEquations(const VibratingSystem& system, const FourierSeries& force,
+                             Eigen::Index harmonics, double omega, double least_size,
+                             double omega_scale)
+    : MotionEquations(system, harmonics, true, least_size, omega_scale),
+      force_(force),
+      omega_(omega),
+      omega_scale_(omega_scale) {
+  LoadEquations::set_harmonics(harmonics);
+}
+
+void LoadEquations::set_harmonics(Eigen::Index harmonics) {
+  MotionEquations::set_harmonics(harmonics);
+  constant_ = with_harmonics(force_.col(0), harmonics);
+  varying_ = with_harmonics(force_, harmonics);
+  varying_.col(0).setZero();
+}
+
+Eigen::VectorXd LoadEquations::weights(const Eigen::VectorXd& y) const {
+  Eigen::VectorXd result = MotionEquations::weights(y);
+  result[y.size() - 2] = 1.0;
+  return result;
+}
+
+void LoadEquations::residual(const Eigen::VectorXd& y, Eigen::VectorXd& out) {
+  const Eigen::Index n = balance().unknowns();
+  FourierSeries residual;
+  balance().residual(motion(y), omega(y), 0.0, constant_ + extra(y) * varying_, residual);
+  out.resize(n + 1);
+  out.head(n) = residual.reshaped();
+  out[n] = (omega(y) - omega_) / omega_scale_;
+}
+
+void LoadEquations::jacobian(const Eigen::VectorXd& y, Eigen::MatrixXd& out) {
+  const Eigen::Index n = balance().unknowns();
+  balance().jacobian(motion(y), omega(y), 0.0, out, out.col(n + 1), nullptr);
+  out.col(n).head(n) = -varying_.reshaped();
+  out.row(n).setZero();
+  out(n, n + 1) = 1.0 / omega_scale_;
 }
 
 FreeEquations::FreeEquations(const VibratingSystem& system, Eigen::VectorXd constant,

@@ -5,8 +5,8 @@
 
 #include <memory>
 
-#include "runtime/response/curve.h"
-#include "runtime/response/harmonic_balance.h"
+#include "runtime/response/equations/curve.h"
+#include "runtime/response/equations/harmonic_balance.h"
 
 namespace tremolo {
 
@@ -47,6 +47,8 @@ class MotionEquations : public CurveEquations {
   double extra(const Eigen::VectorXd& y) const { return with_extra_ ? y[y.size() - 2] : 0.0; }
   // The factor of the load at y.
   virtual double load_factor(const Eigen::VectorXd& y) const;
+  // The phase of a motion is only that of the reference: shifted in time it is a solution too.
+  virtual bool has_free_phase() const { return false; }
   // The sign of the determinant of the residual's derivatives by the motion alone. It is negative
   // where an odd number of real multipliers is above 1, and changes at folds and branch points. 0
   // for equations that are not those of a motion under a given force.
@@ -88,6 +90,27 @@ class ForcedEquations : public MotionEquations {
   FourierSeries resized_force_;
 };
 
+// g = the residual under factor . force, and the condition that omega is the given one. The factor
+// is an unknown, that of the force's constant part is 1.
+class LoadEquations : public MotionEquations {
+ public:
+  // force: r x (2K + 1), kept by reference. omega: rad/s.
+  LoadEquations(const VibratingSystem& system, const FourierSeries& force, Eigen::Index harmonics,
+                double omega, double least_size, double omega_scale);
+
+  void set_harmonics(Eigen::Index harmonics) override;
+  // The factor itself is its length.
+  Eigen::VectorXd weights(const Eigen::VectorXd& y) const override;
+  double load_factor(const Eigen::VectorXd& y) const override { return extra(y); }
+  void residual(const Eigen::VectorXd& y, Eigen::VectorXd& out) override;
+  void jacobian(const Eigen::VectorXd& y, Eigen::MatrixXd& out) override;
+
+ private:
+  const FourierSeries& force_;
+  double omega_, omega_scale_;
+  FourierSeries constant_, varying_;  // the force's parts with the present number of harmonics
+};
+
 // g = the residual without damping and force but a constant one, and the condition that the phase
 // is that of the reference: sum_k k (a_k' . b_k - b_k' . a_k) = 0 for the reference's a', b'. xi
 // makes the equations as many as the unknowns; it is zero at a solution, since nothing else takes
@@ -100,6 +123,7 @@ class FreeEquations : public MotionEquations {
 
   void set_harmonics(Eigen::Index harmonics) override;
   void refer_to(const Eigen::VectorXd& y) override;
+  bool has_free_phase() const override { return true; }
   void residual(const Eigen::VectorXd& y, Eigen::VectorXd& out) override;
   void jacobian(const Eigen::VectorXd& y, Eigen::MatrixXd& out) override;
 
