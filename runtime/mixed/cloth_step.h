@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "runtime/bodies/cloth/cloth_body.h"
+#include "runtime/contact/solve/contact_surface.h"
 #include "runtime/math/sparse/block_cholesky.h"
 #include "runtime/mixed/guest_step.h"
 #include "runtime/mixed/point_law.h"
