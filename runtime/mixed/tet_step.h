@@ -15,6 +15,7 @@
 
 #include "runtime/bodies/tets/motion/tet_body.h"
 #include "runtime/bodies/tets/motion/tet_sums.h"
+#include "runtime/contact/solve/contact_surface.h"
 #include "runtime/math/sparse/block_cholesky.h"
 #include "runtime/mixed/guest_step.h"
 #include "runtime/mixed/tet_points.h"
