@@ -57,7 +57,7 @@ TEST(RigidContact, LetsCapsulesRollDownASlope) {
   }
 }
 
-// A cylinder's rims are polygons of 66 edges, and each corner that it lands on takes a part of its
+// A cylinder's rims are polygons of 50 edges, and each corner that it lands on takes a part of its
 // energy: a fiftieth of restitution is that of the points (docs/theory.md).
 TEST(RigidContact, LetsCylindersRollDownASlope) {
   const double radius = 0.05, angle = 10.0 * kDegree;
