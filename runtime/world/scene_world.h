@@ -387,6 +387,7 @@ class SceneWorld {
   void move_hands();
   Status check_apart() const;
   void note_contact(std::size_t i);
+  void press_on(std::size_t i);
   void note_pairs();
   template <class Visit>
   void for_points_of(std::size_t a, std::size_t b, Visit&& visit) const;

@@ -314,6 +314,20 @@ TEST(RigidContact, DroppedBodiesComeToRestAndStayThere) {
         }
 }
 
+// The floor takes m g t, of a body that falls asleep too; and what the last step says, every step.
+TEST(RigidContact, ASleepingBodyPressesOnTheFloor) {
+  SceneWorld world = testing::make_world(testing::on_slope(
+      rigid_body("box", BoxShape{{0.05, 0.05, 0.05}}, {0.0, 0.0, 0.05}), 0.0, 0.3, 4e-3));
+  testing::run_until(world, 2.0);
+  ASSERT_TRUE(world.asleep(0));
+  const Vector3d before = world.collider_impulse(0, 0);
+  Vector3d steps = Vector3d::Zero();
+  testing::run_until(world, 8.0, [&] { steps -= world.body(0).contact_account().impulse_vector; });
+  const double mass = world.body(0).model().inertia()->mass;
+  EXPECT_NEAR(world.collider_impulse(0, 0).z(), -mass * kG * 8.0, 1e-3 * mass * kG * 8.0);
+  EXPECT_LT((world.collider_impulse(0, 0) - before - steps).norm(), 1e-9 * steps.norm());
+}
+
 TEST(RigidContact, RefusesBodiesInsideEachOtherByDepthAndName) {
   Scene scene = billiards(0.5, 1e-3);
   scene.bodies[0].pose.position = {-0.04, 0.0, 0.0};
