@@ -18,6 +18,18 @@ namespace tremolo {
 // and, after a run, bodies that went deep into others.
 Warnings world_warnings(const Scene& scene, const SceneWorld& world);
 
+// The largest extension of each joint so far, m: its difference from its length; of a weld the root
+// of the mean square of its springs.
+class JointStretch {
+ public:
+  void observe(const SceneWorld& world);
+  // Warnings of joints without a stiffness of their own that did not hold.
+  void add_warnings(const SceneWorld& world, Warnings& warnings) const;
+
+ private:
+  std::vector<double> most_;
+};
+
 nlohmann::ordered_json world_json(const SceneFile& file, const SceneWorld& world,
                                   const std::vector<BodyLog>& logs,
                                   const std::vector<nlohmann::ordered_json>& guests,
