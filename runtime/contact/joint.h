@@ -29,6 +29,9 @@ struct JointOptions {
   double damping = 0.0;  // N s/m
   double length = 0.0;   // L, m
   bool touch = false;    // contact between the two bodies continues
+  // Mass that the joint may have to carry, kg. The stiffest spring is as stiff as for a pair of
+  // points with a hundredth of it, if they are lighter.
+  double load = 0.0;
 };
 
 // A point of a body that a joint holds.

@@ -244,8 +244,9 @@ Result<std::size_t> SceneWorld::add_joint(const SceneJoint& wanted) {
       anchor_of_[i] = anchors_.size();
       if (Status s = add_anchor(); !s) return s;
     }
-    if (a && b) return begin_joint(i, *a, actors_[*b].body, place_[*b]);
-    if (a && anchor_of_[i]) return begin_joint(i, *a, anchor(i), anchor_number(i));
+    const double load = joint_loads().of(i);
+    if (a && b) return begin_joint(i, load, *a, actors_[*b].body, place_[*b]);
+    if (a && anchor_of_[i]) return begin_joint(i, load, *a, anchor(i), anchor_number(i));
     return links_->join(*this, i);
   };
   if (const Status s = join(); !s) {

@@ -11,11 +11,18 @@ namespace tremolo {
 
 using Eigen::Vector3d;
 
+// A sleeping body presses with the force of its last step.
+void SceneWorld::press_on(std::size_t i) {
+  const std::vector<Vector3d>& last = actors_[i].body.contact()->record().collider_impulses;
+  for (std::size_t c = 0; c < std::min(last.size(), felt_by(i).size()); ++c)
+    touching_[i * colliders_.placed().size() + c].whole += last[c];
+}
+
 // After a step of the body that was made.
 void SceneWorld::note_contact(std::size_t i) {
   Actor& actor = actors_[i];
   if (actor.body.contact() == nullptr) return;
-  if (asleep(i)) return;
+  if (asleep(i)) return press_on(i);
   const ContactAccount account = actor.body.contact_account();
   if (actor.size > 0.0)
     actor.penetration = std::max(actor.penetration, account.penetration / actor.size);

@@ -283,19 +283,37 @@ Status SceneWorld::add_anchor() {
 // Those of a pair in the scene's order.
 Status SceneWorld::add_joints() {
   own_joints_.resize(scene_.joints.size());
+  const JointLoads loads = joint_loads();
   for (std::size_t i = 0; i < scene_.joints.size(); ++i) {
     const std::optional<std::size_t> a = find(scene_.joints[i].body), b = find(scene_.joints[i].to);
     if (!a || (!b && !anchor_of_[i])) continue;
     const ContactBody& other = b ? actors_[*b].body : anchor(i);
-    if (Status s = begin_joint(i, *a, other, b ? place_[*b] : anchor_number(i)); !s) return s;
+    if (Status s = begin_joint(i, loads.of(i), *a, other, b ? place_[*b] : anchor_number(i)); !s)
+      return s;
   }
   return Success{};
 }
 
+// Of the joints of the scene as it is now.
+JointLoads SceneWorld::joint_loads() const {
+  return JointLoads(scene_.joints, [this](const std::string& name) {
+    CarriedBody carried;
+    const std::optional<std::size_t> i = find(name);
+    if (!i || actors_[*i].body.frame() != FrameKind::kFree) return carried;
+    carried.moves = true;
+    carried.mass = actors_[*i].body.model().inertia()->mass;
+    carried.supported = std::any_of(scene_.hands.begin(), scene_.hands.end(),
+                                    [&name](const SceneHand& hand) { return hand.body == name; });
+    return carried;
+  });
+}
+
 // Joint i of the scene, between body a and another one, whose number in the group is `there`.
-Status SceneWorld::begin_joint(std::size_t i, std::size_t a, const ContactBody& other,
+Status SceneWorld::begin_joint(std::size_t i, double load, std::size_t a, const ContactBody& other,
                                std::size_t there) {
-  Result<HeldJoint> joint = HeldJoint::create(scene_.joints[i], actors_[a].body, other);
+  SceneJoint loaded = scene_.joints[i];
+  loaded.options.load = load;
+  Result<HeldJoint> joint = HeldJoint::create(loaded, actors_[a].body, other);
   if (!joint) return error_of_listed("joint", i, scene_.joints[i], joint.error());
   joint->begin(*group_, place_[a], there);
   own_joints_[i] = joints_.size();

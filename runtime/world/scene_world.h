@@ -36,6 +36,7 @@
 #include "runtime/math/motion.h"
 #include "runtime/math/state.h"
 #include "runtime/model.h"
+#include "runtime/scene/joint_loads.h"
 #include "runtime/scene/scene.h"
 #include "runtime/scene/scene_bones.h"
 #include "runtime/scene/scene_colliders.h"
@@ -372,7 +373,10 @@ class SceneWorld {
   Status add_anchors();
   Status add_anchor();
   Status add_joints();
-  Status begin_joint(std::size_t i, std::size_t a, const ContactBody& other, std::size_t there);
+  JointLoads joint_loads() const;
+  // load: kg, see JointOptions.
+  Status begin_joint(std::size_t i, double load, std::size_t a, const ContactBody& other,
+                     std::size_t there);
   Result<Model::Pointer> model_of(const SceneBody& wanted, const ModelSource& source) const;
   std::size_t new_number(std::size_t body);
   Status begin_added(std::size_t i);
@@ -387,6 +391,7 @@ class SceneWorld {
   void move_hands();
   Status check_apart() const;
   void note_contact(std::size_t i);
+  void press_on(std::size_t i);
   void note_pairs();
   template <class Visit>
   void for_points_of(std::size_t a, std::size_t b, Visit&& visit) const;

@@ -57,7 +57,7 @@ TEST(RigidContact, LetsCapsulesRollDownASlope) {
   }
 }
 
-// A cylinder's rims are polygons of 66 edges, and each corner that it lands on takes a part of its
+// A cylinder's rims are polygons of 50 edges, and each corner that it lands on takes a part of its
 // energy: a fiftieth of restitution is that of the points (docs/theory.md).
 TEST(RigidContact, LetsCylindersRollDownASlope) {
   const double radius = 0.05, angle = 10.0 * kDegree;
@@ -312,6 +312,20 @@ TEST(RigidContact, DroppedBodiesComeToRestAndStayThere) {
           EXPECT_LT(world.body(0).rigid_state().velocity.norm(), 1e-2)
               << name << ", " << step << ", " << height << ", " << restitution;
         }
+}
+
+// The floor takes m g t, of a body that falls asleep too; and what the last step says, every step.
+TEST(RigidContact, ASleepingBodyPressesOnTheFloor) {
+  SceneWorld world = testing::make_world(testing::on_slope(
+      rigid_body("box", BoxShape{{0.05, 0.05, 0.05}}, {0.0, 0.0, 0.05}), 0.0, 0.3, 4e-3));
+  testing::run_until(world, 2.0);
+  ASSERT_TRUE(world.asleep(0));
+  const Vector3d before = world.collider_impulse(0, 0);
+  Vector3d steps = Vector3d::Zero();
+  testing::run_until(world, 8.0, [&] { steps -= world.body(0).contact_account().impulse_vector; });
+  const double mass = world.body(0).model().inertia()->mass;
+  EXPECT_NEAR(world.collider_impulse(0, 0).z(), -mass * kG * 8.0, 1e-3 * mass * kG * 8.0);
+  EXPECT_LT((world.collider_impulse(0, 0) - before - steps).norm(), 1e-9 * steps.norm());
 }
 
 TEST(RigidContact, RefusesBodiesInsideEachOtherByDepthAndName) {

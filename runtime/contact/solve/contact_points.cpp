@@ -9,6 +9,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "common/mesh/refined_surface.h"
 #include "runtime/contact/solve/shape_reach.h"
 
 namespace tremolo {
@@ -21,33 +22,104 @@ constexpr std::size_t kGroupSize = 8;
 // Of the round points of a capsule: their spacing as a fraction of the radius, and most intervals.
 constexpr double kRoundSpacing = 0.25;
 constexpr double kMostRoundGaps = 200.0;
+// Most vertices inside the triangles of a rigid body, for each contact point.
+constexpr std::size_t kMostInner = 10;
+// A vertex of the mesh is chosen before one inside a triangle that is farther by this factor.
+constexpr double kPreferOwn = 1.5;
+
+// The boundary on which points are chosen. The vertices of a model come first; of a rigid body
+// others follow inside its large triangles.
+struct Boundary {
+  std::vector<Vector3d> places;  // m
+  std::vector<Triangle> triangles;
+  std::vector<VertexId> origin;   // of each vertex one of the model's
+  std::size_t own = 0;            // the number of the model's vertices
+  std::vector<Vector3d> normals;  // of length one; empty without vertices inside triangles
+  double spacing = 0.0;           // of points that are distributed evenly, m
+};
+
+std::vector<Vector3d> normals_of(const SurfaceMesh& mesh) {
+  std::vector<Vector3d> normals(mesh.vertices.size(), Vector3d::Zero());
+  for (const Triangle& triangle : mesh.triangles) {
+    const Vector3d& at = mesh.vertices[triangle[0]];
+    const Vector3d area = (mesh.vertices[triangle[1]] - at).cross(mesh.vertices[triangle[2]] - at);
+    for (const VertexId vertex : triangle) normals[vertex] += area;
+  }
+  for (Vector3d& normal : normals) normal.normalize();
+  return normals;
+}
+
+// A body that deforms is known at its vertices alone.
+Boundary boundary_of(const Model& model, std::size_t most) {
+  Boundary boundary;
+  boundary.places = model.surface().rest;
+  boundary.own = boundary.places.size();
+  boundary.triangles = model.triangles();
+  if (model.modes() == 0) {
+    double area = 0.0;
+    for (const Triangle& triangle : boundary.triangles) {
+      const Vector3d& at = boundary.places[triangle[0]];
+      area +=
+          0.5 * (boundary.places[triangle[1]] - at).cross(boundary.places[triangle[2]] - at).norm();
+    }
+    boundary.spacing = std::sqrt(area / static_cast<double>(most));
+    if (area > 0.0) {
+      RefinedSurface refined = refine_surface({boundary.places, boundary.triangles},
+                                              boundary.spacing, kMostInner * most);
+      boundary.origin = std::move(refined.origin);
+      if (refined.mesh.vertices.size() != boundary.own) boundary.normals = normals_of(refined.mesh);
+      boundary.places = std::move(refined.mesh.vertices);
+      boundary.triangles = std::move(refined.mesh.triangles);
+      return boundary;
+    }
+  }
+  boundary.origin.resize(boundary.own);
+  std::iota(boundary.origin.begin(), boundary.origin.end(), VertexId{0});
+  return boundary;
+}
+
+// Square of a distance between vertices, by which points are chosen, m^2. The two sides of a plate
+// are far from each other, however thin it is.
+double distance2_of(const Boundary& boundary, std::size_t a, std::size_t b) {
+  double distance2 = (boundary.places[a] - boundary.places[b]).squaredNorm();
+  if (!boundary.normals.empty())
+    distance2 += boundary.spacing * boundary.spacing *
+                 (boundary.normals[a] - boundary.normals[b]).squaredNorm();
+  return distance2;
+}
 
 // Returns indices into the boundary's vertices. gap receives the largest remaining distance;
-// nearest receives for each vertex the number of the nearest chosen vertex.
-std::vector<std::size_t> farthest_points(const std::vector<Vector3d>& places, std::size_t most,
-                                         double& gap, std::vector<std::size_t>& nearest) {
+// nearest receives for each vertex the number of the nearest chosen vertex. The model's own
+// vertices, its corners among them, are preferred to those inside triangles.
+std::vector<std::size_t> farthest_points(const Boundary& boundary, std::size_t most, double& gap,
+                                         std::vector<std::size_t>& nearest) {
+  const std::vector<Vector3d>& places = boundary.places;
   nearest.assign(places.size(), 0);
   std::vector<double> distance2(places.size(), std::numeric_limits<double>::infinity());
   std::vector<std::size_t> chosen;
-  gap = 0.0;
   // The lowest vertex along x is first, so that the choice depends on no other rule.
-  const auto least =
-      std::min_element(places.begin(), places.end(),
-                       [](const Vector3d& a, const Vector3d& b) { return a.x() < b.x(); });
+  const auto own_end = places.begin() + static_cast<std::ptrdiff_t>(boundary.own);
+  const auto least = std::min_element(
+      places.begin(), own_end, [](const Vector3d& a, const Vector3d& b) { return a.x() < b.x(); });
   std::size_t next = least - places.begin();
   while (chosen.size() < std::min(most, places.size())) {
     chosen.push_back(next);
     for (std::size_t i = 0; i < places.size(); ++i) {
-      const double from = (places[i] - places[next]).squaredNorm();
+      const double from = distance2_of(boundary, i, next);
       if (!(from < distance2[i])) continue;
       distance2[i] = from;
       nearest[i] = chosen.size() - 1;
     }
-    next = static_cast<std::size_t>(std::max_element(distance2.begin(), distance2.end()) -
-                                    distance2.begin());
-    gap = std::sqrt(distance2[next]);
-    if (gap == 0.0) break;
+    const auto inner = distance2.begin() + static_cast<std::ptrdiff_t>(boundary.own);
+    const auto own = std::max_element(distance2.begin(), inner);
+    const auto inside = std::max_element(inner, distance2.end());
+    const bool take_own = inside == distance2.end() || kPreferOwn * kPreferOwn * *own >= *inside;
+    next = static_cast<std::size_t>((take_own ? own : inside) - distance2.begin());
+    if (distance2[next] == 0.0) break;
   }
+  gap = 0.0;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    gap = std::max(gap, (places[i] - places[chosen[nearest[i]]]).norm());
   return chosen;
 }
 
@@ -90,11 +162,11 @@ void measure(const std::vector<Vector3d>& boundary, const Collider* shape, Conta
 // The area of the boundary that is nearest to each of `count` points, m^2. A triangle's area is
 // divided among its corners by their angles, so that it does not depend on the diagonal that
 // divides a face. A boundary without triangles counts as a ball.
-std::vector<double> areas_of(const Model& model, const std::vector<std::size_t>& nearest,
+std::vector<double> areas_of(const Boundary& boundary, const std::vector<std::size_t>& nearest,
                              std::size_t count, double extent) {
-  const std::vector<Vector3d>& rest = model.surface().rest;
+  const std::vector<Vector3d>& rest = boundary.places;
   std::vector<double> areas(count, 0.0);
-  for (const Triangle& triangle : model.triangles()) {
+  for (const Triangle& triangle : boundary.triangles) {
     for (std::size_t i = 0; i < 3; ++i) {
       const Vector3d& at = rest[triangle[i]];
       const Vector3d one = rest[triangle[(i + 1) % 3]] - at,
@@ -160,18 +232,19 @@ ContactPoints choose_contact_points(const Model& model, std::size_t most, const 
   const VertexBlock& surface = model.surface();
   ContactPoints points;
   std::vector<std::size_t> nearest;
-  const std::vector<std::size_t> chosen = farthest_points(surface.rest, most, points.gap, nearest);
-  if (chosen.empty()) return points;
+  if (surface.rest.empty() || most == 0) return points;
+  const Boundary boundary = boundary_of(model, most);
+  const std::vector<std::size_t> chosen = farthest_points(boundary, most, points.gap, nearest);
   std::vector<std::size_t> order = chosen;
-  divide(surface.rest, order, 0, order.size(), points.groups);
+  divide(boundary.places, order, 0, order.size(), points.groups);
   const Index r = model.modes();
   points.rows.resize(r, 3 * order.size());
   points.reach.setZero(r);
   for (std::size_t i = 0; i < order.size(); ++i) {
-    const Index from = 3 * order[i];
+    const Index from = 3 * boundary.origin[order[i]];
     const Index to = 3 * i;
-    points.ids.push_back(surface.vertex_ids[order[i]]);
-    points.rest.push_back(surface.rest[order[i]]);
+    points.ids.push_back(surface.vertex_ids[boundary.origin[order[i]]]);
+    points.rest.push_back(boundary.places[order[i]]);
     points.rows.middleCols<3>(to) = surface.rows.middleRows<3>(from).transpose();
     points.reach = points.reach.cwiseMax(points.rows.middleCols<3>(to).rowwise().norm());
   }
@@ -184,8 +257,8 @@ ContactPoints choose_contact_points(const Model& model, std::size_t most, const 
   for (Index i = 0; i < static_cast<Index>(points.size()); ++i)
     for (Index axis = 0; axis < 3; ++axis)
       points.axis_rows.row(axis * stride + i) = points.rows.col(3 * i + axis).transpose();
-  const std::vector<double> areas = areas_of(model, nearest, chosen.size(), points.extent);
-  std::vector<double> area_of(surface.rest.size(), 0.0);
+  const std::vector<double> areas = areas_of(boundary, nearest, chosen.size(), points.extent);
+  std::vector<double> area_of(boundary.places.size(), 0.0);
   for (std::size_t k = 0; k < chosen.size(); ++k) area_of[chosen[k]] = areas[k];
   for (const std::size_t vertex : order) points.areas.push_back(area_of[vertex]);
   points.area = std::accumulate(areas.begin(), areas.end(), 0.0);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -15,6 +16,9 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
+// Of a joint's load the mass for which its spring is made. A weight at rest extends it by g h^2/9.
+constexpr double kLoadShare = 0.01;
+
 Status set_springs(Joint& joint, const ContactBody& first, const ContactBody& second,
                    const JointOptions& options) {
   joint.length = options.length;
@@ -26,7 +30,9 @@ Status set_springs(Joint& joint, const ContactBody& first, const ContactBody& se
   const double lightness = 1.0 / first.mass_at(joint.first) + 1.0 / second.mass_at(joint.second);
   if (!options.stiffness && !(lightness > 0.0))
     return usage_error("neither place moves: there is nothing to join");
-  const HandSpring most = stiffest_spring(1.0 / lightness, h);
+  HandSpring most = stiffest_spring(std::max(1.0 / lightness, kLoadShare * options.load), h);
+  // The damper of the points' masses would let the load bounce.
+  if (kLoadShare * options.load > 1.0 / lightness) most.damping = 0.5 * h * most.stiffness;
   joint.stiffness = options.stiffness.value_or(most.stiffness);
   joint.damping = options.stiffness ? options.damping : most.damping;
   limit_spring(most, h, joint.stiffness, joint.damping);

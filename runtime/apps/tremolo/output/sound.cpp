@@ -103,6 +103,8 @@ std::string sound_warning(const Model& model, std::string_view method,
 }
 
 Result<Ear> Ear::create(const std::string& listen, const Model& model, double rate) {
+  if (model.modes() == 0)
+    return content_error("--wav: it is rigid and makes no sound: say where to --listen");
   const Result<std::vector<VertexId>> vertices = listened_to(listen, model);
   if (!vertices) return vertices.error();
   const std::vector<Eigen::Vector3d> normals =

@@ -67,11 +67,18 @@ Result<WorldSound> WorldSound::create(const std::string& listen, const SceneWorl
     if (!name.empty() && !is_named(world.name(i), name)) continue;
     const bool named = !name.empty() || !selector.empty() || world.size() == 1;
     if (!named && model.default_load().vertices.empty()) continue;
+    if (model.modes() == 0 && name.empty()) {
+      sound.left_out_.push_back(i);
+      continue;
+    }
     Result<Ear> ear = Ear::create(selector, model, 1.0 / sound.interval_);
     if (!ear)
       return Error{ear.error().kind, "body '" + world.name(i) + "': " + ear.error().message};
     sound.heard_.push_back({i, std::move(*ear)});
   }
+  if (sound.heard_.empty() && !sound.left_out_.empty())
+    return content_error(
+        "--wav: every body of the scene is rigid, and a rigid body makes no sound");
   if (sound.heard_.empty())
     return content_error(
         "--wav: no body of the scene has a default load: say where to --listen, as BODY:SELECTOR");

@@ -1,6 +1,7 @@
 // The sound of a world: the sum over its bodies, all at equal distance.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -22,8 +23,9 @@ std::vector<std::string> sound_warnings(const SceneWorld& world, double rate);
 class WorldSound {
  public:
   // listen: of --listen, "BODY:SELECTOR", where BODY is a body's name or that of its copies, or a
-  // selector alone, for all bodies; empty: the default load of bodies that have one. steps: per
-  // sample. Errors: those of Ear::create with the body's name; kContent if no body is heard.
+  // selector alone, for all bodies that are not rigid; empty: the default load of bodies that have
+  // one. steps: per sample. Errors: those of Ear::create with the body's name; kContent if no body
+  // is heard.
   static Result<WorldSound> create(const std::string& listen, const SceneWorld& world, int steps);
 
   // Call it at the start and after every step, with the number of steps and a function that returns
@@ -34,6 +36,11 @@ class WorldSound {
     double place = 0.0;
     for (const HeardBody& heard : heard_) place += heard.ear.place(q_of(heard.body));
     track_.add(place);
+  }
+
+  // True if all bodies are listened to, except this one because it is rigid.
+  bool leaves_out(std::size_t body) const {
+    return std::find(left_out_.begin(), left_out_.end(), body) != left_out_.end();
   }
 
   // As SoundTrack::write.
@@ -48,8 +55,9 @@ class WorldSound {
   WorldSound(int steps, double interval) : steps_(steps), interval_(interval) {}
 
   std::vector<HeardBody> heard_;
-  int steps_;        // a sample
-  double interval_;  // between samples, s
+  std::vector<std::size_t> left_out_;  // rigid bodies
+  int steps_;                          // a sample
+  double interval_;                    // between samples, s
   SoundTrack track_;
 };
 

@@ -79,7 +79,9 @@ double turnover(const EnergyAccount& account) {
 }
 
 Result<RecordedColumns> columns_of(const SceneBody& body, const Model& model) {
-  Result<RecordedColumns> columns = recorded_columns(body.columns, model);
+  SceneColumns asked = body.columns;
+  if (model.modes() == 0) asked.coordinates.clear();
+  Result<RecordedColumns> columns = recorded_columns(asked, model);
   if (!columns) return value_error(columns.error());
   columns->further = kFurther;
   for (const int probe : columns->probes)
@@ -90,10 +92,21 @@ Result<RecordedColumns> columns_of(const SceneBody& body, const Model& model) {
 
 }  // namespace
 
-Status check_columns(const SceneWorld& world, std::size_t body) {
-  const Result<RecordedColumns> columns =
-      columns_of(world.scene().bodies[body], world.body(body).model());
-  return columns ? Status(Success{}) : Status(columns.error());
+Status check_columns(const SceneWorld& world) {
+  bool asked = false, any = false;
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    const SceneBody& body = world.scene().bodies[i];
+    const Model& model = world.body(i).model();
+    if (const Result<RecordedColumns> columns = columns_of(body, model); !columns)
+      return Error{columns.error().kind, "body '" + body.name + "': " + columns.error().message};
+    asked = asked || !body.columns.coordinates.empty();
+    any = any || (!body.columns.coordinates.empty() && model.modes() > 0);
+  }
+  if (asked && !any)
+    return usage_error(
+        "coordinates are asked for, and no body has any: rigid bodies have none, --probe records "
+        "their vertices");
+  return Success{};
 }
 
 Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, std::size_t body,

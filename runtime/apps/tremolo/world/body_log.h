@@ -56,9 +56,10 @@ struct SceneBodyReport : BodyReport {
   }
 };
 
-// Checks that the model has the columns requested for the body. Call it for all bodies before
-// anything is written. Errors: kUsage, kContent.
-Status check_columns(const SceneWorld& world, std::size_t body);
+// Checks that the models have the columns requested for their bodies; coordinates of rigid bodies
+// are left out. Call it before anything is written. Errors: kUsage, also if coordinates are
+// requested of rigid bodies alone; kContent.
+Status check_columns(const SceneWorld& world);
 
 // Data shared by the logs of many bodies. looks: of a model; each body of it starts with a copy.
 struct SharedLooks {

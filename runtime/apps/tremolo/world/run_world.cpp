@@ -55,6 +55,7 @@ struct WorldRun : WorldWatch {
   GuestRuns guests;
   std::optional<WorldSound> sound;  // of --wav
   WorldMomentum momentum;
+  JointStretch joints;
 
   Status look(const SceneWorld& world, std::span<const SceneWorld::Failure> failures,
               WorldEnding& ending) override;
@@ -70,6 +71,7 @@ Status WorldRun::look(const SceneWorld& world, std::span<const SceneWorld::Failu
       if (Status s = logs[i].observe(world); !s) return s;
   if (Status s = guests.observe(); !s) return s;
   momentum.observe(world, guests.guests());
+  joints.observe(world);
   if (sound)
     sound->add(world.steps(), [&world](std::size_t i) -> const Eigen::VectorXd& {
       return world.body(i).state().q;
@@ -84,9 +86,9 @@ void WorldRun::end(WorldEnding& ending) const {
 }
 
 // Prints each note once, for the first body that has it.
-void take_notes(const SceneFile& file, const SceneWorld& world, std::vector<BodyLog>& logs) {
+void take_notes(const SceneFile& file, const SceneWorld& world, WorldRun& run) {
   std::vector<std::string> printed;
-  for (std::size_t i = 0; i < logs.size(); ++i) {
+  for (std::size_t i = 0; i < run.logs.size(); ++i) {
     const ContactBody& body = world.body(i);
     std::vector<std::string> notes =
         notes_before(body, Eigen::VectorXd::Zero(body.model().modes()));
@@ -95,12 +97,16 @@ void take_notes(const SceneFile& file, const SceneWorld& world, std::vector<Body
           "it begins {:.3g} m within its contact-margin of a collider: its contact begins where it "
           "is, without energy",
           world.begins_within(i)));
+    if (body.model().modes() == 0 && !world.scene().bodies[i].columns.coordinates.empty())
+      notes.push_back("it is rigid and has no coordinates to record");
+    if (run.sound && run.sound->leaves_out(i))
+      notes.push_back("it is rigid and makes no sound: it is not listened to");
     for (const std::string& note : notes) {
       if (std::find(printed.begin(), printed.end(), note) != printed.end()) continue;
       printed.push_back(note);
       tell("{}: note: {}\n", file.scene.bodies[i].name, note);
     }
-    logs[i].add_notes(notes);
+    run.logs[i].add_notes(notes);
   }
 }
 
@@ -136,6 +142,7 @@ SceneRun report_of(const SceneFile& file, const SceneWorld& world, const WorldRu
   run.guests.print();
   Warnings warnings = world_warnings(file.scene, world);
   add_sheet_warnings(run.guests.json(), warnings);
+  run.joints.add_warnings(world, warnings);
   if (run.sound)
     for (std::string& warning :
          sound_warnings(world, 1.0 / (world.step_size() * file.outputs.sound_steps)))
@@ -156,8 +163,7 @@ Result<SceneRun> run_world(MixedFile mixed, unsigned threads) {
   const auto of_body = [&](std::size_t i, const Error& error) {
     return Error{error.kind, file.path + ": body '" + world->name(i) + "': " + error.message};
   };
-  for (std::size_t i = 0; i < world->size(); ++i)
-    if (Status s = check_columns(*world, i); !s) return of_body(i, s.error());
+  if (Status s = check_columns(*world); !s) return error_of_file(file.path, s.error());
   mixed.set_guest_step(file.scene.step);
   WorldGuests made;
   if (mixed.has_guests())
@@ -173,12 +179,12 @@ Result<SceneRun> run_world(MixedFile mixed, unsigned threads) {
     if (!log) return of_body(i, log.error());
     run.logs.push_back(std::move(*log));
   }
-  take_notes(file, *world, run.logs);
   if (!file.outputs.wav.empty())
     if (Status s = take(run.sound,
                         WorldSound::create(file.outputs.listen, *world, file.outputs.sound_steps));
         !s)
       return error_of_file(file.path, s.error());
+  take_notes(file, *world, run);
   Result<WorldEnding> ending = follow_scene(file, threads, *world, run);
   if (!ending) return ending.error();
   for (BodyLog& log : run.logs)

@@ -95,6 +95,12 @@ Json hand_json(const SceneHand& wanted, const HandCourse& hand, const Eigen::Vec
   return json;
 }
 
+// Name of a joint in messages.
+std::string joint_name(const SceneJoint& joint, std::size_t i) {
+  return fmt::format("joint {} (body '{}', to '{}')", i + 1, joint.body,
+                     joint.to.empty() ? kWorldName : joint.to);
+}
+
 // Springs that mass and step do not allow.
 void add_spring_warnings(const Scene& scene, const SceneWorld& world, Warnings& warnings) {
   const auto warn = [&warnings](const std::string& whose, double asked, double used) {
@@ -113,9 +119,7 @@ void add_spring_warnings(const Scene& scene, const SceneWorld& world, Warnings& 
   for (std::size_t i = 0; i < scene.joints.size(); ++i) {
     const SceneJoint& wanted = scene.joints[i];
     if (world.joint(i) != nullptr && wanted.options.stiffness)
-      warn(fmt::format("joint {} (body '{}', to '{}')", i + 1, wanted.body,
-                       wanted.to.empty() ? kWorldName : wanted.to),
-           *wanted.options.stiffness, world.joint(i)->stiffness);
+      warn(joint_name(wanted, i), *wanted.options.stiffness, world.joint(i)->stiffness);
   }
 }
 
@@ -180,6 +184,31 @@ void add_depth_warnings(const Scene& scene, const SceneWorld& world, Warnings& w
 }
 
 }  // namespace
+
+void JointStretch::observe(const SceneWorld& world) {
+  const std::size_t count = world.scene().joints.size();
+  most_.resize(count, 0.0);
+  for (std::size_t i = 0; i < count; ++i)
+    if (const Joint* joint = world.joint(i); joint != nullptr && joint->stiffness > 0.0)
+      most_[i] = std::max(most_[i], std::sqrt(2.0 * joint->energy / joint->stiffness));
+}
+
+void JointStretch::add_warnings(const SceneWorld& world, Warnings& warnings) const {
+  constexpr double kHolds = 0.05;  // of the smaller body's size
+  for (std::size_t i = 0; i < most_.size(); ++i) {
+    const SceneJoint& joint = world.scene().joints[i];
+    double size = HUGE_VAL;
+    for (const std::string* end : {&joint.body, &joint.to})
+      if (const auto body = world.find(*end))
+        size = std::min(size, surface_size(world.body(*body).model()));
+    if (joint.options.stiffness || !(most_[i] > kHolds * size)) continue;
+    warnings.push_back(fmt::format(
+        "{}: it was extended by {:.3g} m, {:.2g} of the size of a body that it joins: it carries "
+        "more than its spring holds; a shorter step makes it stiffer, as one over its square, and "
+        "so do masses that differ less",
+        joint_name(joint, i), most_[i], most_[i] / size));
+  }
+}
 
 Warnings world_warnings(const Scene& scene, const SceneWorld& world) {
   Warnings warnings = keyframe_warnings(scene.bodies, scene.colliders);

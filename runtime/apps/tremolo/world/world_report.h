@@ -20,6 +20,18 @@ Warnings world_warnings(const Scene& scene, const SceneWorld& world);
 // Cloths whose particles went deeper than their thickness. guests: as in the report.
 void add_sheet_warnings(const std::vector<nlohmann::ordered_json>& guests, Warnings& warnings);
 
+// The largest extension of each joint so far, m: its difference from its length; of a weld the root
+// of the mean square of its springs.
+class JointStretch {
+ public:
+  void observe(const SceneWorld& world);
+  // Warnings of joints without a stiffness of their own that did not hold.
+  void add_warnings(const SceneWorld& world, Warnings& warnings) const;
+
+ private:
+  std::vector<double> most_;
+};
+
 nlohmann::ordered_json world_json(const SceneFile& file, const SceneWorld& world,
                                   const std::vector<BodyLog>& logs,
                                   const std::vector<nlohmann::ordered_json>& guests,

@@ -14,34 +14,59 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A ring of a surface of revolution about z: its radius and height, m.
+// A ring of vertices of a surface of revolution about z.
 struct Ring {
-  double radius = 0.0, height = 0.0;
+  double radius = 0.0, height = 0.0;  // m
+  int around = 0;                     // number of vertices
+  // Angle of the first vertex, in steps between two vertices, from -1/2 to 1/2.
+  double phase = 0.0;
 };
 
-// A closed surface through the rings, which ascend, with `around` vertices each, between a lower
-// and an upper pole at these heights, m.
-SurfaceMesh revolve(const std::vector<Ring>& rings, int around, double lower, double upper) {
+// The triangles between two rings whose vertices begin at these numbers. An edge joins the vertices
+// of both rings that are nearest to the same angle, so that the triangles have the rings' symmetry.
+void stitch(const Ring& below, VertexId low, const Ring& above, VertexId high,
+            std::vector<Triangle>& triangles) {
+  // Vertex 0 is the one nearest to the angle 0; its phase is between -1/2 and 1/2.
+  const auto turn_to_next = [](const Ring& ring, int k) {
+    return (k + 0.5 + ring.phase) / ring.around;
+  };
+  for (int i = 0, j = 0; i < below.around || j < above.around;) {
+    const VertexId a = low + i % below.around, b = high + j % above.around;
+    const bool up =
+        j < above.around && (i == below.around || turn_to_next(above, j) <= turn_to_next(below, i));
+    if (up)
+      triangles.push_back({a, high + (j + 1) % above.around, b});
+    else
+      triangles.push_back({a, low + (i + 1) % below.around, b});
+    ++(up ? j : i);
+  }
+}
+
+// A closed surface through the rings from the lower to the upper pole at these heights, m.
+SurfaceMesh revolve(const std::vector<Ring>& rings, double lower, double upper) {
   SurfaceMesh mesh;
-  for (const Ring& ring : rings)
-    for (int k = 0; k < around; ++k) {
-      const double angle = 2.0 * std::numbers::pi * k / around;
+  std::vector<VertexId> first;
+  for (const Ring& ring : rings) {
+    first.push_back(static_cast<VertexId>(mesh.vertices.size()));
+    for (int k = 0; k < ring.around; ++k) {
+      const double angle = 2.0 * std::numbers::pi * (k + ring.phase) / ring.around;
       mesh.vertices.emplace_back(ring.radius * std::cos(angle), ring.radius * std::sin(angle),
                                  ring.height);
     }
-  const auto count = static_cast<VertexId>(rings.size());
-  const VertexId low = count * around, high = low + 1;
+  }
+  const auto low = static_cast<VertexId>(mesh.vertices.size()), high = low + 1;
   mesh.vertices.emplace_back(0.0, 0.0, lower);
   mesh.vertices.emplace_back(0.0, 0.0, upper);
-  const auto at = [around](VertexId ring, VertexId k) { return ring * around + k % around; };
-  for (VertexId k = 0; k < around; ++k) {
-    mesh.triangles.push_back({low, at(0, k + 1), at(0, k)});
-    for (VertexId ring = 0; ring + 1 < count; ++ring) {
-      mesh.triangles.push_back({at(ring, k), at(ring, k + 1), at(ring + 1, k + 1)});
-      mesh.triangles.push_back({at(ring, k), at(ring + 1, k + 1), at(ring + 1, k)});
+  const auto fan = [&](std::size_t ring, VertexId pole, bool up) {
+    for (int k = 0; k < rings[ring].around; ++k) {
+      const VertexId one = first[ring] + k, two = first[ring] + (k + 1) % rings[ring].around;
+      mesh.triangles.push_back(up ? Triangle{pole, one, two} : Triangle{pole, two, one});
     }
-    mesh.triangles.push_back({high, at(count - 1, k), at(count - 1, k + 1)});
-  }
+  };
+  fan(0, low, false);
+  for (std::size_t k = 0; k + 1 < rings.size(); ++k)
+    stitch(rings[k], first[k], rings[k + 1], first[k + 1], mesh.triangles);
+  fan(rings.size() - 1, high, true);
   return mesh;
 }
 
@@ -56,18 +81,57 @@ SurfaceMesh rounded(double radius, double half_length, int points) {
     for (int k = 0; k < count; ++k) {
       const double step = 0.5 * std::numbers::pi / half;
       const double up = side < 0.0 ? -step * (half - 1 - k) : step * (half - count + k);
-      rings.push_back({radius * std::cos(up), side * half_length + radius * std::sin(up)});
+      rings.push_back({radius * std::cos(up), side * half_length + radius * std::sin(up), around});
     }
   }
-  return revolve(rings, around, -half_length - radius, half_length + radius);
+  return revolve(rings, -half_length - radius, half_length + radius);
 }
 
-// Two rims with a ring half-way between them: nearly all vertices are on the rims, on which it
-// rolls and stands.
+// The rings of a cylinder whose vertices are that far from each other, m, except those of the rims.
+// The vertices of the rings of the side are at angles of their own, so that it rolls well on
+// obstacles between its rims. Half a turn about z or about x makes the same of the surface.
+std::vector<Ring> drum_rings(double radius, double half_length, int around, double spacing) {
+  const auto intervals = [spacing](double length) {
+    return std::max(1, static_cast<int>(std::lround(length / spacing)));
+  };
+  const auto count = [&](double r) {
+    return std::min(around, 2 * std::max(3, intervals(std::numbers::pi * r)));
+  };
+  const int outwards = intervals(radius), along = intervals(2.0 * half_length);
+  std::vector<Ring> rings;
+  for (int k = 1; k < outwards; ++k) {
+    const double r = radius * k / outwards;
+    rings.push_back({r, -half_length, count(r)});
+  }
+  rings.push_back({radius, -half_length, around});
+  for (int k = 1; k < along; ++k) {
+    const double height = 2.0 * k / along - 1.0;
+    const double phase = 0.5 * along * height / std::numbers::phi;
+    rings.push_back({radius, half_length * height, count(radius), phase - std::round(phase)});
+  }
+  rings.push_back({radius, half_length, around});
+  for (int k = outwards - 1; k > 0; --k) {
+    const double r = radius * k / outwards;
+    rings.push_back({r, half_length, count(r)});
+  }
+  return rings;
+}
+
+// Half of the vertices are on the two rims, on which it rolls and stands. The others are
+// spread evenly over its caps and its side.
 SurfaceMesh drum(double radius, double half_length, int points) {
-  const int around = std::max(12, (points - 2) / 3);
-  return revolve({{radius, -half_length}, {radius, 0.0}, {radius, half_length}}, around,
-                 -half_length, half_length);
+  const int around = std::max(12, 2 * (points / 8));
+  const auto rings = [&](double spacing) {
+    return drum_rings(radius, half_length, around, spacing);
+  };
+  const auto vertices = [&](double spacing) {
+    int sum = 2;
+    for (const Ring& ring : rings(spacing)) sum += ring.around;
+    return sum;
+  };
+  double spacing = 2.0 * (radius + half_length);
+  while (vertices(spacing / 1.02) <= points) spacing /= 1.02;
+  return revolve(rings(spacing), -half_length, half_length);
 }
 
 // The numbers of cells along the edges: cells as near to cubes as `points` vertices allow.
