@@ -2,12 +2,21 @@
 #pragma once
 
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include "common/state_stream.h"
 #include "runtime/contact/contact_law.h"
 
 namespace tremolo {
+
+// The deepest of the points past the middle of that obstacle, m, not below 0.
+inline double deepest_past(std::span<const ContactMemory> memories, std::size_t obstacle) {
+  double deepest = 0.0;
+  for (const ContactMemory& memory : memories)
+    if (memory.obstacle == obstacle) deepest = std::max(deepest, -memory.depth);
+  return deepest;
+}
 
 class ContactMemories {
  public:
@@ -18,13 +27,8 @@ class ContactMemories {
     return found != list_.end() && !is_before(key, *found) ? &*found : nullptr;
   }
 
-  // The deepest of the points past the middle of that obstacle, m, not below 0.
-  double deepest(std::size_t obstacle) const {
-    double deepest = 0.0;
-    for (const ContactMemory& memory : list_)
-      if (memory.obstacle == obstacle) deepest = std::max(deepest, -memory.depth);
-    return deepest;
-  }
+  // deepest_past() of these.
+  double deepest(std::size_t obstacle) const { return deepest_past(list_, obstacle); }
 
   void reserve(std::size_t count) { list_.reserve(count); }
   void clear() { list_.clear(); }

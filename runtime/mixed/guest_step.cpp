@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime/contact/contact_memories.h"
+
 namespace tremolo {
 
 static void carry(StateStream& stream, ContactedPoint& point) {
@@ -30,10 +32,7 @@ const ContactMemory* GuestStep::memory(std::size_t obstacle, std::size_t point) 
 }
 
 double GuestStep::deepest(std::size_t obstacle) const {
-  double deepest = 0.0;
-  for (const ContactMemory& memory : memories_)
-    if (memory.obstacle == obstacle) deepest = std::max(deepest, -memory.depth);
-  return deepest;
+  return deepest_past(memories_, obstacle);
 }
 
 void GuestStep::start() {

@@ -159,7 +159,9 @@ Result<MotionCurve> backbone_curve(const VibratingSystem& system, const Backbone
                                          equal_frequency(system, request.mode)};
   CurveGoal goal = amplitude_goal(request.to_amplitude);
   goal.ends_at_half_period = true;
-  goal.most_share = kMostShare * options.harmonic_share;
+  // Who fixes the number of harmonics knows which motion they hold, as in an internal resonance.
+  if (options.harmonics < options.most_harmonics)
+    goal.most_share = kMostShare * options.harmonic_share;
   Result<MotionCurve> curve =
       trace_curve(equations, undamped, std::move(y), direction, goal, true, options);
   const FreeMotions free{undamped, constant, *rest, size, mode.omega};

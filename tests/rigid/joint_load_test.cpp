@@ -36,13 +36,13 @@ Scene chain(const Vector3d& along, double ratio, double step) {
   return scene;
 }
 
-constexpr double kSteps[] = {1.0 / 60.0, 3e-3, 1e-3};
+constexpr double kLoadSteps[] = {1.0 / 60.0, 3e-3, 1e-3};
 constexpr double kRatios[] = {1e3, 1e4, 1e5, 1e6};
 
 // Each joint is at most g h^2/9 longer, whatever it carries, plus that of light links.
 TEST(JointLoads, AHangingWeightExtendsTheChainLittle) {
   for (const double ratio : kRatios)
-    for (const double step : kSteps) {
+    for (const double step : kLoadSteps) {
       SCOPED_TRACE(std::to_string(ratio) + " at " + std::to_string(step));
       SceneWorld world = testing::make_world(chain(-Vector3d::UnitZ(), ratio, step));
       testing::run_until(world, 1.0);
@@ -56,7 +56,7 @@ TEST(JointLoads, AHangingWeightExtendsTheChainLittle) {
 // is longer than at that pull, with as much again for the jerks.
 TEST(JointLoads, AHeavyEndSwingsOnAChainOfLightLinks) {
   for (const double ratio : kRatios)
-    for (const double step : kSteps) {
+    for (const double step : kLoadSteps) {
       SCOPED_TRACE(std::to_string(ratio) + " at " + std::to_string(step));
       SceneWorld world = testing::make_world(chain(Vector3d::UnitX(), ratio, step));
       double farthest = 0.0;
@@ -84,10 +84,10 @@ TEST(JointLoads, LightLoadsChangeNothing) {
 TEST(JointLoads, AreTheMassesThatHangOnTheJoint) {
   // world - a - b - c, and d - e without a support; a ring of f, g and h.
   const auto joint = [](const std::string& body, const std::string& to) {
-    SceneJoint joint;
-    joint.body = body;
-    joint.to = to;
-    return joint;
+    SceneJoint made;
+    made.body = body;
+    made.to = to;
+    return made;
   };
   std::vector<SceneJoint> joints = {joint("a", ""),  joint("b", "a"),    joint("c", "b"),
                                     joint("d", "e"), joint("f", "g"),    joint("g", "h"),

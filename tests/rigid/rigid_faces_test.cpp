@@ -12,8 +12,6 @@ using Eigen::Vector3d;
 using testing::kG;
 using testing::rigid_body;
 
-constexpr double kPi = std::numbers::pi;
-
 // A prism of that many sides, as a drawing program writes it: no vertex inside a face.
 std::string write_prism(const testing::TemporaryFolder& folder, int sides, double radius,
                         double half_height) {
@@ -22,8 +20,8 @@ std::string write_prism(const testing::TemporaryFolder& folder, int sides, doubl
   out.precision(17);
   for (const double z : {-half_height, half_height})
     for (int k = 0; k < sides; ++k)
-      out << "v " << radius * std::cos(2.0 * kPi * k / sides) << " "
-          << radius * std::sin(2.0 * kPi * k / sides) << " " << z << "\n";
+      out << "v " << radius * std::cos(2.0 * std::numbers::pi * k / sides) << " "
+          << radius * std::sin(2.0 * std::numbers::pi * k / sides) << " " << z << "\n";
   for (int k = 0; k < sides; ++k) {
     const int next = (k + 1) % sides;
     out << "f " << k + 1 << " " << next + 1 << " " << sides + next + 1 << " " << sides + k + 1
@@ -56,7 +54,7 @@ Scene table(SceneBody top, double leg_radius) {
   scene.colliders = {testing::floor_with(0.3)};
   for (int k = 0; k < 3; ++k)
     scene.colliders.push_back(
-        leg("leg" + std::to_string(k), leg_radius, 0.3 + 2.0 * kPi * k / 3.0));
+        leg("leg" + std::to_string(k), leg_radius, 0.3 + 2.0 * std::numbers::pi * k / 3.0));
   return scene;
 }
 
@@ -78,7 +76,8 @@ void expect_on_legs(const Scene& scene) {
 TEST(RigidFaces, ARoundTableStandsOnItsLegs) {
   for (const double radius : {0.08, 0.05}) {
     SCOPED_TRACE(radius);
-    expect_on_legs(table(rigid_body("top", CylinderShape{0.3, 0.02}, {}), radius));
+    const SceneBody top = rigid_body("top", CylinderShape{0.3, 0.02}, {});
+    expect_on_legs(table(top, radius));
   }
 }
 
@@ -103,7 +102,7 @@ TEST(RigidFaces, ABarrelLiesOnTwoRails) {
   scene.gravity.values = {{0.0, 0.0, -kG}};
   scene.bodies = {rigid_body("barrel", CylinderShape{0.1, 0.2}, {0.0, 0.0, 0.201})};
   scene.bodies[0].pose.rotation =
-      Eigen::AngleAxisd(0.5 * kPi, Vector3d::UnitX()) * Eigen::Quaterniond::Identity();
+      Eigen::AngleAxisd(0.5 * std::numbers::pi, Vector3d::UnitX()) * Eigen::Quaterniond::Identity();
   scene.colliders = {testing::floor_with(0.3)};
   for (const double side : {-1.0, 1.0}) {
     SceneCollider rail;

@@ -33,8 +33,8 @@ const std::string kSmallBench =
 TEST_F(Experiments, BenchWritesItsPageAndRemembersWhatItHasDone) {
   const auto first = tremolo(kSmallBench);
   ASSERT_TRUE(first.code == 0 || first.code == 6) << first.err;  // 6: a bound was missed
-  const Json json = Json::parse(first.out);
-  EXPECT_FALSE(json.at("criteria").empty());
+  const Json report = Json::parse(first.out);
+  EXPECT_FALSE(report.at("criteria").empty());
   for (const char* file : {"index.html", "report.json", "bench.csv", "cost.csv", "scenes.csv"})
     EXPECT_TRUE(fs::exists(at("small/") + file)) << file;
   const std::string rows = testing::slurp(at("small/bench.csv"));

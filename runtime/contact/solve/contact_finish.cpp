@@ -124,6 +124,7 @@ void ContactStep::carry(StateStream& stream) {
          gathered_.ball.radius, gathered_.ball.deformed);
   stream(gathered_.ball.travel, eq_.q0, eq_.u0);
   stream.sized(record_.impulses);
+  stream.sized(record_.collider_impulses);
   stream(record_.held_steps);
   memories_.carry(stream);
   pair_memories_.carry(stream);

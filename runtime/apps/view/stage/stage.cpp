@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "runtime/apps/view/shape/collider_shape.h"
+#include "runtime/apps/view/shape/creased_shape.h"
 #include "runtime/apps/view/shape/sheet_geometry.h"
 
 namespace tremolo {
@@ -168,7 +169,12 @@ void Stage::add_body(const Body& body, const Vector3f& colour,
   std::vector<float> rest;
   for (const Vector3d& x : drawn.rest)
     for (int k = 0; k < 3; ++k) rest.push_back(static_cast<float>(x[k]));
-  staged.mesh = GpuMesh(triangles, rest);
+  if (body.model().modes() == 0 && render == nullptr) {
+    staged.creased = true;
+    staged.mesh = GpuMesh(creased_shape(drawn.rest, drawn.triangles));
+  } else {
+    staged.mesh = GpuMesh(triangles, rest);
+  }
   staged.positions = rest;
   staged.normals.resize(rest.size());
   if (render != nullptr && !render->surface.colours.empty()) {
@@ -176,7 +182,8 @@ void Stage::add_body(const Body& body, const Vector3f& colour,
     staged.own_paint = vertex_paint(render->surface.colours, colour);
     staged.mesh.paint(staged.own_paint);
   }
-  if (solid && staged.own_frame) staged.stress.emplace(drawn.rest, drawn.triangles, *solid);
+  if (solid && staged.own_frame && !staged.creased)
+    staged.stress.emplace(drawn.rest, drawn.triangles, *solid);
   if (render != nullptr && !render->surface.uvs.empty())
     staged.mesh.unfold({render->surface.uvs.front().data(), 2 * render->surface.uvs.size()});
   bodies_.push_back(std::move(staged));
@@ -322,7 +329,7 @@ void Stage::upload_stress(StagedBody& body) {
 void Stage::upload(const StageLook& look) {
   most_stressed_ = 0.0f;
   for (StagedBody& body : bodies_) {
-    body.mesh.move(body.positions, body.normals);
+    if (!body.creased) body.mesh.move(body.positions, body.normals);
     if (look.colour == ColourBy::kStress && body.stress)
       upload_stress(body);
     else if (const std::vector<float>* numbers = numbers_of(body, look.colour))

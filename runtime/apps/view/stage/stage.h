@@ -87,6 +87,7 @@ class Stage {
     Eigen::Vector3f colour;
     Pose pose;
     std::vector<float> positions, normals;
+    bool creased = false;  // of a rigid body: `mesh` has vertices of its own and stays as it is
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // of its box, m, world
     std::vector<GLuint> images;                        // one a range; 0: none
     bool own_frame = true;
