@@ -76,7 +76,7 @@ void expect_on_legs(const Scene& scene) {
 TEST(RigidFaces, ARoundTableStandsOnItsLegs) {
   for (const double radius : {0.08, 0.05}) {
     SCOPED_TRACE(radius);
-    const SceneBody top = rigid_body("top", CylinderShape{0.3, 0.02}, {});
+    const SceneBody top = rigid_body("top", CylinderShape{0.3, 0.02}, Vector3d::Zero());
     expect_on_legs(table(top, radius));
   }
 }
@@ -87,7 +87,7 @@ TEST(RigidFaces, ATableTopOfAMeshStandsOnItsLegs) {
   for (const int sides : {4, 48})
     for (const bool shaped : {false, true}) {
       SCOPED_TRACE(std::to_string(sides) + (shaped ? " with a shape" : ""));
-      SceneBody top = rigid_body("top", CylinderShape{0.3, 0.02}, {});
+      SceneBody top = rigid_body("top", CylinderShape{0.3, 0.02}, Vector3d::Zero());
       if (shaped) top.contact.shape = top.rigid->shape;
       top.rigid->shape.reset();
       top.rigid->mesh = write_prism(folder, sides, 0.3, 0.02);
