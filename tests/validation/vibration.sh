@@ -18,7 +18,7 @@ block() { make_mesh "$1" block "nx=$2" "ny=$3" "nz=$4" "size=$5" "mirrored=$6"; 
 # A loop of many harmonics is narrower than the difference of the theories: few are asked for.
 backbone() {
   run "$1_backbone" tremolo backbone "$out/$1.tremolo" --to-amplitude "$2m" --no-stability \
-    --harmonics "$3" --most-harmonics "$3" --csv "$out/$1.csv" --json
+    --harmonics "$3" --most-harmonics "$3" --csv "$out/$1.csv" --json "${@:4}"
 }
 
 # at NAME THICKNESS RATIO: the frequency where the amplitude first is RATIO times the thickness, over that
@@ -61,7 +61,8 @@ hardens "clamped plate, a/h = 50" plate 0.02 plate
 block crooked 20 20 1 "1 1 0.02" 0
 # shellcheck disable=SC2086
 basis crooked crooked 6 27 $clamped
-backbone crooked 0.008 3
+# A longer step crosses the narrow gap at its beginning, and goes round.
+backbone crooked 0.008 3 --longest-step 0.05
 tr -d '\n ' <"$out/crooked_backbone.json" | grep -o '"frequency_hz":[^}]*"resonance":{[^}]*}' |
   sed 's/"frequency_hz":\([^,]*\),.*"energy":\([^,]*\),.*"harmonic":\([0-9]*\),"mode":\([0-9]*\),"share":\([^}]*\)}/\1 \2 \3 \4 \5/' \
     >"$out/loop.txt"
