@@ -24,7 +24,7 @@ bool is_behind(const Collider& shape, const EntrySide& side, const Eigen::Vector
 }
 
 EntrySide side_at(const Collider& shape, const EntrySide& before, const PassagePoint& from,
-                    const Eigen::Vector3d& to, const CollisionDistance& found) {
+                  const Eigen::Vector3d& to, const CollisionDistance& found) {
   if (before.counts()) {
     const double deep = before.at(to);
     const bool agree = found.normal.dot(before.normal) > 0.0 &&

@@ -38,6 +38,6 @@ bool is_behind(const Collider& shape, const EntrySide& side, const Eigen::Vector
 // The side that counts for a point at `to`, whose nearest surface is `found`. before, from: the
 // side and the point at the start of the step.
 EntrySide side_at(const Collider& shape, const EntrySide& before, const PassagePoint& from,
-                    const Eigen::Vector3d& to, const CollisionDistance& found);
+                  const Eigen::Vector3d& to, const CollisionDistance& found);
 
 }  // namespace tremolo

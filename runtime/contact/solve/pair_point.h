@@ -48,7 +48,7 @@ struct PairPoint {
   ContactWay way;
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  // y at the end, m, where it may act
   std::shared_ptr<BoneSite> site = {};              // once it acts, if b is on several bones
-  EntrySide side, end_side;                       // that count at the start and at the end
+  EntrySide side, end_side;                         // that count at the start and at the end
   // The point at the start in the shape's coordinates at rest, with distance and normal there, of
   // the centre of a round point, once they are needed.
   std::optional<PassagePoint> from;
