@@ -232,7 +232,8 @@ std::optional<TetDepth> TetStep::depth_at(const VectorXd& x, const std::vector<T
                                           std::optional<std::uint32_t> element) const {
   std::optional<TetPlace> found = hull_->tree.find(x, boxes, place);
   if (!found) return std::nullopt;
-  if (element && found->element != *element) {
+  // An element of a restored state may not exist.
+  if (element && *element < body_->model().elements().size() && found->element != *element) {
     const double least = found->weights.minCoeff() < 0.0 ? -kOutsideShare : -kKeptShare;
     const std::optional<TetPlace> kept = hull_->tree.solve(*element, x, place, least);
     if (kept && kept->weights.minCoeff() > least) found = kept;
