@@ -16,7 +16,8 @@ Vector3d BentContact::place_at_start(std::size_t point) const {
 void BentContact::add(std::size_t point, const Vector3d& y, double distance) {
   if (count_ == pairs_.size()) pairs_.emplace_back();
   PairPoint& pair = pairs_[count_++];
-  const ContactLaw own = points_->area_law(), theirs = shape_->surface().law;
+  const ContactLaw& theirs = shape_->surface().law;
+  const ContactLaw own = points_->area_law_with(theirs);
   pair.law = law_in_series(points_->law_of(point, std::sqrt(own.friction * theirs.friction),
                                            std::sqrt(own.restitution * theirs.restitution)),
                            own, theirs, points_->area_of(point));

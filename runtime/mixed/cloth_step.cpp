@@ -57,6 +57,8 @@ ClothStep::ClothStep(ClothBody& body, const ContactOptions& options)
       method_(body.integrator() == "implicit-euler" ? Method::kImplicitEuler : Method::kEnergy),
       areas_(areas_of(body)),
       law_(law_of_cloth(body, areas_, options)),
+      pinned_(
+          std::ranges::any_of(body.model().held(), [](std::uint8_t held) { return held != 0; })),
       matrix_(body.model().pattern()),
       factor_(make_factor(body)),
       ledger_(body.model(), true) {
@@ -99,6 +101,13 @@ StepBall ClothStep::find_ball() {
     travel = std::max(travel, way);
   }
   return {0.5 * (low + high), 0.5 * (high - low).norm(), travel};
+}
+
+ContactLaw ClothStep::area_law_with(const ContactLaw& theirs) const {
+  ContactLaw law = law_;
+  if (pinned_)
+    law.stiffness = std::max(law.stiffness, theirs.stiffness * theirs.margin / law.margin);
+  return law;
 }
 
 bool ClothStep::step_alone() {

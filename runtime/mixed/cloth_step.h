@@ -46,6 +46,9 @@ class ClothStep final : public GuestStep {
   bool feels(std::size_t point) const override { return point < points(); }
   Eigen::Vector3d start_of(std::size_t point) const override { return at(body_->state().x, point); }
   ContactLaw area_law() const override { return law_; }
+  // Pins carry a pinned cloth. What presses on it is then not its own weight, but that of the other
+  // body: it is as stiff as that, if that is stiffer.
+  ContactLaw area_law_with(const ContactLaw& theirs) const override;
   double area_of(std::size_t point) const override { return areas_.areas[point]; }
   ContactLaw law_of(std::size_t point, double friction, double restitution) const override {
     return point_law(areas_, law_, point, friction, restitution, rounding());
@@ -113,6 +116,7 @@ class ClothStep final : public GuestStep {
   Method method_;
   PointAreas areas_;
   ContactLaw law_;
+  bool pinned_ = false;    // some particles are held from the beginning
   double stiffest_ = 0.0;  // largest coefficient of the matrix at rest, N/m
   BlockMatrix matrix_;
   std::optional<BlockCholesky> factor_;

@@ -25,7 +25,7 @@ bool HullContact::gather(StepBody& points, TetStep& shape, std::size_t obstacle,
   TetTree::Box box = shape.box_at_start();
   box.min().array() -= reach;
   box.max().array() += reach;
-  const ContactLaw own = points.area_law(), theirs = shape.area_law();
+  const ContactLaw theirs = shape.area_law(), own = points.area_law_with(theirs);
   for (std::size_t i = 0; i < points.points(); ++i) {
     const Vector3d x = points.start_of(i);
     if (!points.feels(i) || !box.contains(x)) continue;

@@ -42,6 +42,11 @@ class StepBody {
   virtual bool feels(std::size_t point) const = 0;
   virtual Eigen::Vector3d start_of(std::size_t point) const = 0;
   virtual ContactLaw area_law() const = 0;  // for a unit of area: the stiffness is kappa, N/m^4
+  // The same in contact with a body of the law `theirs`, also for a unit of area.
+  virtual ContactLaw area_law_with(const ContactLaw& theirs) const {
+    (void)theirs;
+    return area_law();
+  }
   virtual double area_of(std::size_t point) const = 0;  // m^2
   // The law of a point with that friction and restitution.
   virtual ContactLaw law_of(std::size_t point, double friction, double restitution) const = 0;

@@ -117,6 +117,37 @@ TEST_F(RigidProgram, ThinPlatesStopWhatHitsThem) {
 
 // Trays and shelves: a thin free plate between the floor and a load ten times as heavy, laid on it
 // or dropped.
+// The net is held by its rim, so that the ball's weight, not its own, presses on its particles. The
+// cloth that meets balls in a scene of its own has another law of contact, without a layer.
+TEST_F(RigidProgram, ANetThatIsHeldStopsABallAsTheNetOfAClothSceneDoes) {
+  const std::string net =
+      "columns = 21\nrows = 21\nwidth = 0.6\nheight = 0.6\ncorner = [-0.3, -0.3, 0]\n"
+      "structural = 5000.0\nshear = 1500.0\nrestitution = 1.0\n"
+      "pins = [\"top\", \"bottom\", \"left\", \"right\"]\n";
+  const std::string ball =
+      "radius = 0.05\nmass = 0.5\nposition = [0.003, 0.002, 0.061]\nvelocity = [0, 0, -5.0]\n"
+      "restitution = 1.0\n";
+  const nlohmann::json alone =
+      run("duration = 0.1\nstep = 0.001\nintegrator = \"energy\"\n[[cloths]]\n" + net +
+          "[[balls]]\n" + ball);
+  const double leaves = alone["balls"][0]["velocity"][2];
+  EXPECT_GT(leaves, 4.5);
+  for (const double step : {0.004, 0.002, 0.001}) {
+    SCOPED_TRACE(step);
+    const nlohmann::json report =
+        run(fmt::format("duration = 0.1\nstep = {}\n", step) +
+            "[[bodies]]\nname = \"net\"\nkind = \"cloth\"\nintegrator = \"energy\"\n" + net +
+            "[[bodies]]\nname = \"ball\"\nkind = \"rigid\"\nshape = \"sphere\"\n" + ball);
+    EXPECT_TRUE(report["warnings"].empty()) << report["warnings"];
+    for (const nlohmann::json& body : report["bodies"])
+      if (body["kind"] == "cloth")
+        EXPECT_LT(body["penetration_max"], 1e-3);
+      else
+        EXPECT_NEAR(std::sqrt(2.0 * body["energy_final"].get<double>() / 0.5), leaves,
+                    0.02 * leaves);
+  }
+}
+
 TEST_F(RigidProgram, ATrayOnTheFloorCarriesWhatIsPutOrFallsOnIt) {
   for (const double gap : {0.0, 0.2})
     for (const double step : {0.003, 0.0015}) {
