@@ -18,6 +18,10 @@ constexpr int kMostIterations = 60;
 // above a share of the largest.
 constexpr int kFarRelaxed = 15;
 constexpr double kFarShare = 0.1;
+// In groups this large, whole moves are not tried in the first iterations: a search along the move
+// nearly always follows, until it is known which contacts act.
+constexpr std::size_t kHeap = 16;
+constexpr int kSearched = 4;
 constexpr int kHeldFrom = 20;  // iteration from which a last resort keeps limits
 // Fraction of the small size below which a residual is converged, as after the last move of
 // Newton's method.
@@ -463,7 +467,8 @@ bool ContactIsland::solve(const Attempt& attempt, bool whole, int& iterations) {
       while (last < by_group_.size() && group_[by_group_[last]] == root) ++last;
       const std::span group = std::span(by_group_).subspan(first, last - first);
       choose(group);
-      if (move_whole(iterations)) {
+      const bool searched = group.size() > kHeap && iterations < kSearched;
+      if (!searched && move_whole(iterations)) {
         moved = true;
         continue;
       }
