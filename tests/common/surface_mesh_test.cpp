@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/mesh/creases.h"
 #include "tests/support/meshes/box_mesh.h"
 
 namespace tremolo {
@@ -83,6 +84,29 @@ TEST(BoundarySurface, LeavesUnreferencedVerticesOut) {
     for (VertexId& v : tet) ++v;
   const BoundarySurface surface = boundary_surface(mesh);
   EXPECT_EQ(surface.vertex_ids, (std::vector<VertexId>{1, 2, 3, 4, 5, 6, 7, 8}));
+}
+
+// A corner of a cube has three sides, a vertex of a flat or bent sheet one.
+TEST(Creases, ABoxIsSplitAtItsEdgesAndABentSheetIsNot) {
+  const TetMesh mesh = testing::box_mesh({2, 2, 2}, {1, 1, 1});
+  const BoundarySurface box = boundary_surface(mesh);
+  std::vector<Eigen::Vector3d> vertices;
+  for (const VertexId v : box.vertex_ids) vertices.push_back(mesh.vertices[v]);
+  const CreasedSurface creased = split_at_creases(vertices, box.triangles);
+  // Nine points on each of six faces.
+  ASSERT_EQ(creased.vertex_of.size(), 54U);
+  ASSERT_EQ(creased.triangles.size(), box.triangles.size());
+  for (std::size_t v = 0; v < vertices.size(); ++v)
+    EXPECT_EQ(creased.vertex_of[v], static_cast<VertexId>(v));
+  for (std::size_t t = 0; t < box.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_EQ(creased.vertex_of[creased.triangles[t][k]], box.triangles[t][k]);
+
+  const std::vector<Eigen::Vector3d> roof = {{0, 0, 0}, {0, 1, 0}, {1, 0, 0.3}, {-1, 0, 0.3}};
+  const std::vector<Triangle> gentle = {{0, 2, 1}, {0, 1, 3}};
+  EXPECT_EQ(split_at_creases(roof, gentle).vertex_of.size(), 4U);
+  const std::vector<Eigen::Vector3d> steep = {{0, 0, 0}, {0, 1, 0}, {1, 0, 0.5}, {-1, 0, 0.5}};
+  EXPECT_EQ(split_at_creases(steep, gentle).vertex_of.size(), 6U);
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "runtime/bodies/reduced/rigid/rigid_solid.h"
+#include "runtime/io/exchange/morph_targets.h"
 #include "runtime/io/exchange/recording.h"
 #include "tests/support/frames/rigged_model.h"
 #include "tests/support/sample_render.h"
@@ -159,6 +161,17 @@ TEST(Recording, ARenderSurfaceKeepsItsSeamTogether) {
   EXPECT_EQ(shape.surface.uvs.size(), shape.surface.vertices.size());
   ASSERT_EQ(shape.smooth_groups.size(), shape.surface.vertices.size());
   EXPECT_EQ(shape.smooth_groups[0], shape.smooth_groups[testing::kTubeSides]);
+}
+
+TEST(Recording, ARigidBoxHasSharpEdges) {
+  RigidSolid solid;
+  solid.shape = BoxShape{{0.1, 0.2, 0.3}};
+  const Result<Model::Pointer> box = make_rigid_model(solid);
+  ASSERT_TRUE(box) << box.error().message;
+  const AnimatedShape shape = animated_shape(**box, "box");
+  EXPECT_EQ(shape.modes.rows(), static_cast<Eigen::Index>(3 * shape.surface.vertices.size()));
+  for (const Eigen::Vector3d& normal : smooth_normals(shape, shape.surface.vertices))
+    EXPECT_NEAR(normal.cwiseAbs().maxCoeff(), 1.0, 1e-12) << normal.transpose();
 }
 
 // Six times the volume.

@@ -6,6 +6,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "common/mesh/creases.h"
 #include "runtime/bodies/reduced/surface/surface.h"
 
 namespace tremolo {
@@ -22,8 +23,17 @@ AnimatedShape animated_shape(const Model& model, std::string name) {
     shape.smooth_groups = find_smooth_patches(render->surface).group_of;
     return shape;
   }
-  shape.surface.vertices = drawn.rest;
-  shape.surface.triangles = drawn.triangles;
+  if (model.modes() == 0) {
+    CreasedSurface creased = split_at_creases(drawn.rest, drawn.triangles);
+    for (const VertexId v : creased.vertex_of)
+      shape.surface.vertices.push_back(drawn.rest[static_cast<std::size_t>(v)]);
+    shape.surface.triangles = std::move(creased.triangles);
+    shape.modes.resize(3 * std::ssize(shape.surface.vertices), 0);
+    shape.response_columns = 0;
+  } else {
+    shape.surface.vertices = drawn.rest;
+    shape.surface.triangles.assign(drawn.triangles.begin(), drawn.triangles.end());
+  }
   shape.surface.object_of.assign(drawn.triangles.size(), 0);
   shape.surface.material_of.assign(drawn.triangles.size(), 0);
   shape.surface.objects = {shape.name};

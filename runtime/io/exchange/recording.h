@@ -18,7 +18,8 @@
 
 namespace tremolo {
 
-// The drawn surface of the model (Model::drawn) as a shape.
+// The drawn surface of the model (Model::drawn) as a shape. That of a rigid body, unless it was
+// made by an author, has more vertices, behind the others: both sides of sharp edges have theirs.
 AnimatedShape animated_shape(const Model& model, std::string name);
 
 // First tracks, then frames; in each frame every track is recorded once. Not for a step loop: it

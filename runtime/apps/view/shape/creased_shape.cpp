@@ -1,8 +1,8 @@
 #include "runtime/apps/view/shape/creased_shape.h"
 
-#include <cmath>
-
 #include <Eigen/Geometry>
+
+#include "common/mesh/creases.h"
 
 namespace tremolo {
 
@@ -10,25 +10,21 @@ using Eigen::Vector3d;
 
 TriangleShape creased_shape(const std::vector<Vector3d>& rest,
                             std::span<const Triangle> triangles) {
-  std::vector<Vector3d> areas;  // along the normals
-  std::vector<std::vector<std::size_t>> around(rest.size());
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const auto& [a, b, c] = triangles[t];
-    const Vector3d& origin = rest[static_cast<std::size_t>(a)];
-    areas.push_back((rest[static_cast<std::size_t>(b)] - origin)
-                        .cross(rest[static_cast<std::size_t>(c)] - origin));
-    for (const VertexId v : triangles[t]) around[static_cast<std::size_t>(v)].push_back(t);
+  const CreasedSurface creased = split_at_creases(rest, triangles);
+  const auto at = [&](VertexId v) {
+    return rest[static_cast<std::size_t>(creased.vertex_of[static_cast<std::size_t>(v)])];
+  };
+  std::vector<Vector3d> normals(creased.vertex_of.size(), Vector3d::Zero());
+  for (const auto& [a, b, c] : creased.triangles) {
+    const Vector3d area = (at(b) - at(a)).cross(at(c) - at(a));
+    for (const VertexId v : {a, b, c}) normals[static_cast<std::size_t>(v)] += area;
   }
-  const double least = std::cos(kCrease);
   TriangleShape shape;
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    for (const VertexId v : triangles[t]) {
-      Vector3d normal = Vector3d::Zero();
-      for (const std::size_t other : around[static_cast<std::size_t>(v)])
-        if (areas[t].dot(areas[other]) >= least * areas[t].norm() * areas[other].norm())
-          normal += areas[other];
-      shape.triangles.push_back(shape.add(rest[static_cast<std::size_t>(v)], normal.normalized()));
-    }
+  for (std::size_t v = 0; v < normals.size(); ++v)
+    shape.add(at(static_cast<VertexId>(v)), normals[v].normalized());
+  for (const auto& [a, b, c] : creased.triangles)
+    shape.add_triangle(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b),
+                       static_cast<std::uint32_t>(c));
   return shape;
 }
 

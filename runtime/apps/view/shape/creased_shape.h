@@ -11,10 +11,8 @@
 
 namespace tremolo {
 
-// The surface with three vertices of its own for each triangle. A vertex has the mean normal, by
-// area, of the triangles around it that meet this one at less than kCrease: edges of boxes and rims
-// of cylinders are sharp, and round sides are smooth. rest: vertices, m.
-inline constexpr double kCrease = 0.7;  // rad
+// The surface with sharp edges (common/mesh/creases.h); its first vertices are the given ones. A
+// vertex has the mean normal, by area, of its triangles. rest: vertices, m.
 TriangleShape creased_shape(const std::vector<Eigen::Vector3d>& rest,
                             std::span<const Triangle> triangles);
 
