@@ -366,8 +366,8 @@ void TetStep::finish(const ContactAccount& account, double start, bool jumped) {
 
 void TetStep::end() {
   sort_memories();
-  whole_.made = part().to - part().from;
   if (!part().whole) return;
+  if (!body_->had_before_) body_->begin_bdf2_again(body_->saved_, nullptr);
   body_->skip_step();
   body_->choose_degrees(report_);
   jumped_ = report_.switched > 0;
@@ -377,18 +377,16 @@ void TetStep::keep_whole() {
   whole_ = {body_->now_, body_->before_, body_->has_before_};
 }
 
-// bdf2 needs the step before it, of the same length.
+// Parts of bdf2 are steps of implicit-euler.
 void TetStep::begin_part() {
-  body_->has_before_ = whole_.made == part().to - part().from;
+  body_->has_before_ = false;
 }
 
 // The step before the next one is the whole step.
 void TetStep::end_whole(int parts) {
   TetBody& body = *body_;
   if (parts > 0) {
-    body.before_.x = whole_.now.x;
-    body.before_.v = whole_.now.v;
-    body.has_before_ = true;
+    body.begin_bdf2_again(whole_.now, whole_.has_before ? &whole_.before : nullptr);
     report_.parts = parts;
     body.skip_step();
     body.choose_degrees(report_);

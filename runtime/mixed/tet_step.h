@@ -136,7 +136,6 @@ class TetStep final : public GuestStep {
   struct Whole {
     TetMotion now, before;
     bool has_before = false;
-    double made = 0.0;  // length of the last part that was solved, a fraction of the step
   };
 
   // The slope of a force on a point, with its condensed weights. Fixed control points have none.

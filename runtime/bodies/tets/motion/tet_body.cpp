@@ -423,6 +423,20 @@ void TetBody::restore_momenta(const TetMotion& start, double passed) {
   restore_spin(model(), spin - now, now_.x, now_.v, correction_);
 }
 
+// The mean of v_1 - v_0 then stays as it was; without a step before it is that of gravity.
+void TetBody::begin_bdf2_again(const TetMotion& start, const TetMotion* before) {
+  before_.x = start.x;
+  before_.v = start.v;
+  has_before_ = true;
+  if (held_ || hand_ || options_.method != TetMethod::kBdf2) return;
+  const Eigen::Vector3d from = system_.momentum(start.v), to = system_.momentum(now_.v);
+  const Eigen::Vector3d change = before != nullptr
+                                     ? Eigen::Vector3d(from - system_.momentum(before->v))
+                                     : model().mass() * options_.step * options_.gravity;
+  const Eigen::Vector3d shift = (to - from - change) / model().mass();
+  for (std::size_t i = 0; i < model().nodes(); ++i) before_.v.segment<3>(body_at(i)) += shift;
+}
+
 void TetBody::stop() {
   now_.v.setZero();
   has_before_ = has_acceleration_ = guard_.known = false;

@@ -161,6 +161,11 @@ class TetBody {
   // Sets momentum and angular momentum to those of `before` plus the contribution of gravity in the
   // time `passed`, s. Only for a body without other forces.
   void restore_momenta(const TetMotion& before, double passed);
+  // After a step of bdf2 that was taken by implicit-euler, which gives the body all the momentum of
+  // its forces at once. start: its start; before: the step before that; null: there was none. Sets
+  // the velocity at the start that the next step uses: bdf2 conserves M (3 v_1 - v_0)/2 plus h F,
+  // and what it had still to pass on, it passes on, but what was given is not given again.
+  void begin_bdf2_again(const TetMotion& start, const TetMotion* before);
   void begin(TetMethod method, double h);
   void guess(bool stay);  // initial displacement; stay: zero
   // Computes the forces at way_, without contact, in force_; they then become the residual.

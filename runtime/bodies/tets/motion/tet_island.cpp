@@ -567,6 +567,16 @@ bool TetIsland::make_contact_step(double h, bool last) {
   return adds_little(before) || last;
 }
 
+// After a step of several bodies by implicit-euler. They pass momentum on to each other, of which
+// each step of bdf2 keeps a part for the next ones.
+void TetIsland::begin_bdf2_again() {
+  if (members_.size() == 1) return;
+  for (const TetMember& member : members_) {
+    TetBody& body = *member.body;
+    body.begin_bdf2_again(body.saved_, body.had_before_ ? &body.saved_before_ : nullptr);
+  }
+}
+
 // If a part fails, the bodies' states are undefined.
 bool TetIsland::make_parts(int parts, PartKind kind) {
   const bool linear = kind == PartKind::kLinear;
@@ -574,6 +584,8 @@ bool TetIsland::make_parts(int parts, PartKind kind) {
   report_.linearised = linear;
   for (const TetMember& member : members_) member.body->rewind();
   const double step = members_.front().body->options_.step, h = step / parts;
+  TetMethod method = common_method();
+  if (members_.size() > 1 && method == TetMethod::kBdf2) method = TetMethod::kImplicitEuler;
   bool made = true, touched = false;
   for (int part = 0; part < parts && made; ++part) {
     if (linear)
@@ -581,17 +593,18 @@ bool TetIsland::make_parts(int parts, PartKind kind) {
     else if (kind == PartKind::kContact)
       made = make_contact_step(h, parts == kContactParts);
     else
-      made = make_watched_step(common_method(), h);
+      made = make_watched_step(members_.size() > 1 ? method : common_method(), h);
     touched = touched || touching();
   }
   // The previous step, which bdf2 needs, is this whole step; a linearised step cannot serve as one.
   for (const TetMember& member : members_) {
     TetBody& body = *member.body;
     body.has_acceleration_ = false;
-    body.has_before_ = made && !linear;
     body.before_.x = body.saved_.x;
     body.before_.v = body.saved_.v;
+    body.has_before_ = made && !linear;
   }
+  if (made && !linear) begin_bdf2_again();
   if (made && linear && members_.size() == 1 && !touched)
     members_.front().body->restore_momenta(members_.front().body->saved_, step);
   return made;
@@ -602,9 +615,12 @@ bool TetIsland::make_any_step() {
   watch_contact_ = contact_is_taken();
   met_contact_ = took_unsolved_ = false;
   start_contact_energy_ = contact_energy();
-  if (make_watched_step(common_method(), members_.front().body->options_.step) &&
-      (!took_unsolved_ || adds_little(start_energy_)))
+  const TetMethod method = common_method();
+  if (make_watched_step(method, members_.front().body->options_.step) &&
+      (!took_unsolved_ || adds_little(start_energy_))) {
+    if (method == TetMethod::kImplicitEuler) begin_bdf2_again();
     return true;
+  }
   met_contact_ = met_contact_ || (watch_contact_ && touching());
   watch_contact_ = false;
   if (met_contact_ && (make_parts(1, PartKind::kContact) || make_parts(2, PartKind::kContact) ||

@@ -95,6 +95,7 @@ class TetIsland {
   bool make_linear_step(double h);
   enum class PartKind { kMethod, kContact, kLinear };
   bool make_parts(int parts, PartKind kind);
+  void begin_bdf2_again();
   bool make_any_step();
   TetBody* watched(TetMethod method) const;
   bool energy_is_good(TetBody& body);
