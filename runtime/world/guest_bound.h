@@ -23,12 +23,14 @@ class GuestBound {
     work_ = work;
     gravity_ = gravity;
     largest_ = std::max(largest_, own);
-    return own <= kRest * largest_ || bound_.look(own, 0.0) == EnergyFound::kSound;
+    return own <= kRest * largest_ || own <= kNothing ||
+           bound_.look(own, 0.0) == EnergyFound::kSound;
   }
 
  private:
   // Below this share of the largest energy the body is at rest, and its energy is rounding.
   static constexpr double kRest = 1e-6;
+  static constexpr double kNothing = 1e-20;  // J: that of a body that never moved
 
   EnergyBound bound_;
   bool started_ = false;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -220,6 +221,46 @@ std::vector<double> heights_of(const std::string& path) {
 
 // A cube of tetrahedra and a sheet by the midpoint rule, which has the exact path of a fall, and a
 // rigid box: the film has all of them where gravity takes them.
+// g t^2/2, whatever the turn of the body, for a probe of the scene and one of the command line.
+TEST_F(MixedProgram, ProbesOfTetrahedraAndClothFall) {
+  const std::string scene =
+      "duration = 0.4\nstep = 0.004\ngravity = [0, 0, -9.81]\n" +
+      tets("cube",
+           "integrator = \"midpoint\"\nposition = [0.3, 0.2, 5]\nturn = [0, 0, 1, 30]\n"
+           "probe = \"near:0.05,0.05,0.05\"\n") +
+      "[[bodies]]\nname = \"sheet\"\nkind = \"cloth\"\nintegrator = \"midpoint\"\ndrag = 0\n"
+      "columns = 5\nrows = 5\nwidth = 0.2\nheight = 0.2\ncorner = [1, 0, 5]\n"
+      "probe = [\"12\", \"top-left\"]\n";
+  const auto ways_at_end = [&](const std::string& name) {
+    const std::vector<std::string> lines =
+        testing::all_lines(testing::slurp(folder_ + "/out/" + name + "/run.csv"));
+    const std::size_t first = lines[0].find(",u");
+    EXPECT_NE(first, std::string::npos) << lines[0];
+    const auto before = std::count(lines[0].begin(), lines[0].begin() + first + 1, ',');
+    std::vector<double> values;
+    std::istringstream row(lines.back());
+    std::string cell;
+    for (std::ptrdiff_t k = 0; std::getline(row, cell, ','); ++k)
+      if (k >= before) values.push_back(std::stod(cell));
+    return values;
+  };
+  const double fallen = -0.5 * 9.81 * 0.16;
+  for (const bool flag : {false, true}) {
+    const ProgramResult result = run(scene, flag ? "--out out --probe 0" : "--out out");
+    ASSERT_EQ(result.code, 0) << result.err;
+    for (const std::string name : {"cube", "sheet"}) {
+      const std::vector<double> ways = ways_at_end(name);
+      ASSERT_EQ(ways.size(), !flag && name == "sheet" ? 6U : 3U) << name;
+      for (std::size_t k = 0; k < ways.size(); ++k)
+        EXPECT_NEAR(ways[k], k % 3 == 2 ? fallen : 0.0, 1e-8) << name << k;
+    }
+  }
+  const ProgramResult refused = run(scene, "--probe near:0,0,0");
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_NE(refused.err.find("body 'cube': probe = \"near:0,0,0\""), std::string::npos)
+      << refused.err;
+}
+
 TEST_F(MixedProgram, AFilmHasBodiesOfEveryKindWhereTheyFall) {
   std::ofstream(folder_ + "/scene.toml")
       << "step = 0.002\nduration = 0.1\ngravity = [0, 0, -9.81]\n" +

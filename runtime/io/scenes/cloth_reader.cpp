@@ -219,6 +219,7 @@ Result<ClothSceneBody> read_cloth_body(const toml::table& table, std::size_t num
   keys.read("velocity", body.velocity);
   read_cloth_method(keys, body.scene);
   read_contact_stiffness(keys, body.contact);
+  keys.read("probe", body.probes);
   SceneCloth cloth;
   if (Status s = read_cloth_keys(keys, path, what, files, cloth); !s) return s.error();
   if (Status s = keys.finish(); !s) return s.error();

@@ -66,6 +66,7 @@ void read_tets_contact(TomlKeys& keys, const TetsPlace& scene, TetSceneBody& bod
     *scene.copies = read_copies(keys);
     read_contact_law(keys, body.contact);
     body.friction = body.contact.friction;
+    keys.read("probe", body.probes);
     if (keys.has("creep"))
       keys.fail("creep",
                 "next to bodies of other kinds friction holds without creep: leave `creep` out");

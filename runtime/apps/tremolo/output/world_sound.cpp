@@ -78,7 +78,8 @@ Result<WorldSound> WorldSound::create(const std::string& listen, const SceneWorl
   }
   if (sound.heard_.empty() && !sound.left_out_.empty())
     return content_error(
-        "--wav: every body of the scene is rigid, and a rigid body makes no sound");
+        "--wav: no body of the scene has modes, and rigid bodies, tetrahedra and cloth make no "
+        "sound");
   if (sound.heard_.empty())
     return content_error(
         "--wav: no body of the scene has a default load: say where to --listen, as BODY:SELECTOR");

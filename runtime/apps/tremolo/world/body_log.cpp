@@ -104,8 +104,8 @@ Status check_columns(const SceneWorld& world) {
   }
   if (asked && !any)
     return usage_error(
-        "coordinates are asked for, and no body has any: rigid bodies have none, --probe records "
-        "their vertices");
+        "coordinates are asked for, and no body has any: rigid bodies, tetrahedra and cloth have "
+        "none, --probe records their vertices");
   return Success{};
 }
 

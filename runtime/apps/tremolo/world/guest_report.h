@@ -21,6 +21,33 @@ void add_guest_contacts(const MixedGuests& guests, std::size_t guest, double h,
 inline constexpr const char* kHeldColumns = ",hand,joint,hand_fx,hand_fy,hand_fz";
 std::array<double, 5> held_values(const MixedGuests& guests, std::size_t guest);
 
+// The motion of vertices of a guest's surface, or of particles.
+class GuestProbes {
+ public:
+  // probes: each names one, as a hand's `at` does. pose: of a body of tetrahedra at t = 0. Errors:
+  // those of guest_point().
+  static Result<GuestProbes> create(const MixedGuests& guests, std::size_t guest,
+                                    const std::vector<std::string>& probes, const Pose& pose = {});
+
+  std::string columns() const;  // ",u5x,u5y,u5z" for vertex 5
+  // Appends the distances from where the points were at t = 0, m, along the world's axes.
+  void append_now(const MixedGuests& guests, std::vector<double>& values) const;
+
+ private:
+  struct Probe {
+    std::size_t point = 0;
+    Eigen::Vector3d start;  // m, world
+    VertexId number = 0;
+  };
+
+  std::size_t guest_ = 0;
+  std::vector<Probe> probes_;
+};
+
+// Values of the columns behind those of a guest's kind.
+std::vector<double> further_values(const MixedGuests& guests, std::size_t guest,
+                                   const GuestProbes& probes);
+
 // Names of bodies of tetrahedra, then of cloths.
 std::vector<std::string> guest_names(const MixedFile& mixed);
 

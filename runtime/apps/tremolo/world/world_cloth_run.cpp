@@ -44,8 +44,13 @@ Result<WorldClothRun> WorldClothRun::create(const MixedFile& mixed, const WorldG
     watched.outputs = outputs_of_body(mixed.file.outputs, body.name());
     watched.frames = Frames(watched.outputs, {first, steps});
     if (Status s = make_run_folder(watched.outputs.out); !s) return s.error();
+    if (Status s = take(watched.probes,
+                        GuestProbes::create(*guests.guests, guests.of_cloth(i), body.probes));
+        !s)
+      return Error{s.error().kind, "body '" + body.name() + "': " + s.error().message};
+    const std::string columns = kClothColumns + std::string(kHeldColumns);
     if (Status s = take(watched.table, CsvTable::create(table_path(watched.outputs),
-                                                        kClothColumns + std::string(kHeldColumns)));
+                                                        columns + watched.probes.columns()));
         !s)
       return s.error();
   }
@@ -98,7 +103,7 @@ Status WorldClothRun::write(std::size_t i) {
           momenta.angular.x(), momenta.angular.y(), momenta.angular.z(),
           guests_->guests->penetration_max(number(i))})
       fmt::format_to(out, ",{:.12g}", value);
-    for (const double value : held_values(*guests_->guests, number(i)))
+    for (const double value : further_values(*guests_->guests, number(i), watched.probes))
       fmt::format_to(out, ",{:.12g}", value);
     if (Status s = watched.table.end_row(); !s) return s;
   }

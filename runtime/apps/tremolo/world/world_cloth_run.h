@@ -10,6 +10,7 @@
 #include "runtime/apps/tremolo/measure/energy_balance.h"
 #include "runtime/apps/tremolo/run/log_files.h"
 #include "runtime/apps/tremolo/run/scene_ending.h"
+#include "runtime/apps/tremolo/world/guest_report.h"
 #include "runtime/io/scenes/nodal_readers.h"
 #include "runtime/world/world_guests.h"
 
@@ -58,6 +59,7 @@ class WorldClothRun {
     Momenta momenta_start, momenta_now;
     SceneOutputs outputs;  // in the cloth's own folder
     CsvTable table;
+    GuestProbes probes;
     Frames frames;
     std::vector<std::string> files;
   };

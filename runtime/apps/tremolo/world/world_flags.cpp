@@ -50,6 +50,10 @@ Status apply_flags(const GivenFlags& flags, MixedFile& mixed) {
                         "scene",
                         flag, mixed.tets.empty() ? "cloth" : "tetrahedra"));
   if (Status s = apply_flags(flags, mixed.file); !s) return s;
+  if (flags.given("--probe")) {
+    for (TetSceneBody& body : mixed.tets) body.probes = flags.values.probes;
+    for (ClothSceneBody& body : mixed.cloths) body.probes = flags.values.probes;
+  }
   mixed.set_guest_step(mixed.file.scene.step);
   return Success{};
 }

@@ -21,8 +21,15 @@ Result<WorldTetsRun> WorldTetsRun::create(const MixedFile& mixed, const WorldGue
   scene.step = mixed.file.scene.step;
   scene.duration = mixed.file.scene.duration;
   for (std::size_t i = 0; i < mixed.tets.size(); ++i) {
-    Result<TetsLog> log = TetsLog::create(scene, run.tets_->kind(i), i, first, kHeldColumns);
+    Result<GuestProbes> probes =
+        GuestProbes::create(*guests.guests, i, mixed.tets[i].probes, mixed.tets[i].pose);
+    if (!probes)
+      return Error{probes.error().kind,
+                   "body '" + mixed.tets[i].name + "': " + probes.error().message};
+    Result<TetsLog> log =
+        TetsLog::create(scene, run.tets_->kind(i), i, first, kHeldColumns + probes->columns());
     if (!log) return log.error();
+    run.probes_.push_back(std::move(*probes));
     run.logs_.push_back(std::move(*log));
   }
   run.watched_.resize(run.logs_.size());
@@ -65,7 +72,8 @@ Status WorldTetsRun::observe() {
     watch(i, !started_);
     const TetStep& step = *tets_->guests->tets(i);
     if (Status s = logs_[i].observe(body, step.report(), step.sums(), vertices_, normals_,
-                                    tets_->guests->is_pushed(i), held_values(*tets_->guests, i));
+                                    tets_->guests->is_pushed(i),
+                                    further_values(*tets_->guests, i, probes_[i]));
         !s)
       return s;
   }

@@ -9,6 +9,7 @@
 #include "common/result.h"
 #include "runtime/apps/tremolo/measure/tets_log.h"
 #include "runtime/apps/tremolo/run/scene_ending.h"
+#include "runtime/apps/tremolo/world/guest_report.h"
 #include "runtime/world/guest_bound.h"
 #include "runtime/world/world_guests.h"
 
@@ -55,6 +56,7 @@ class WorldTetsRun {
   std::vector<Watched> watched_;
   bool started_ = false;
   std::vector<Eigen::Vector3d> vertices_;
+  std::vector<GuestProbes> probes_;
   std::vector<Eigen::Vector3f> normals_;
 };
 

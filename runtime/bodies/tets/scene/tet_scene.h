@@ -29,6 +29,7 @@ struct TetSceneBody {
   double creep = kTetCreep;  // speed below which friction permits creep, m/s (tet_contact.h)
   TetBodyOptions options;
   ContactOptions contact = {};  // in a world with bodies of other kinds; without points and shape
+  std::vector<std::string> probes = {};  // in such a world: vertices whose motion is recorded
 };
 
 // A scene. All bodies have the same step. Colliders are at rest.
