@@ -10,7 +10,9 @@ namespace tremolo {
 namespace {
 
 constexpr const char* kGravity =
-    "gravity that changes in time does not act on bodies of tetrahedra";
+    "gravity that changes in time does not act on bodies of tetrahedra, to whose balance it "
+    "belongs "
+    "as a potential energy";
 
 std::vector<Eigen::Index> drawn_particles(const ClothParts& parts) {
   std::vector<Eigen::Index> particles(parts.drawn ? parts.drawn->vertices.size()

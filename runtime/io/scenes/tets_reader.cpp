@@ -189,7 +189,8 @@ Result<MixedFile> parse_mixed(std::string_view text, const std::string& path) {
     if (!is_of_tets(node)) continue;
     if (gravity.values.size() > 1)
       return error_at(path, node.source(),
-                      "gravity that changes in time does not act on bodies of tetrahedra");
+                      "gravity that changes in time does not act on bodies of tetrahedra, to whose "
+                      "balance it belongs as a potential energy");
     Copies copies;
     Result<TetSceneBody> body = read_tets_body(
         *node.as_table(), number, {path, mixed.file.scene.step, gravity.at(0.0), &copies});

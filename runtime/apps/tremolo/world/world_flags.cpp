@@ -23,8 +23,17 @@ Status apply_flags(const GivenFlags& flags, SceneFile& file) {
       std::find(names.begin(), names.end(), flags.values.integrator) == names.end())
     return usage_error(fmt::format("--integrator: unknown integrator '{}'; there are {}",
                                    flags.values.integrator, fmt::join(names, ", ")));
-  for (SceneBody& body : file.scene.bodies)
+  const auto is_rigid = [](const SceneBody& body) { return body.rigid.has_value(); };
+  const bool all_rigid = std::ranges::all_of(file.scene.bodies, is_rigid);
+  for (SceneBody& body : file.scene.bodies) {
+    const IntegratorOptions own = body.options;
     if (Status s = apply_to_body(flags, body); !s) return s;
+    // Nothing of a rigid body moves relative to its frame: damping is that of the others.
+    if (!is_rigid(body) || all_rigid) continue;
+    body.options.alpha = own.alpha;
+    body.options.beta = own.beta;
+    body.options.ratios = own.ratios;
+  }
   if (flags.given("--step")) file.scene.step = flags.values.step;
   if (flags.given("--duration")) file.scene.duration = flags.values.duration;
   SceneOutputs& outputs = file.outputs;
