@@ -840,8 +840,9 @@ tremolo_status tremolo_recorder_create(double rate, tremolo_recorder** recorder)
 void tremolo_recorder_destroy(tremolo_recorder* recorder);
 
 /* A track is the motion of one body (also on bones), or of a model whose states the caller has,
- * such as those of a crowd. name: UTF-8, unique. track receives its number. TREMOLO_USAGE: there is
- * a frame already, or the name is empty or in use. */
+ * such as those of a crowd. name: UTF-8, unique. track receives its number. A body whose track is
+ * added after the first frame is there from the first frame on in which it is recorded.
+ * TREMOLO_USAGE: the name is empty or in use. */
 tremolo_status tremolo_recorder_add_body(tremolo_recorder* recorder, const tremolo_body* body,
                                          const char* name, size_t* track);
 tremolo_status tremolo_recorder_add_model(tremolo_recorder* recorder, const tremolo_model* model,
@@ -850,6 +851,9 @@ tremolo_status tremolo_recorder_add_model(tremolo_recorder* recorder, const trem
 /* time: s, later than the last frame's. Then every track is recorded once. TREMOLO_USAGE if the
  * time is not later, or a track is missing in the last frame. */
 tremolo_status tremolo_recorder_begin_frame(tremolo_recorder* recorder, double time);
+
+/* The body is gone: from the present frame on, or from the next one if this one has it. */
+tremolo_status tremolo_recorder_end_track(tremolo_recorder* recorder, size_t track);
 
 /* Records the body's present state. TREMOLO_USAGE, with nothing recorded: the track does not exist,
  * has been recorded in this frame, or is of a model with another number of coordinates. */

@@ -438,6 +438,26 @@ typedef void (*tremolo_run_jobs)(void* user, size_t count, tremolo_job job, void
 tremolo_status tremolo_world_set_jobs(tremolo_world* world, uint32_t workers, tremolo_run_jobs run,
                                       void* user);
 
+/* ---- recordings ---- */
+
+/* Records all bodies of a world, of every kind, in the frame that tremolo_recorder_begin_frame has
+ * begun; with colliders (nonzero) these too, except such from files. A body that was added or
+ * removed since the last frame comes or goes in this one. tremolo_recorder_write then writes what
+ * `tremolo export` writes of a scene; point caches (.pc2, .mdd), and .glb for bodies on bones,
+ * refuse bodies that come or go. A recorder records one world. TREMOLO_USAGE: it records another
+ * one, or no frame has been begun.
+ *
+ *   tremolo_recorder_create(60.0, &recorder);
+ *   for (...) {
+ *     tremolo_world_step(world, 5, NULL);
+ *     tremolo_recorder_begin_frame(recorder, tremolo_world_time(world));
+ *     tremolo_recorder_record_world(recorder, world, 1);
+ *   }
+ *   tremolo_recorder_write(recorder, "world.usda");
+ */
+tremolo_status tremolo_recorder_record_world(tremolo_recorder* recorder, const tremolo_world* world,
+                                             int32_t colliders);
+
 /* ---- saving ---- */
 
 /* As tremolo_body_save and tremolo_body_restore, of the whole world: the bytes are those of

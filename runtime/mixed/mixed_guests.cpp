@@ -98,6 +98,10 @@ void MixedGuests::remove(std::size_t i) {
   guest.cloth_body.reset();
 }
 
+void MixedGuests::replay_step() {
+  for (const auto& guest : guests_) guest->old = guest->removed;
+}
+
 std::size_t MixedGuests::point_near(std::size_t i, const Eigen::Vector3d& place) const {
   const GuestStep& step = *guests_[i]->step;
   std::size_t nearest = 0;

@@ -53,6 +53,7 @@ class MixedGuests final : public IslandGuests {
   // the next step; until then no function but removed() may be called with it.
   void remove(std::size_t i);
   bool removed(std::size_t i) const { return guests_[i]->removed; }
+  void replay_step();  // as SceneWorld::replay_step()
   // As BodyGroup::set_filter().
   void set_filter(PairFilter filter) { filter_ = std::move(filter); }
 
@@ -128,6 +129,7 @@ class MixedGuests final : public IslandGuests {
   const MixedReport& mixed_report() const { return report_; }
   std::size_t in_islands() const { return in_islands_; }
 
+  double step_size() const { return step_; }  // s
   std::size_t size() const override { return guests_.size(); }
   void start(std::span<const PlacedCollider> colliders) override;
   void find_contacts(std::span<ContactStep* const> contacts) override;

@@ -115,17 +115,16 @@ class WorldGuestLinks final : public GuestLinks {
   }
 
   Status join(const SceneWorld& world, std::size_t i) override {
-    wanted_joints_.push_back(world.scene().joints[i]);
-    joints_.emplace_back();
+    // Joints of other bodies may have been added since the last call.
+    const std::size_t before = joints_.size();
+    wanted_joints_ = world.scene().joints;
+    joints_.resize(i + 1);
     Status made = make_joint(world, numbers_of_guests(), i);
-    if (!made) {
-      wanted_joints_.pop_back();
-      joints_.pop_back();
-    }
+    if (!made) joints_.resize(before);
     return made;
   }
   void end_joint(std::size_t i) override {
-    if (!joints_[i]) return;
+    if (i >= joints_.size() || !joints_[i]) return;
     for (const std::size_t number : joints_[i]->numbers) guests_->separate(number);
     joints_[i].reset();
   }

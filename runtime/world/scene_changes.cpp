@@ -41,13 +41,17 @@ std::size_t SceneWorld::new_number(std::size_t body) {
   return number;
 }
 
+void SceneWorld::replay_step() {
+  for (Actor& actor : actors_) actor.old = actor.removed;
+}
+
 void SceneWorld::wake_all() {
   for (std::size_t i = 0; i < size(); ++i)
     if (!actors_[i].failed) group_->wake(place_[i]);
 }
 
 Status SceneWorld::check_apart_from_all(std::size_t i) const {
-  if (!scene_.bodies[i].feels_contact) return Success{};
+  if (replaying_ || !scene_.bodies[i].feels_contact) return Success{};
   for (std::size_t k = 0; k < size(); ++k) {
     if (k == i || removed(k) || !scene_.bodies[k].feels_contact) continue;
     for (const auto& [a, b] : {std::pair(i, k), std::pair(k, i)}) {
@@ -159,8 +163,8 @@ Status SceneWorld::move_body(std::size_t i, const Pose& next) {
 }
 
 Result<std::size_t> SceneWorld::add_collider(const SceneCollider& wanted) {
-  for (const SceneCollider& known : scene_.colliders)
-    if (known.name == wanted.name)
+  for (std::size_t c = 0; c < scene_.colliders.size(); ++c)
+    if (!collider_removed(c) && scene_.colliders[c].name == wanted.name)
       return content_error("two colliders are called '" + wanted.name + "'");
   if (steps_ > 0 && !wanted.motion.parts.empty())
     return usage_error("collider '" + wanted.name + "': " + kNoMotion);
@@ -173,7 +177,7 @@ Result<std::size_t> SceneWorld::add_collider(const SceneCollider& wanted) {
   SceneColliders more = colliders_;
   if (Status s = more.add(wanted); !s) return s.error();
   const PlacedCollider& placed = more.placed()[before];
-  for (std::size_t i = 0; i < size(); ++i) {
+  for (std::size_t i = 0; i < size() && !replaying_; ++i) {
     const ContactBody& body = actors_[i].body;
     if (removed(i) || !scene_.bodies[i].feels_contact || body.contact() == nullptr) continue;
     const DeepestPoint deepest = deepest_point(body, std::span(&placed, 1));
@@ -216,6 +220,7 @@ Status SceneWorld::move_collider(std::size_t c, const Pose& next) {
 }
 
 void SceneWorld::remove_collider(std::size_t c) {
+  gone_colliders_.insert(c);
   Pose pose = colliders_.placed()[c].end;
   pose.position -= kAway * (pose.rotation * Eigen::Vector3d::UnitZ());
   colliders_.put(c, pose);

@@ -25,11 +25,13 @@ SavedState SceneWorld::saved_parts() const {
   // The first part is of the scene.
   for (std::size_t i = 0; i < size(); ++i)
     if (removed(i)) parts[1 + i] = {"removed body " + std::to_string(i), 0};
+  for (const std::size_t c : gone_colliders_)
+    parts[1 + size() + c] = {"removed collider " + std::to_string(c), 0};
   for (std::size_t i = 0; i < size(); ++i)
     if (actors_[i].given && !removed(i))
       parts.push_back({"body '" + name(i) + "', moved by calls", 0});
   for (std::size_t c = 0; c < scene_.colliders.size(); ++c)
-    if (colliders_.is_given(c))
+    if (colliders_.is_given(c) && !collider_removed(c))
       parts.push_back({"collider '" + scene_.colliders[c].name + "', moved by calls", 0});
   parts.insert(parts.end(), guest_identity_.begin(), guest_identity_.end());
   return {"a world", TREMOLO_VERSION, std::move(parts), {}};

@@ -232,7 +232,8 @@ Status SceneWorld::begin_contact(std::size_t i, bool needed) {
   actor.size = actor.body.contact()->surface().points->extent;
   const auto felt = felt_by(i);
   const double margin = actor.body.contact()->surface().law.margin;
-  if (const DeepestPoint deepest = deepest_point(actor.body, felt); deepest.depth > margin)
+  if (const DeepestPoint deepest = deepest_point(actor.body, felt);
+      deepest.depth > margin && !replaying_)
     return content_error(
         "it begins " + number_text(deepest.depth) + " m (" +
         number_text(100.0 * deepest.depth / actor.size) + " % of its size) inside collider '" +

@@ -193,6 +193,7 @@ class SceneWorld {
   Status move_collider(std::size_t c, const Pose& next);
   // Removes it: it is 1e9 m away, and its number is not used again. Bodies wake.
   void remove_collider(std::size_t c);
+  bool collider_removed(std::size_t c) const { return gone_colliders_.contains(c); }
   // Joins bodies of any kind of the world from now on, and returns the joint's number. Errors as
   // for create().
   Result<std::size_t> add_joint(const SceneJoint& wanted);
@@ -201,6 +202,12 @@ class SceneWorld {
   // world; guests have numbers from kFirstGuest on. It must not call the world, which must not be
   // moved afterwards. Empty: none do.
   void set_filter(PairFilter filter);
+  // While it is on, nothing that is added is checked to be apart from the others: the changes of a
+  // saved world are made again, whose bodies get their positions by restore() afterwards.
+  void set_replaying(bool replaying) { replaying_ = replaying; }
+  bool replaying() const { return replaying_; }
+  // Between two of these changes the saved world took steps.
+  void replay_step();
   // As BodyGroup::set_jobs().
   void set_jobs(std::optional<BodyGroup::Jobs> jobs) { group_->set_jobs(std::move(jobs)); }
   // Prepares all bodies that can be in contact for guests. Errors as for create().
@@ -426,7 +433,8 @@ class SceneWorld {
   std::map<std::string, Collider> shapes_;                 // of bodies, by their files
   std::unordered_map<std::string, std::size_t> numbers_;   // of bodies, by their names
   std::set<std::pair<std::size_t, std::size_t>> passing_;  // a < b: a joint lets them pass through
-  bool gravity_changes_ = false;
+  std::set<std::size_t> gone_colliders_;                   // those that were removed
+  bool gravity_changes_ = false, replaying_ = false;
   std::int64_t steps_ = 0;
   std::unique_ptr<IslandGuests> guests_;   // null: none
   std::unique_ptr<GuestLinks> links_;      // null: there are no guests

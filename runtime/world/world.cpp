@@ -178,7 +178,7 @@ Status World::remove(WorldBody body) {
 }
 
 Result<std::size_t> World::add_collider(const SceneCollider& wanted) {
-  if (const MixedGuests* all = guests()) {
+  if (const MixedGuests* all = guests(); all != nullptr && !own_.replaying()) {
     Result<Collider> shape = load_scene_collider(wanted);
     if (!shape) return shape.error();
     const PlacedCollider placed{std::move(*shape), wanted.pose, wanted.pose};
@@ -191,7 +191,10 @@ Result<std::size_t> World::add_collider(const SceneCollider& wanted) {
 }
 
 Status World::check_collider(std::size_t collider) const {
-  if (collider < own_.scene().colliders.size()) return Success{};
+  if (collider < own_.scene().colliders.size()) {
+    if (!own_.collider_removed(collider)) return Success{};
+    return usage_error("collider " + std::to_string(collider) + " has been removed");
+  }
   return usage_error("there are " + std::to_string(own_.scene().colliders.size()) +
                      " colliders, no collider " + std::to_string(collider));
 }
@@ -226,7 +229,7 @@ const Joint* World::joint(std::size_t joint) const {
 
 std::optional<std::size_t> World::find_collider(const std::string& name) const {
   for (std::size_t c = 0; c < own_.scene().colliders.size(); ++c)
-    if (own_.scene().colliders[c].name == name) return c;
+    if (!own_.collider_removed(c) && own_.scene().colliders[c].name == name) return c;
   return std::nullopt;
 }
 
@@ -301,6 +304,11 @@ void World::pass_filter() {
     return ask(known(a), known(b));
   };
   all_guests().set_filter(filter_ ? PairFilter(ask_guests) : PairFilter());
+}
+
+void World::replay_step() {
+  own_.replay_step();
+  if (guests() != nullptr) all_guests().replay_step();
 }
 
 Status World::restore(std::span<const std::byte> bytes) {

@@ -215,7 +215,14 @@ class World {
   Status set_threads(unsigned threads) { return own_.set_threads(threads); }
   void set_jobs(std::optional<BodyGroup::Jobs> jobs) { own_.set_jobs(std::move(jobs)); }
 
-  // As SceneWorld::save() and restore().
+  // As SceneWorld::save() and restore(). A state of a world that was changed fits one of the same
+  // scene that was changed in the same way: between begin_replay() and end_replay() the changes are
+  // made again, with replay_step() where steps were taken between two of them, and then the state
+  // is restored. What is added meanwhile may be inside others, which are not where they were; a
+  // joint gets the points that are there, so it needs the state before it was added.
+  void begin_replay() { own_.set_replaying(true); }
+  void replay_step();
+  void end_replay() { own_.set_replaying(false); }
   std::vector<std::byte> save() const { return own_.save(); }
   Status restore(std::span<const std::byte> bytes);
 

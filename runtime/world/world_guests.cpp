@@ -17,8 +17,10 @@ struct Solids {
   std::vector<PresentPlace> places;  // of bodies on several bones; of others without bones
 };
 
+// None while the world's changes are made again (SceneWorld::set_replaying()).
 Solids solids_of(const SceneWorld& world) {
   Solids solids;
+  if (world.replaying()) return solids;
   for (std::size_t c = 0; c < world.colliders().size(); ++c) {
     solids.shapes.push_back(world.colliders()[c]);
     solids.names.push_back("collider '" + world.scene().colliders[c].name + "'");

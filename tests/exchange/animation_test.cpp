@@ -138,7 +138,6 @@ TEST(Recording, AFrameWithoutATrackIsNoFrame) {
   const auto record = [&](std::size_t track) { return recording.record(track, q, {&pose, 1}); };
   EXPECT_FALSE(record(0)) << "there is no frame";
   ASSERT_TRUE(recording.begin_frame(0.5));
-  EXPECT_FALSE(recording.add(model, "c")) << "too late";
   EXPECT_TRUE(record(0));
   EXPECT_FALSE(record(0)) << "twice";
   EXPECT_FALSE(record(2)) << "no such track";
@@ -149,6 +148,58 @@ TEST(Recording, AFrameWithoutATrackIsNoFrame) {
   EXPECT_TRUE(record(1));
   EXPECT_FALSE(recording.begin_frame(0.5)) << "not later";
   EXPECT_TRUE(recording.animation());
+}
+
+// In frames without it a body has the values of the nearest frame with it.
+TEST(Recording, ABodyThatComesOrGoesIsShownInItsOwnFramesAlone) {
+  const Model::Pointer model = testing::frame_model(3, false, 20.0, 400.0, 0.2, 5);
+  Recording recording;
+  ASSERT_TRUE(recording.add(model, "whole"));
+  ASSERT_TRUE(recording.add(model, "goes"));
+  const auto record = [&](std::size_t track, double value) {
+    const std::vector<double> q(3, value);
+    const Pose pose{Eigen::Vector3d::Constant(value)};
+    return recording.record(track, q, {&pose, 1});
+  };
+  for (int frame = 0; frame < 5; ++frame) {
+    ASSERT_TRUE(recording.begin_frame(frame));
+    ASSERT_TRUE(record(0, frame));
+    if (frame < 2) {
+      ASSERT_TRUE(record(1, 10.0 + frame));
+    }
+    if (frame == 2) {
+      EXPECT_FALSE(recording.animation()) << "a track is missing";
+      ASSERT_TRUE(recording.end(1));
+      EXPECT_FALSE(record(1, 0.0)) << "it is over";
+      ASSERT_TRUE(recording.animation());
+      ASSERT_TRUE(recording.add(model, "comes"));
+      ASSERT_TRUE(recording.add(model, "never"));
+    }
+    if (frame >= 3) {
+      ASSERT_TRUE(record(2, 20.0 + frame));
+      EXPECT_FALSE(record(2, 0.0)) << "twice";
+    }
+  }
+  EXPECT_FALSE(recording.end(9));
+  const Result<Animation> animation = recording.animation();
+  ASSERT_TRUE(animation) << animation.error().message;
+  ASSERT_EQ(animation->bodies.size(), 3U);
+  const auto numbers = [&](std::size_t body) {
+    std::vector<double> first;
+    for (std::size_t frame = 0; frame < 5; ++frame) {
+      first.push_back(coordinates_at(*animation, animation->bodies[body], frame)[1]);
+      EXPECT_EQ(poses_at(animation->bodies[body], frame)[0].position.y(), first.back());
+    }
+    return first;
+  };
+  EXPECT_EQ(numbers(0), (std::vector<double>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(numbers(1), (std::vector<double>{10, 11, 11, 11, 11}));
+  EXPECT_EQ(numbers(2), (std::vector<double>{23, 23, 23, 23, 24}));
+  EXPECT_TRUE(animation->bodies[0].shown.empty());
+  EXPECT_EQ(animation->bodies[1].shown, (std::vector<std::uint8_t>{1, 1, 0, 0, 0}));
+  EXPECT_EQ(animation->bodies[2].shown, (std::vector<std::uint8_t>{0, 0, 0, 1, 1}));
+  ASSERT_TRUE(recording.begin_frame(5.0));
+  EXPECT_FALSE(recording.begin_frame(6.0)) << "a body that came is missing";
 }
 
 TEST(Recording, ARenderSurfaceKeepsItsSeamTogether) {

@@ -249,6 +249,53 @@ TEST(Series, WhatStandsStillIsWrittenOnce) {
   EXPECT_FALSE(write_surface_series(folder.file("s.stl"), animation));
 }
 
+// Frames 0 and 3 are without the body.
+TEST(AnimationWriter, ABodyThatComesAndGoesIsHiddenOrRefused) {
+  const TemporaryFolder folder;
+  Animation animation = wavy_animation(3, 2, 4);
+  animation.bodies.push_back(animation.bodies[0]);
+  animation.bodies[1].name = "guest";
+  animation.bodies[1].shown = {0, 1, 1, 0};
+  ASSERT_TRUE(write_usda(folder.file("a.usda"), animation));
+  const std::string usda = slurp(folder.file("a.usda"));
+  const std::size_t at = usda.find("token visibility.timeSamples = {\n");
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_GT(at, usda.find("def Mesh \"guest\""));
+  EXPECT_NE(usda.find("0: \"invisible\",\n            1: \"inherited\",\n            2: "
+                      "\"inherited\",\n            3: \"invisible\",\n",
+                      at),
+            std::string::npos);
+  ASSERT_TRUE(write_glb(folder.file("a.glb"), animation));
+  const nlohmann::json json = glb_json(folder.file("a.glb"));
+  int sizes = 0;
+  for (const auto& channel : json["animations"][0]["channels"]) {
+    if (channel["target"]["path"] != "scale") continue;
+    ++sizes;
+    EXPECT_EQ(json["nodes"][channel["target"]["node"].get<std::size_t>()]["name"], "guest");
+    const auto& sampler = json["animations"][0]["samplers"][channel["sampler"].get<std::size_t>()];
+    EXPECT_EQ(sampler["interpolation"], "STEP");
+    EXPECT_EQ(json["accessors"][sampler["output"].get<std::size_t>()]["count"], 4);
+  }
+  EXPECT_EQ(sizes, 1);
+  const auto pvd = write_pvd(folder.file("a.pvd"), animation);
+  ASSERT_TRUE(pvd) << pvd.error().message;
+  EXPECT_EQ(pvd->size(), 1U + 4 + 2);
+  const auto series = write_surface_series(folder.file("a.ply"), animation);
+  ASSERT_TRUE(series) << series.error().message;
+  EXPECT_EQ(series->size(), 1U + 4 + 2);
+  EXPECT_EQ(slurp(folder.file("a.csv")).find("guest,a-guest-0003.ply"), std::string::npos);
+  for (const char* name : {"a.pc2", "a.mdd"}) {
+    const std::size_t before = files_in(folder.path());
+    const auto cache = write_animation(folder.file(name), animation);
+    ASSERT_FALSE(cache);
+    EXPECT_EQ(cache.error().kind, ErrorKind::kUsage);
+    EXPECT_NE(cache.error().message.find("'guest' comes or goes"), std::string::npos);
+    EXPECT_EQ(files_in(folder.path()), before);
+  }
+  animation.bodies[1].shown.pop_back();
+  EXPECT_FALSE(write_usda(folder.file("a.usda"), animation));
+}
+
 TEST(Usda, NamesAreIdentifiersAndTimesExact) {
   const TemporaryFolder folder;
   Animation animation = wavy_animation(3, 1, 3);

@@ -21,7 +21,8 @@ constexpr double kWorldStep = 0.002, kFall = 9.81, kHalfEdge = 0.05;
 enum class CubeKind { kReduced, kRigid, kSoft, kCloth };
 constexpr std::array kKinds = {CubeKind::kReduced, CubeKind::kRigid, CubeKind::kSoft,
                                CubeKind::kCloth};
-constexpr std::array kSolids = {CubeKind::kReduced, CubeKind::kRigid, CubeKind::kSoft};
+[[maybe_unused]] constexpr std::array kSolids = {CubeKind::kReduced, CubeKind::kRigid,
+                                                 CubeKind::kSoft};
 
 class WorldCApi : public ::testing::Test {
  protected:

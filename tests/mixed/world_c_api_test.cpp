@@ -156,6 +156,8 @@ TEST_F(WorldCApi, AColliderThatIsMovedByCallsDragsWhatLiesOnIt) {
     advance(world, 500);
     EXPECT_NEAR(momentum(world, body).x() / m, 0.0, 0.01);
     ASSERT_EQ(tremolo_world_remove_collider(world, 0), TREMOLO_OK);
+    EXPECT_EQ(tremolo_world_move_collider(world, 0, place, turn), TREMOLO_USAGE);
+    EXPECT_EQ(std::string(tremolo_last_error()), "collider 0 has been removed");
     const double before = middle(world, body).z();
     advance(world, 20);
     EXPECT_NEAR(before - middle(world, body).z(), 0.5 * kFall * std::pow(20.0 * kWorldStep, 2),
@@ -229,6 +231,39 @@ TEST_F(WorldCApi, JointsByCallsCarryAndLetGo) {
     joint.to = "nobody";
     EXPECT_EQ(tremolo_world_add_joint(world, &joint, &number), TREMOLO_CONTENT);
     EXPECT_EQ(tremolo_world_remove_joint(world, 1), TREMOLO_USAGE);
+  }
+}
+
+// Joints are numbered over all kinds of bodies: one on a guest may follow those on others.
+TEST_F(WorldCApi, AJointOnAGuestFollowsThoseOnOtherBodies) {
+  for (const CubeKind kind : {CubeKind::kSoft, CubeKind::kCloth}) {
+    SCOPED_TRACE(static_cast<int>(kind));
+    tremolo_world* world = make_world(true);
+    add(world, kind, at("one", {0.0, 0.0, 1.0}));
+    tremolo_joint joint;
+    tremolo_joint_init(&joint);
+    joint.body = "far";
+    joint.at = "0";
+    std::uint32_t number = 9;
+    for (std::uint32_t k = 0; k < 5; ++k) {
+      ASSERT_EQ(tremolo_world_add_joint(world, &joint, &number), TREMOLO_OK)
+          << tremolo_last_error();
+      EXPECT_EQ(number, k);
+    }
+    joint.body = "one";
+    joint.at = kind == CubeKind::kCloth ? "top-left" : "near:0,0,0.05";
+    ASSERT_EQ(tremolo_world_add_joint(world, &joint, &number), TREMOLO_OK) << tremolo_last_error();
+    EXPECT_EQ(number, 5U);
+    advance(world, 20);
+    Eigen::Vector3d force;
+    ASSERT_EQ(tremolo_world_joint(world, 5, force.data(), nullptr, nullptr), TREMOLO_OK);
+    EXPECT_GT(force.z(), 0.0);
+    ASSERT_EQ(tremolo_world_remove_joint(world, 5), TREMOLO_OK);
+    std::int32_t holds = 1;
+    ASSERT_EQ(tremolo_world_joint(world, 5, force.data(), nullptr, &holds), TREMOLO_OK);
+    EXPECT_EQ(holds, 0);
+    ASSERT_EQ(tremolo_world_joint(world, 4, force.data(), nullptr, &holds), TREMOLO_OK);
+    EXPECT_EQ(holds, 1);
   }
 }
 

@@ -144,9 +144,8 @@ class WorldsWithTetrahedra(unittest.TestCase):
         w = tremolo.world(scene)
         with self.assertRaisesRegex(tremolo.UsageError, "bodies of other kinds"):
             w.set_step(0.001)
-        for call in (lambda: w.set_method("block", "ep2"), lambda: w["block"].grab(0)):
-            with self.assertRaisesRegex(tremolo.UsageError, "block"):
-                call()
+        with self.assertRaisesRegex(tremolo.UsageError, "block"):
+            w.set_method("block", "ep2")
         with self.assertRaisesRegex(tremolo.ContentError, "vertex 99999 is not in the mesh"):
             tremolo.world({**scene, "hands": [{"body": "block", "at": "vertex:99999", "pin": True}]})
         with self.assertRaisesRegex(tremolo.ContentError, "inside collider 'floor'"):
@@ -196,10 +195,31 @@ class WorldsWithCloth(unittest.TestCase):
         self.assertGreater(w["sheet"].positions()[:, 2].max(), 0.2)
         self.assertLess(w["sheet"].positions()[:, 2].min(), 0.2)
 
-    def test_refuse_a_grab_of_the_cloth(self):
-        w = tremolo.load_scene(self.on_a_box())
-        with self.assertRaisesRegex(tremolo.UsageError, "cloth"):
-            w["sheet"].grab(0)
+    def test_hang_on_grabs(self):
+        """Two grabs carry the sheet: their springs are extended by half its weight each."""
+        w = tremolo.world({**self.on_a_box(), "bodies": [marble(position=[9, 0, 0.5]), sheet(
+            kind="cloth", corner=[-0.25, -0.2, 1.0], across=[0, 0, 1], density=0.5, structural=[200, 0.05])]})
+        b = w["sheet"]
+        top = [int(np.argmin(np.linalg.norm(b.positions() - corner, axis=1))) for corner in
+               ([-0.25, -0.2, 1.4], [0.25, -0.2, 1.4])]
+        places = b.positions()[top]
+        grabs = [b.grab(vertex, stiffness=20.0, damping=0.5) for vertex in top]
+        w.step(3000)
+        drop = places[:, 2] - b.positions()[top][:, 2]
+        self.assertAlmostEqual(drop.sum(), b.mass * G / 20.0, delta=0.02 * b.mass * G / 20.0)
+        for number, place in zip(grabs, places):
+            b.move_grab(number, place + (0, 0, 0.1))
+        w.step(3000)
+        self.assertAlmostEqual((places[:, 2] + 0.1 - b.positions()[top][:, 2]).sum(), drop.sum(), delta=0.02 * drop.sum())
+        for number in grabs:
+            b.release(number)
+        for call in (lambda: b.release(grabs[0]), lambda: b.move_grab(5, places[0]), lambda: b.grab(99),
+                     lambda: b.grab(0, stiffness=-1.0)):
+            with self.assertRaises(tremolo.UsageError):
+                call()
+        before, v = b.energy["gravity"] / (b.mass * G), b.linear_momentum[2] / b.mass
+        w.step(50)
+        self.assertAlmostEqual(b.energy["gravity"] / (b.mass * G) - before, v * 0.1 - 0.5 * G * 0.01, delta=0.02)
 
 
 class ScenesOfTetrahedra(unittest.TestCase):

@@ -87,7 +87,7 @@ class Worlds(unittest.TestCase):
         with self.assertRaises(tremolo.ContentError):
             tremolo.world(dropped(beta=0.5)).restore(saved)
         make, (state,) = w.__reduce__()
-        with self.assertRaisesRegex(tremolo.ContentError, "of version 9, not 1"):
+        with self.assertRaisesRegex(tremolo.ContentError, "of version 9, not 2"):
             make((state[0], 9, *state[2:]))
 
     def test_do_not_depend_on_threads(self):

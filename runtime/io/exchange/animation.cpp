@@ -80,6 +80,8 @@ Status check_animated_body(const Animation& animation, const AnimatedBody& body)
       (body.displacements.size() != 3 * frames * shape.surface.vertices.size() ||
        shape.modes.cols() > 0 || body.weights.cols() > 0))
     return bad_body(body, "not every frame has all displacements, or it has modes or bones too");
+  if (!all_or_none(body.shown.size(), frames))
+    return bad_body(body, "not every frame says whether it is there");
   for (const double value : body.displacements)
     if (!std::isfinite(value)) return bad_body(body, "a displacement is not finite");
   for (const double value : body.q)
@@ -129,9 +131,43 @@ Status check_animation(const Animation& animation) {
   return Success{};
 }
 
+Status check_all_shown(const std::string& path, const AnimatedBody& body) {
+  if (body.shown.empty()) return Success{};
+  return usage_error(path + ": body '" + body.name +
+                     "' comes or goes within the motion, which .usda, .pvd, .ply, .obj, .html, and "
+                     "of a body without bones .glb, can show");
+}
+
 double largest_extent(const AnimatedShape& shape) {
   const BoundingBox box = bounding_box(shape.surface.vertices);
   return (box.high - box.low).maxCoeff();
+}
+
+namespace {
+
+// The radius of drawn planes: the largest extent of the bodies in all frames, with a margin.
+double reach_of(const Animation& animation, const Eigen::Vector3d& centre) {
+  double reach = 0.0;
+  for (const AnimatedBody& body : animation.bodies) {
+    if (body.collider) continue;
+    const AnimatedShape& shape = animation.shape_of(body);
+    const BoundingBox box = bounding_box(shape.surface.vertices);
+    const double size = std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff());
+    for (const Pose& pose : body.poses)
+      reach = std::max(reach, (pose.position - centre).norm() + size);
+  }
+  return 1.25 * reach;
+}
+
+}  // namespace
+
+void widen_planes(Animation& animation) {
+  for (AnimatedBody& body : animation.bodies) {
+    AnimatedShape& shape = animation.shapes[body.shape];
+    if (!shape.plane) continue;
+    const double reach = reach_of(animation, body.poses[0].position);
+    for (Vector3d& x : shape.surface.vertices) x *= reach;
+  }
 }
 
 Map<const VectorXd> coordinates_at(const Animation& animation, const AnimatedBody& body,

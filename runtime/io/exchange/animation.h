@@ -34,6 +34,7 @@ struct AnimatedShape {
   Eigen::Index response_columns = 0;
   // s numbers; vertices with the same number share a normal. Empty: each vertex has its own.
   std::vector<std::uint32_t> smooth_groups;
+  bool plane = false;  // a square stands for a plane without end: widen_planes()
 };
 
 // A body that moves.
@@ -48,7 +49,11 @@ struct AnimatedBody {
   std::vector<std::string> bone_names;  // one per bone, or empty
   std::vector<double> displacements;  // 3s numbers per frame, m, of a shape without modes; or empty
   bool collider = false;              // scenery, without coordinates
+  // Of each frame, 0: the body is not there, and its values are those of the nearest frame in which
+  // it is; empty: it is there in all.
+  std::vector<std::uint8_t> shown;
 
+  bool is_shown(std::size_t frame) const { return shown.empty() || shown[frame] != 0; }
   std::size_t bones() const {
     return weights.cols() > 0 ? static_cast<std::size_t>(weights.cols()) : 1;
   }
@@ -69,6 +74,12 @@ struct Animation {
 // index is out of range, a number is not finite, times do not ascend, names are empty or not
 // unique, or there is no frame or no body.
 Status check_animation(const Animation& animation);
+// kUsage for a format that has every body in every frame: `path` names it in the error.
+Status check_all_shown(const std::string& path, const AnimatedBody& body);
+
+// Widens the squares of planes, whose half sides are 1 m, so that they reach below all bodies in
+// all frames, with a margin.
+void widen_planes(Animation& animation);
 
 // The largest extent of the shape at rest, m.
 double largest_extent(const AnimatedShape& shape);

@@ -12,6 +12,9 @@
 
 namespace tremolo {
 
+// Formats without a word for it refuse a body that comes or goes within the motion (kUsage); in a
+// .usda it is invisible, and a series and a .pvd have no file of it, in the other frames.
+
 // Point caches: the positions of one body's vertices, frame by frame, in the world. Blender's Mesh
 // Cache modifier and 3ds Max read PC2; LightWave and Maya read MDD, as Blender does. Both formats
 // have no triangles: the mesh that they move must have the same vertices in the same order, as the

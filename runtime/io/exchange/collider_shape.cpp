@@ -135,6 +135,7 @@ std::optional<AnimatedShape> collider_shape(const Collider& collider, const std:
   }
   AnimatedShape shape;
   shape.name = name;
+  shape.plane = std::holds_alternative<PlaneShape>(collider);
   shape.surface.vertices = std::move(solid.vertices);
   shape.surface.triangles = std::move(solid.triangles);
   shape.surface.object_of.assign(shape.surface.triangles.size(), 0);

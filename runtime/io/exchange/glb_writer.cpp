@@ -46,12 +46,23 @@ NodeKeys node_keys(const AnimatedBody& body, std::size_t bone, std::size_t frame
   return keys;
 }
 
-void add_channel(GlbScene& scene, std::size_t node, const char* what, std::size_t output) {
+// between: glTF's word for values between two keys; empty: linear.
+void add_channel(GlbScene& scene, std::size_t node, const char* what, std::size_t output,
+                 const std::string& between = {}) {
   scene.channels.push_back("{\"sampler\":" + json_number(scene.samplers.size()) +
                            ",\"target\":{\"node\":" + json_number(node) + ",\"path\":\"" + what +
                            "\"}}");
   scene.samplers.push_back("{\"input\":" + json_number(scene.times) +
-                           ",\"output\":" + json_number(output) + "}");
+                           ",\"output\":" + json_number(output) +
+                           (between.empty() ? "" : ",\"interpolation\":\"" + between + "\"") + "}");
+}
+
+// A body that is not there has the size zero.
+void add_size_keys(GlbFile& file, GlbScene& scene, const AnimatedBody& body, std::size_t node) {
+  if (body.shown.empty() || !scene.moves) return;
+  std::vector<float> sizes;
+  for (const std::uint8_t shown : body.shown) sizes.insert(sizes.end(), 3, shown != 0 ? 1.F : 0.F);
+  add_channel(scene, node, "scale", file.add_floats(GlbPart::kMotion, 3, sizes), "STEP");
 }
 
 // Adds a node at the first pose, with the others as keys if they differ. members: further members.
@@ -106,6 +117,7 @@ void add_body(GlbFile& file, GlbScene& scene, const Animation& animation, std::s
   if (!on_bones) {
     const std::size_t node = add_posed_node(file, scene, body, 0, members, animation.frames());
     scene.below_root.push_back(node);
+    add_size_keys(file, scene, body, node);
     return add_weight_keys(file, scene, animation, number, shape, node);
   }
   // A skinned mesh is placed by its joints; the transform of its own node is ignored.
@@ -220,10 +232,13 @@ std::vector<std::string> top_level(const Animation& animation, const GlbScene& s
 Result<GlbReport> write_glb(const std::string& path, const Animation& animation,
                             const GlbOptions& options) {
   if (Status s = check_animation(animation); !s) return s.error();
-  for (const AnimatedBody& body : animation.bodies)
+  for (const AnimatedBody& body : animation.bodies) {
+    if (body.weights.cols() > 0)
+      if (Status s = check_all_shown(path, body); !s) return s.error();
     if (!body.displacements.empty())
       return usage_error(path + ": body '" + body.name +
                          "' has no modes, by which .glb moves vertices; .usda moves each");
+  }
   if (Status s = check_textures(animation, options); !s) return s.error();
   if (Status s = check_sizes(path, animation, options); !s) return s.error();
   GlbFile file;

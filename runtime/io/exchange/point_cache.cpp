@@ -31,6 +31,7 @@ Status check_cache(const std::string& path, const Animation& animation, std::siz
   if (Status s = check_animation(animation); !s) return s;
   if (body >= animation.bodies.size())
     return usage_error(path + ": there is no body " + std::to_string(body));
+  if (Status s = check_all_shown(path, animation.bodies[body]); !s) return s;
   constexpr std::size_t kMost = std::numeric_limits<std::int32_t>::max();
   const std::size_t vertices = animation.shape_of(animation.bodies[body]).surface.vertices.size();
   if (vertices > kMost || animation.frames() > kMost)
@@ -142,6 +143,8 @@ Result<std::vector<WrittenFile>> write_point_caches(const std::string& path,
   if (!mdd && !path.ends_with(".pc2"))
     return usage_error(path + ": a point cache ends in .pc2 or .mdd");
   if (Status s = check_file_names(animation); !s) return s.error();
+  for (const std::size_t body : deforming_bodies(animation))
+    if (Status s = check_all_shown(path, animation.bodies[body]); !s) return s.error();
   std::vector<WrittenFile> files;
   for (const std::size_t body : deforming_bodies(animation)) {
     const std::string cache = path_of_body(path, animation, body);

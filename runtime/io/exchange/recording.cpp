@@ -42,14 +42,22 @@ AnimatedShape animated_shape(const Model& model, std::string name) {
 }
 
 Status Recording::add_body(AnimatedBody body) {
-  if (animation_.frames() > 0)
-    return usage_error("body '" + body.name + "' comes after the first frame");
-  for (const AnimatedBody& other : animation_.bodies)
-    if (other.name == body.name) return usage_error("two bodies are called '" + body.name + "'");
+  if (has_name(body.name)) return usage_error("two bodies are called '" + body.name + "'");
   if (body.name.empty()) return usage_error("a body needs a name");
   animation_.bodies.push_back(std::move(body));
-  recorded_.push_back(0);
+  frames_.push_back({.late = animation_.frames() > 0});
   return Success{};
+}
+
+bool Recording::has_name(const std::string& name) const {
+  return std::any_of(animation_.bodies.begin(), animation_.bodies.end(),
+                     [&name](const AnimatedBody& body) { return body.name == name; });
+}
+
+std::size_t Recording::coordinates(std::size_t track) const {
+  if (track >= frames_.size()) return 0;
+  const AnimatedShape& shape = animation_.shape_of(animation_.bodies[track]);
+  return static_cast<std::size_t>(shape.modes.cols() - shape.response_columns);
 }
 
 Result<std::size_t> Recording::add(const Model::Pointer& model, std::string name,
@@ -73,7 +81,7 @@ Result<std::size_t> Recording::add(const Model::Pointer& model, std::string name
     models_.push_back(model);
     animation_.shapes.push_back(animated_shape(*model, std::move(name)));
   }
-  return recorded_.size() - 1;
+  return frames_.size() - 1;
 }
 
 Result<std::size_t> Recording::add(const Body& body, std::string name) {
@@ -89,15 +97,33 @@ Result<std::size_t> Recording::add(AnimatedShape shape, std::string name) {
   body.collider = true;
   if (Status s = add_body(std::move(body)); !s) return s.error();
   animation_.shapes.push_back(std::move(shape));
-  return recorded_.size() - 1;
+  return frames_.size() - 1;
+}
+
+std::size_t Recording::add_shape(AnimatedShape shape) {
+  animation_.shapes.push_back(std::move(shape));
+  return animation_.shapes.size() - 1;
+}
+
+Result<std::size_t> Recording::add_free(std::size_t shape, std::string name) {
+  AnimatedBody body;
+  body.name = std::move(name);
+  body.shape = shape;
+  if (shape >= animation_.shapes.size())
+    return usage_error("body '" + body.name + "': there is no shape " + std::to_string(shape));
+  if (Status s = add_body(std::move(body)); !s) return s.error();
+  return frames_.size() - 1;
 }
 
 Status Recording::check_whole() const {
-  for (std::size_t track = 0; track < recorded_.size(); ++track)
-    if (recorded_[track] != animation_.frames())
+  for (std::size_t track = 0; track < frames_.size(); ++track) {
+    const Frames& frames = frames_[track];
+    if (frames.over || (frames.late && frames.count == 0)) continue;
+    if (frames.first + frames.count != animation_.frames())
       return usage_error("body '" + animation_.bodies[track].name +
                          "' is not in the frame at t = " + std::to_string(animation_.times.back()) +
                          " s");
+  }
   return Success{};
 }
 
@@ -109,29 +135,68 @@ Status Recording::begin_frame(double time) {
   return Success{};
 }
 
+Status Recording::check_track(std::size_t track) const {
+  if (track < frames_.size()) return Success{};
+  return usage_error("there are " + std::to_string(frames_.size()) + " tracks, no track " +
+                     std::to_string(track));
+}
+
+Status Recording::begin_record(std::size_t track, std::size_t poses) const {
+  if (Status s = check_track(track); !s) return s;
+  const AnimatedBody& body = animation_.bodies[track];
+  const Frames& frames = frames_[track];
+  if (frames.over) return usage_error("body '" + body.name + "': its track has ended");
+  const bool begun = frames.count > 0 || !frames.late;
+  if (animation_.frames() == 0 || (begun && frames.first + frames.count >= animation_.frames()))
+    return usage_error("body '" + body.name + "': begin a frame first, which it is not in yet");
+  if (poses != body.bones())
+    return usage_error("body '" + body.name + "': it has " + std::to_string(body.bones()) +
+                       " frames, not " + std::to_string(poses));
+  return Success{};
+}
+
+void Recording::end_record(std::size_t track) {
+  Frames& frames = frames_[track];
+  if (frames.count == 0) frames.first = animation_.frames() - 1;
+  ++frames.count;
+}
+
 Status Recording::record(std::size_t track, std::span<const double> q,
                          std::span<const Pose> poses) {
-  if (track >= recorded_.size())
-    return usage_error("there are " + std::to_string(recorded_.size()) + " tracks, no track " +
-                       std::to_string(track));
+  if (Status s = begin_record(track, poses.size()); !s) return s;
   AnimatedBody& body = animation_.bodies[track];
-  if (recorded_[track] >= animation_.frames())
-    return usage_error("body '" + body.name + "': begin a frame first, which it is not in yet");
   const AnimatedShape& shape = animation_.shape_of(body);
   const Eigen::Index modes = shape.modes.cols() - shape.response_columns;
   if (std::cmp_not_equal(q.size(), modes) && std::cmp_not_equal(q.size(), shape.modes.cols()))
     return usage_error("body '" + body.name + "': it has " + std::to_string(modes) +
                        " coordinates, not " + std::to_string(q.size()));
-  if (poses.size() != body.bones())
-    return usage_error("body '" + body.name + "': it has " + std::to_string(body.bones()) +
-                       " frames, not " + std::to_string(poses.size()));
   for (const double value : q)
     if (!std::isfinite(value))
       return usage_error("body '" + body.name + "': a coordinate is not finite");
   body.q.insert(body.q.end(), q.begin(), q.end());
   body.q.resize(body.q.size() + static_cast<std::size_t>(shape.modes.cols()) - q.size(), 0.0);
   body.poses.insert(body.poses.end(), poses.begin(), poses.end());
-  ++recorded_[track];
+  end_record(track);
+  return Success{};
+}
+
+Status Recording::record_free(std::size_t track, std::span<const double> displacements,
+                              const Pose& pose) {
+  if (Status s = begin_record(track, 1); !s) return s;
+  AnimatedBody& body = animation_.bodies[track];
+  const std::size_t numbers = 3 * animation_.shape_of(body).surface.vertices.size();
+  if (displacements.size() != numbers)
+    return usage_error("body '" + body.name + "': it has " + std::to_string(numbers) +
+                       " displacements, not " + std::to_string(displacements.size()));
+  body.displacements.insert(body.displacements.end(), displacements.begin(), displacements.end());
+  body.poses.push_back(pose);
+  end_record(track);
+  return Success{};
+}
+
+Status Recording::end(std::size_t track) {
+  if (Status s = check_track(track); !s) return s;
+  frames_[track].over = true;
   return Success{};
 }
 
@@ -143,10 +208,46 @@ Status Recording::record(std::size_t track, const Body& body) {
   return record(track, {q.data(), static_cast<std::size_t>(q.size())}, poses_);
 }
 
+namespace {
+
+// Puts copies of the first frame before `first` and of the last one behind.
+template <class Value>
+void fill_around(std::vector<Value>& values, std::size_t first, std::size_t count,
+                 std::size_t frames) {
+  const std::size_t width = values.size() / count;
+  std::vector<Value> whole;
+  whole.reserve(width * frames);
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    const std::size_t from = std::clamp(frame, first, first + count - 1) - first;
+    const auto begin = values.begin() + static_cast<std::ptrdiff_t>(from * width);
+    whole.insert(whole.end(), begin, begin + static_cast<std::ptrdiff_t>(width));
+  }
+  values = std::move(whole);
+}
+
+void fill_frames(AnimatedBody& body, std::size_t first, std::size_t count, std::size_t frames) {
+  fill_around(body.q, first, count, frames);
+  fill_around(body.poses, first, count, frames);
+  fill_around(body.displacements, first, count, frames);
+  body.shown.assign(frames, 0);
+  std::fill_n(body.shown.begin() + static_cast<std::ptrdiff_t>(first), count, std::uint8_t{1});
+}
+
+}  // namespace
+
 Result<Animation> Recording::animation() const {
   if (Status s = check_whole(); !s) return s.error();
-  if (Status s = check_animation(animation_); !s) return s.error();
-  return animation_;
+  Animation whole = animation_;
+  whole.bodies.clear();
+  for (std::size_t track = 0; track < frames_.size(); ++track) {
+    const Frames& frames = frames_[track];
+    if (frames.count == 0 && (frames.late || frames.over)) continue;
+    whole.bodies.push_back(animation_.bodies[track]);
+    if (frames.count < whole.frames())
+      fill_frames(whole.bodies.back(), frames.first, frames.count, whole.frames());
+  }
+  if (Status s = check_animation(whole); !s) return s.error();
+  return whole;
 }
 
 namespace {

@@ -153,6 +153,12 @@ bool stands_still(const Animation& animation, const AnimatedBody& body) {
   return true;
 }
 
+std::size_t first_shown(const AnimatedBody& body) {
+  std::size_t frame = 0;
+  while (!body.is_shown(frame)) ++frame;
+  return frame;
+}
+
 Status write_frame_vtu(const std::string& path, const Animation& animation,
                        const AnimatedBody& body, std::size_t frame) {
   const RenderSurface& surface = animation.shape_of(body).surface;
@@ -196,6 +202,7 @@ Result<std::vector<WrittenFile>> write_surface_series(const std::string& path,
   for (std::size_t frame = 0; frame < animation.frames(); ++frame)
     for (const std::size_t b : deforming_bodies(animation)) {
       const AnimatedBody& body = animation.bodies[b];
+      if (!body.is_shown(frame)) continue;
       const std::string name = without_ending(path_of_body(path, animation, b)) + "-" +
                                frame_digits(frame, animation.frames()) + ending;
       if (Status s = write_render_surface(name, bent_surface(animation, body, frame)); !s)
@@ -225,10 +232,11 @@ Result<std::vector<WrittenFile>> write_pvd(const std::string& path, const Animat
   for (std::size_t frame = 0; frame < animation.frames(); ++frame)
     for (std::size_t b = 0; b < animation.bodies.size(); ++b) {
       const AnimatedBody& body = animation.bodies[b];
+      if (!body.is_shown(frame)) continue;
       const bool still = stands_still(animation, body);
       const fs::path name = folder / (file_name_of(body.name) + "-" +
                                       frame_digits(still ? 0 : frame, animation.frames()) + ".vtu");
-      if (!still || frame == 0) {
+      if (!still || frame == first_shown(body)) {
         if (Status s = write_frame_vtu(name.string(), animation, body, frame); !s) return s.error();
         files.push_back(written_file(name.string()));
       }

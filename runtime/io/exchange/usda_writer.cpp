@@ -193,6 +193,10 @@ void add_mesh(UsdText& out, const Animation& animation, const AnimatedBody& body
   add_triangles(out, surface);
   add_points(out, animation, body);
   if (body.weights.cols() == 0) add_pose(out, animation, body);
+  if (!body.shown.empty())
+    add_samples(out, animation, "token visibility", true, [&body](std::size_t frame) {
+      return std::string(body.is_shown(frame) ? "\"inherited\"" : "\"invisible\"");
+    });
   add_primvars(out, surface);
   add_subsets(out, surface);
   out.add("    }\n");

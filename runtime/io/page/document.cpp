@@ -161,6 +161,10 @@ std::string page_body_text(const Animation& animation, const AnimatedBody& body)
       page_member("scenery", body.collider ? "true" : "false"),
       page_member("q", page_array("float32", std::vector<float>(body.q.begin(), body.q.end()))),
       page_member("poses", page_array("float32", page_poses(animation, body)))};
+  if (!body.shown.empty())
+    members.push_back(page_member(
+        "shown",
+        page_array("uint32", std::vector<std::uint32_t>(body.shown.begin(), body.shown.end()))));
   if (body.weights.cols() > 0)
     members.push_back(page_member(
         "weights",

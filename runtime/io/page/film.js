@@ -26,7 +26,8 @@ class Film {
     this.shapes = film.shapes.map((shape) => ({ modes: shape.modes, rest: decoded(shape.rest),
       shapes: fieldsOf(shape), corners: decoded(shape.corners), groups: shape.groups && decoded(shape.groups) }));
     this.bodies = film.bodies.map((body) => ({ ...body, of: this.shapes[body.shape], q: decoded(body.q),
-      poses: decoded(body.poses), weights: body.weights && decoded(body.weights) }));
+      poses: decoded(body.poses), weights: body.weights && decoded(body.weights),
+      shown: body.shown && decoded(body.shown) }));
     // The renderer has z up.
     this.root = film.up === 'y' ? [1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1] : null;
   }
@@ -53,8 +54,10 @@ class Film {
     return q;
   }
 
-  // The matrices of a body's poses. A body at rest has one set for all frames.
+  // The matrices of a body's poses. A body at rest has one set for all frames; one that is not there has zeros, which
+  // leave nothing of it to draw.
   matrices(body, { frame, next, share }) {
+    if (body.shown && !body.shown[frame]) return Array.from({ length: body.bones }, () => new Array(16).fill(0));
     const width = 7 * body.bones, still = body.poses.length === width, matrices = [];
     for (let b = 0; b < body.bones; ++b) {
       const at = (f) => Array.from(body.poses.subarray((still ? 0 : f) * width + 7 * b, (still ? 0 : f) * width + 7 * b + 7));
@@ -106,7 +109,7 @@ class Film {
     for (let look = 0; look < 20; ++look) {
       const states = this.states((look / 19) * this.end);
       this.bodies.forEach((body, number) => {
-        if (body.scenery) return;
+        if (body.scenery || (body.shown && !body.shown[this.moment((look / 19) * this.end).frame])) return;
         for (const x of this.places(body, states[number], every))
           for (let k = 0; k < 3; ++k) [low[k], high[k]] = [Math.min(low[k], x[k]), Math.max(high[k], x[k])];
       });

@@ -68,6 +68,8 @@ struct MixedFile {
 // cloth, for gravity that changes next to tetrahedra, and for several cloths that nothing allows to
 // pass through each other.
 Result<MixedFile> parse_mixed(std::string_view text, const std::string& path);
+// The same of a table that has been parsed.
+Result<MixedFile> read_mixed(const toml::table& table, const std::string& path);
 
 // Reads the bodies of kind "cloth" of a scene whose others are read. Errors as for parse_mixed().
 Status read_cloth_bodies(const toml::table& table, MixedFile& mixed);

@@ -8,11 +8,15 @@
 #include <toml++/toml.h>
 
 #include "common/result.h"
+#include "runtime/io/scenes/scene_reader.h"
 #include "runtime/io/scenes/toml_keys.h"
 #include "runtime/math/motion.h"
 #include "runtime/scene/scene.h"
 
 namespace tremolo {
+
+// As parse_world(), of a table that has been parsed.
+Result<SceneFile> read_scene(const toml::table& table, const std::string& path, OtherKinds others);
 
 // Reads position and quaternion, or turn, of a table. The quaternion is normalised.
 Pose read_pose(TomlKeys& keys);
@@ -26,6 +30,12 @@ Result<MotionPart> read_motion_part(const toml::table& table, const std::string&
 // thing has a `position`, which `frame = "world"` requires.
 Result<Motion> read_motion(TomlKeys& keys, const std::string& path, const std::string& what,
                            std::vector<std::string>& files, bool placed = false);
+
+// Reads load or signal, at and force, scale. usual: the load of a table without `load`. Returns
+// nothing for the load "none". files: CSV files that were read are added. Errors of a key are kept
+// by `keys`; others are returned: those of the CSV file.
+Result<std::vector<SceneLoad>> read_load(TomlKeys& keys, const std::string& usual,
+                                         std::vector<std::string>& files);
 
 // The keys of a body's contact.
 void read_body_contact(TomlKeys& keys, SceneBody& body);

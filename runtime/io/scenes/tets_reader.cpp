@@ -175,16 +175,20 @@ Result<TetScene> parse_tets_scene(std::string_view text, const std::string& path
 }
 
 Result<MixedFile> parse_mixed(std::string_view text, const std::string& path) {
-  Result<SceneFile> read = parse_world(text, path, OtherKinds::kSkipped);
-  if (!read) return read.error();
-  MixedFile mixed{std::move(*read), {}, {}};
   const Result<toml::table> table = parse_toml(text, path);
   if (!table) return table.error();
+  return read_mixed(*table, path);
+}
+
+Result<MixedFile> read_mixed(const toml::table& table, const std::string& path) {
+  Result<SceneFile> read = read_scene(table, path, OtherKinds::kSkipped);
+  if (!read) return read.error();
+  MixedFile mixed{std::move(*read), {}, {}};
   const SceneGravity& gravity = mixed.file.scene.gravity;
   std::set<std::string> names;
   for (const SceneBody& body : mixed.file.scene.bodies) names.insert(body.name);
   std::size_t number = 0;
-  for (const toml::node& node : *(*table)["bodies"].as_array()) {
+  for (const toml::node& node : *table["bodies"].as_array()) {
     ++number;
     if (!is_of_tets(node)) continue;
     if (gravity.values.size() > 1)
@@ -197,7 +201,7 @@ Result<MixedFile> parse_mixed(std::string_view text, const std::string& path) {
     if (!body) return body.error();
     add_copies(*body, copies, mixed.tets);
   }
-  if (Status s = read_cloth_bodies(*table, mixed); !s) return s.error();
+  if (Status s = read_cloth_bodies(table, mixed); !s) return s.error();
   std::vector<std::string> guests;
   for (const TetSceneBody& body : mixed.tets) guests.push_back(body.name);
   for (const ClothSceneBody& body : mixed.cloths) guests.push_back(body.name());

@@ -320,6 +320,7 @@ void set_motion(BodyHandle& self, py::handle velocity, py::handle spin) {
 }
 
 std::string describe(BodyHandle& self) {
+  if (!self.ended().empty()) return "<tremolo.Body: '" + self.ended() + "', removed>";
   ContactBody& body = self.body();
   return std::string("<tremolo.Body: ") + name_of(body.frame()) + ", " +
          std::to_string(body.model().modes()) + " coordinates>";

@@ -26,12 +26,16 @@ BodyHandle::BodyHandle(PyModelPointer model, std::shared_ptr<void> world, Contac
   pull_state();
 }
 
+void refuse_removed(const std::string& name) {
+  raise(usage_error("body '" + name + "' has been removed from its world"));
+}
+
 void BodyHandle::refuse_in_world(const char* what) const {
   if (in_world()) raise(usage_error(std::string("the body belongs to a world: ") + what));
 }
 
 void BodyHandle::push_state() {
-  const State& state = body_->state();
+  const State& state = body().state();
   const Eigen::Index r = state.q.size();
   if (r == 0) return;  // a rigid body: there is nothing to compare
   const double* q = state_.data();
@@ -54,6 +58,7 @@ void BodyHandle::pull_state() {
 }
 
 py::array BodyHandle::view_of(py::ssize_t row) {
+  if (body_ == nullptr) refuse_removed(ended_);
   return py::array_t<double>(state_.shape(1), state_.mutable_data() + row * state_.shape(1),
                              state_);
 }

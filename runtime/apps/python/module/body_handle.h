@@ -29,6 +29,9 @@ struct BodyLoad {
   std::variant<Eigen::VectorXd, DefaultLoad, double> force;
 };
 
+// Raises: a body of that name was removed from its world.
+[[noreturn]] void refuse_removed(const std::string& name);
+
 class BodyHandle {
  public:
   // A body alone.
@@ -49,7 +52,17 @@ class BodyHandle {
     InUse used_;
   };
 
-  ContactBody& body() { return *body_; }
+  // Raises if the body was removed from its world, as all functions that need it.
+  ContactBody& body() {
+    if (body_ == nullptr) refuse_removed(ended_);
+    return *body_;
+  }
+  // The body, of that name, was removed from its world. ended(): the name; empty: it is there.
+  void end(const std::string& name) {
+    body_ = nullptr;
+    ended_ = name;
+  }
+  const std::string& ended() const { return ended_; }
   const PyModelPointer& model() const { return model_; }
   bool in_world() const { return world_ != nullptr; }
   void refuse_in_world(const char* what) const;
@@ -76,7 +89,8 @@ class BodyHandle {
   PyModelPointer model_;
   std::shared_ptr<void> world_;
   std::optional<ContactBody> own_;
-  ContactBody* body_;
+  ContactBody* body_;  // null: it was removed
+  std::string ended_;
   std::atomic<bool> own_used_ = false;
   std::atomic<bool>* used_;
   BodyOptions options_;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "runtime/apps/python/module/body_handle.h"
 #include "runtime/apps/python/module/nodal_handle.h"
 #include "runtime/apps/python/module/surface_arrays.h"
 
@@ -9,8 +10,25 @@ namespace tremolo::python {
 
 std::optional<std::size_t> NodalBodies::find(const std::string& name) const {
   for (std::size_t i = 0; i < sources_.size(); ++i)
-    if (sources_[i]->name() == name) return i;
+    if (has(i) && sources_[i]->name() == name) return i;
   return std::nullopt;
+}
+
+void NodalBodies::put(std::size_t i, std::unique_ptr<NodalSource> source) {
+  if (i >= sources_.size()) {
+    sources_.resize(i + 1);
+    handles_.resize(i + 1);
+  }
+  sources_[i] = std::move(source);
+  handles_[i].reset();
+}
+
+void NodalBodies::end(std::size_t i) {
+  if (const NodalPointer known = handles_[i].lock()) {
+    known->ended = sources_[i]->name();
+    known->source = nullptr;
+  }
+  put(i, nullptr);
 }
 
 NodalPointer NodalBodies::handle(std::size_t i, const std::shared_ptr<void>& owner,
@@ -26,7 +44,9 @@ namespace {
 // The body for one call, which refuses all others on its world or scene meanwhile.
 class Call {
  public:
-  explicit Call(const NodalHandle& self) : used_(*self.used, "world") {}
+  explicit Call(const NodalHandle& self) : used_(*self.used, "world") {
+    if (self.source == nullptr) refuse_removed(self.ended);
+  }
 
  private:
   InUse used_;
@@ -110,6 +130,7 @@ std::size_t grab_number(std::int64_t number) {
 }
 
 std::string describe(const NodalHandle& self) {
+  if (self.source == nullptr) return "<tremolo.NodalBody: '" + self.ended + "', removed>";
   return std::string("<tremolo.NodalBody: ") + self.source->kind() + ", " +
          std::to_string(self.source->points().size() / 3) + " points>";
 }
@@ -191,11 +212,13 @@ void add_nodal(py::module_& module) {
   c.def("set_state", &set_state, py::arg("points") = py::none(), py::arg("velocities") = py::none(),
         "Sets all points and their velocities, (n, 3) each; None leaves one as it is. Tetrahedra "
         "put control points of linear edges at the middle of the ends.");
-  c.def("grab", &grab, py::arg("vertex"), py::kw_only(), py::arg("stiffness") = py::none(),
-        py::arg("damping") = py::none(),
-        "Grabs a vertex of the drawn surface where it is and returns the grab's number. "
-        "Tetrahedra, in a scene of their own, are pulled by a spring (N/m) with a damper (N s/m), "
-        "by default such as suit the place; a particle of a cloth is held.");
+  c.def(
+      "grab", &grab, py::arg("vertex"), py::kw_only(), py::arg("stiffness") = py::none(),
+      py::arg("damping") = py::none(),
+      "Grabs a vertex of the drawn surface where it is and returns the grab's number. "
+      "It is pulled by a spring (N/m) with a damper (N s/m), by default such as suit the place. A "
+      "particle of a scene of cloth alone is held instead. In a world the vertex may be the next "
+      "one that contact knows.");
   c.def(
       "move_grab",
       [](const NodalHandle& self, std::int64_t number, py::handle position) {

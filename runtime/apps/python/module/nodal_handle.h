@@ -11,11 +11,13 @@
 
 namespace tremolo::python {
 
-// owner: the world or scene with the body, which it keeps alive.
+// owner: the world or scene with the body, which it keeps alive. source: null: the body, of the
+// name `ended`, was removed from its world.
 struct NodalHandle {
   std::shared_ptr<void> owner;
   std::atomic<bool>* used;
   NodalSource* source;
+  std::string ended = {};
 };
 using NodalPointer = std::shared_ptr<NodalHandle>;
 
@@ -25,7 +27,12 @@ class NodalBodies {
   explicit NodalBodies(NodalSources sources = {})
       : sources_(std::move(sources)), handles_(sources_.size()) {}
 
+  // A body that was added, and one that was removed: its object is of no body from then on.
+  void put(std::size_t i, std::unique_ptr<NodalSource> source);
+  void end(std::size_t i);
+
   std::size_t size() const { return sources_.size(); }
+  bool has(std::size_t i) const { return sources_[i] != nullptr; }  // false: it was removed
   NodalSource& source(std::size_t i) const { return *sources_[i]; }
   std::optional<std::size_t> find(const std::string& name) const;
   // owner: has the flag and this list.

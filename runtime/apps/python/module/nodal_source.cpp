@@ -8,6 +8,7 @@
 #include "runtime/bodies/cloth/cloth_model.h"
 #include "runtime/bodies/cloth/cloth_world.h"
 #include "runtime/bodies/tets/scene/tet_scene.h"
+#include "runtime/contact/springs.h"
 #include "runtime/mixed/mixed_guests.h"
 
 namespace tremolo::python {
@@ -80,13 +81,26 @@ class GuestSource : public Source {
     now.contact = guests_.account(i_).energy;
     return now;
   }
-  Result<std::size_t> grab(std::size_t, std::optional<double>, std::optional<double>) override {
-    return usage_error("body '" + this->name() + "': a body of kind \"" + this->kind() +
-                       "\" in a world of other kinds takes no grab; one in a scene of its kind "
-                       "alone does");
+  // The contact point at the vertex, which may be the next one to it.
+  Result<std::size_t> grab(std::size_t vertex, std::optional<double> stiffness,
+                           std::optional<double> damping) override {
+    const std::size_t point = guests_.point_near(i_, this->place(this->points())[vertex]);
+    if (!std::isfinite(guests_.mass_at(i_, point)))
+      return usage_error("body '" + this->name() + "': vertex " + std::to_string(vertex) +
+                         " is fixed");
+    const HandSpring most = guests_.stiffest_hand(i_, point);
+    HandSpring spring{stiffness.value_or(most.stiffness), damping.value_or(most.damping)};
+    limit_spring(most, guests_.step_size(), spring.stiffness, spring.damping);
+    return guests_.hold(i_, point, spring);
   }
-  Status move_grab(std::size_t number, const Vector3d&) override { return refuse_grab(number); }
-  Status release(std::size_t number) override { return refuse_grab(number); }
+  Status move_grab(std::size_t number, const Vector3d& position) override {
+    return is_grab(number) ? guests_.move_hand(number, position) : refuse_grab(number);
+  }
+  Status release(std::size_t number) override {
+    if (!is_grab(number)) return refuse_grab(number);
+    guests_.let_go(number);
+    return Success{};
+  }
   std::optional<NodalAccount> account() override {
     const ContactSums& sums = guests_.sums(i_);
     return NodalAccount{
@@ -99,6 +113,12 @@ class GuestSource : public Source {
  protected:
   MixedGuests& guests_;
   std::size_t i_;
+
+ private:
+  bool is_grab(std::size_t number) const {
+    const GuestHand* held = guests_.hand(number);
+    return held != nullptr && held->guest == i_;
+  }
 };
 
 class TetGuestSource final : public GuestSource<TetsSource> {
@@ -292,15 +312,9 @@ class ClothWorldSource final : public ClothSource {
 
 }  // namespace
 
-NodalSources sources_of(MixedGuests& guests, const KindOf& kind_of) {
-  NodalSources sources;
-  for (std::size_t i = 0; i < guests.size(); ++i) {
-    if (guests.cloth(i) != nullptr)
-      sources.push_back(std::make_unique<ClothGuestSource>(guests, i));
-    else
-      sources.push_back(std::make_unique<TetGuestSource>(guests, i, kind_of(i)));
-  }
-  return sources;
+std::unique_ptr<NodalSource> source_of(MixedGuests& guests, std::size_t i, const TetsKind* kind) {
+  if (kind == nullptr) return std::make_unique<ClothGuestSource>(guests, i);
+  return std::make_unique<TetGuestSource>(guests, i, *kind);
 }
 
 NodalSources sources_of(TetGroup& group, const std::vector<std::string>& names,

@@ -88,7 +88,8 @@ using NodalSources = std::vector<std::unique_ptr<NodalSource>>;
 // The sources refer to what they are made of, which must outlive them. kind_of: of a body of
 // tetrahedra, by its number.
 using KindOf = std::function<const TetsKind&(std::size_t)>;
-NodalSources sources_of(MixedGuests& guests, const KindOf& kind_of);
+// kind: null: a cloth.
+std::unique_ptr<NodalSource> source_of(MixedGuests& guests, std::size_t i, const TetsKind* kind);
 NodalSources sources_of(TetGroup& group, const std::vector<std::string>& names,
                         const KindOf& kind_of);
 NodalSources sources_of(ClothWorld& world);

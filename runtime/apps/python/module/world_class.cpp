@@ -1,135 +1,24 @@
 // The class tremolo.World: the bodies of a scene, stepped together.
-#include <atomic>
 #include <memory>
-#include <set>
 #include <utility>
 
 #include "common/text.h"
-#include "runtime/apps/python/module/body_handle.h"
-#include "runtime/apps/python/module/nodal_handle.h"
-#include "runtime/io/scenes/nodal_readers.h"
-#include "runtime/world/world.h"
+#include "runtime/apps/python/module/world_parts.h"
 
 namespace tremolo::python {
 namespace {
 
-constexpr int kPickleVersion = 1;
+constexpr int kPickleVersion = 2;
 constexpr const char* kPickleName = "tremolo.World";
-
-struct WorldParts {
-  std::string text, path;  // of the scene file, for copies and pickles
-  std::unique_ptr<World> all;
-  SceneWorld& world;  // its reduced and rigid bodies
-  NodalBodies guests;
-  std::vector<PyModelPointer> models;             // of each body
-  std::vector<std::weak_ptr<BodyHandle>> bodies;  // handles that Python has
-  std::vector<WorldEvent> events;                 // of the last call of step()
-  std::atomic<bool> used = false;
-
-  WorldParts(std::string scene_text, std::string scene_path, std::unique_ptr<World> made)
-      : text(std::move(scene_text)),
-        path(std::move(scene_path)),
-        all(std::move(made)),
-        world(all->own()) {}
-
-  // Bodies of the world come first, then guests, in the scene's order.
-  std::size_t size() const { return world.size() + guests.size(); }
-  std::string name(std::size_t i) const {
-    return is_guest(i) ? guests.source(i - world.size()).name() : world.name(i);
-  }
-  bool is_guest(std::size_t i) const { return i >= world.size(); }
-  NodalSource& guest(std::size_t i) { return guests.source(i - world.size()); }
-  WorldBody body_at(std::size_t i) const {
-    return is_guest(i) ? all->of_guest(i - world.size()) : all->of_own(i);
-  }
-  std::optional<std::size_t> find(const std::string& text_of_name) const {
-    if (const auto found = world.find(text_of_name)) return found;
-    if (const auto found = guests.find(text_of_name)) return world.size() + *found;
-    return std::nullopt;
-  }
-  // The world's number of a body that is not a guest. Raises.
-  std::size_t own_body(std::size_t i, const char* what) {
-    if (is_guest(i))
-      raise(usage_error("body '" + name(i) + "' is of kind \"" + guest(i).kind() + "\": " + what));
-    return i;
-  }
-
-  void push_states() {
-    for (const std::weak_ptr<BodyHandle>& body : bodies)
-      if (const BodyPointer known = body.lock()) known->push_state();
-  }
-  void pull_states() {
-    for (const std::weak_ptr<BodyHandle>& body : bodies)
-      if (const BodyPointer known = body.lock()) known->pull_state();
-  }
-};
-
-struct PyWorld {
-  std::shared_ptr<WorldParts> parts;
-};
-
-// The world for one call, with the states of the arrays of its bodies.
-class Call {
- public:
-  explicit Call(const PyWorld& self) : used_(self.parts->used, "world") {
-    self.parts->push_states();
-  }
-
- private:
-  InUse used_;
-};
-
-PyWorld make_world(std::string text, std::string path) {
-  const MixedFile mixed = unwrap(parse_mixed(text, path));
-  Result<std::unique_ptr<World>> made = [&] {
-    const py::gil_scoped_release unlocked;
-    return World::create({path, mixed.file.scene, mixed.tets, mixed.cloths});
-  }();
-  if (!made) raise(error_of_file(path, made.error()));
-  PyWorld world{std::make_shared<WorldParts>(std::move(text), std::move(path), std::move(*made))};
-  WorldParts& parts = *world.parts;
-  for (std::size_t i = 0; i < parts.world.size(); ++i) {
-    auto model = std::make_shared<PyModel>();
-    model->model = parts.world.body(i).model().shared_from_this();
-    model->options = parts.world.scene().bodies[i].model_options;
-    model->path = parts.world.scene().bodies[i].model;
-    parts.models.push_back(std::move(model));
-  }
-  parts.bodies.resize(parts.world.size());
-  if (MixedGuests* guests = guests_of(parts.world))
-    parts.guests = NodalBodies(sources_of(*guests, [&parts](std::size_t i) -> const TetsKind& {
-      return parts.all->tets_kind(parts.all->of_guest(i));
-    }));
-  return world;
-}
-
-std::size_t index_of(const PyWorld& self, py::handle name) {
-  const WorldParts& parts = *self.parts;
-  return number_of_body(
-      name, parts.size(), [&](const std::string& text) { return parts.find(text); },
-      [&](std::size_t i) { return parts.name(i); }, "world");
-}
-
-py::object body_of(const PyWorld& self, py::handle name) {
-  const std::size_t i = index_of(self, name);
-  WorldParts& parts = *self.parts;
-  if (parts.is_guest(i))
-    return py::cast(parts.guests.handle(i - parts.world.size(), self.parts, parts.used));
-  if (BodyPointer known = parts.bodies[i].lock()) return py::cast(known);
-  const Call call(self);
-  auto made =
-      std::make_shared<BodyHandle>(parts.models[i], self.parts, parts.world.body(i), parts.used);
-  parts.bodies[i] = made;
-  return py::cast(made);
-}
 
 void step(const PyWorld& self, std::int64_t count) {
   if (count < 0) raise(usage_error("n: " + std::to_string(count) + ", must not be negative"));
-  const Call call(self);
+  const WorldCall call(self);
   WorldParts& parts = *self.parts;
   parts.events.clear();
+  parts.stepped = parts.stepped || count > 0;
   for (std::size_t i = 0; i < parts.guests.size(); ++i)
-    if (parts.guests.source(i).driven) parts.all->expect_energy(i);
+    if (parts.guests.has(i) && parts.guests.source(i).driven) parts.all->expect_energy(i);
   std::optional<Error> failed;
   try {
     run_unlocked(count, [&](std::int64_t) {
@@ -137,18 +26,20 @@ void step(const PyWorld& self, std::int64_t count) {
       parts.events.insert(parts.events.end(), parts.all->events().begin(),
                           parts.all->events().end());
       if (!made) failed = made.error();
-      return !failed;
+      return !failed && !parts.filter_failure;
     });
   } catch (...) {
     parts.pull_states();
     throw;
   }
   parts.pull_states();
+  if (parts.filter_failure)
+    std::rethrow_exception(std::exchange(parts.filter_failure, std::exception_ptr()));
   if (failed) raise(*failed);
 }
 
 py::list events(const PyWorld& self) {
-  const Call call(self);
+  const WorldCall call(self);
   const World& world = *self.parts->all;
   py::list list;
   for (const WorldEvent& event : self.parts->events) {
@@ -169,12 +60,12 @@ py::list events(const PyWorld& self) {
 }
 
 py::list contact_points(const PyWorld& self, py::handle body, const std::string& other) {
-  const WorldBody known = self.parts->body_at(index_of(self, body));
-  const Call call(self);
+  const WorldBody known = self.parts->id(number_of(self, body));
+  const WorldCall call(self);
   const World& world = *self.parts->all;
   const std::optional<std::size_t> collider = world.find_collider(other);
   std::optional<WorldBody> partner;
-  if (!collider) partner = self.parts->body_at(index_of(self, py::str(other)));
+  if (!collider) partner = self.parts->id(number_of(self, py::str(other)));
   py::list list;
   for (const ContactedPoint& point : world.points(known, partner, collider.value_or(0))) {
     py::dict dict;
@@ -189,9 +80,9 @@ py::list contact_points(const PyWorld& self, py::handle body, const std::string&
 }
 
 py::dict account(const PyWorld& self, py::handle body) {
-  const std::size_t i = index_of(self, body);
-  const Call call(self);
-  const WorldAccount account = self.parts->all->account(self.parts->body_at(i));
+  const WorldBody id = self.parts->id(number_of(self, body));
+  const WorldCall call(self);
+  const WorldAccount account = self.parts->all->account(id);
   const EnergyAccount& a = account.sums;
   py::dict dict;
   dict["kinetic"] = a.kinetic;
@@ -216,10 +107,11 @@ py::dict account(const PyWorld& self, py::handle body) {
 }
 
 py::list colliders(const PyWorld& self) {
-  const Call call(self);
+  const WorldCall call(self);
   const SceneWorld& world = self.parts->world;
   py::list list;
   for (std::size_t i = 0; i < world.scene().colliders.size(); ++i) {
+    if (world.collider_removed(i)) continue;
     const PlacedCollider& placed = world.colliders()[i];
     py::dict dict;
     dict["name"] = world.scene().colliders[i].name;
@@ -232,7 +124,7 @@ py::list colliders(const PyWorld& self) {
 }
 
 py::list joints(const PyWorld& self) {
-  const Call call(self);
+  const WorldCall call(self);
   const SceneWorld& world = self.parts->world;
   py::list list;
   for (std::size_t i = 0; i < world.scene().joints.size(); ++i) {
@@ -252,7 +144,7 @@ py::list joints(const PyWorld& self) {
 }
 
 py::list hands(const PyWorld& self) {
-  const Call call(self);
+  const WorldCall call(self);
   const SceneWorld& world = self.parts->world;
   py::list list;
   for (std::size_t i = 0; i < world.scene().hands.size(); ++i) {
@@ -267,7 +159,7 @@ py::list hands(const PyWorld& self) {
 }
 
 py::object pick(const PyWorld& self, py::handle origin, py::handle direction) {
-  const Call call(self);
+  const WorldCall call(self);
   const World& world = *self.parts->all;
   const auto found = unwrap(world.pick(vector3(origin, "origin"), vector3(direction, "direction")));
   if (!found) return py::none();
@@ -281,63 +173,43 @@ py::object pick(const PyWorld& self, py::handle origin, py::handle direction) {
   return dict;
 }
 
-void move_collider(const PyWorld& self, const std::string& name, py::handle position,
-                   py::handle rotation) {
-  const Pose pose = pose_of(position, rotation);
-  const Call call(self);
-  const auto collider = self.parts->all->find_collider(name);
-  if (!collider) raise(usage_error("there is no collider '" + name + "'"));
-  check(self.parts->all->move_collider(*collider, pose));
-}
-
-void move_body(const PyWorld& self, py::handle body, py::handle position, py::handle rotation) {
-  const Pose pose = pose_of(position, rotation);
-  const std::size_t i = index_of(self, body);
-  const Call call(self);
-  check(self.parts->all->move(self.parts->body_at(i), pose));
-}
-
-py::bytes save(const PyWorld& self) {
-  const Call call(self);
-  const std::vector<std::byte> bytes = self.parts->world.save();
-  return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-}
-
-void restore(const PyWorld& self, const std::string& bytes) {
-  const Call call(self);
-  check(self.parts->all->restore(std::as_bytes(std::span(bytes.data(), bytes.size()))));
-  self.parts->events.clear();
-  self.parts->pull_states();
-}
-
 py::tuple pickled(const PyWorld& self) {
-  return py::make_tuple(kPickleName, kPickleVersion, self.parts->text, self.parts->path,
-                        save(self));
+  const py::bytes state = save_world(self);
+  const WorldParts& parts = *self.parts;
+  return py::make_tuple(kPickleName, kPickleVersion, parts.text, parts.path, pickled_changes(self),
+                        parts.stepped, state);
 }
 
 PyWorld unpickled(const py::tuple& state) {
-  check_pickle(state, 5, kPickleName, kPickleVersion);
+  check_pickle(state, 7, kPickleName, kPickleVersion);
   PyWorld made = make_world(state[2].cast<std::string>(), state[3].cast<std::string>());
-  restore(made, state[4].cast<std::string>());
+  make_changes(made, state[4], state[5].cast<bool>());
+  restore_world(made, state[6].cast<std::string>());
   return made;
 }
 
 py::list names(const PyWorld& self) {
   py::list list;
-  for (std::size_t i = 0; i < self.parts->size(); ++i) list.append(self.parts->name(i));
+  for (const BodyNumber body : self.parts->bodies()) list.append(self.parts->name(body));
   return list;
 }
 
+py::object body_of(const PyWorld& self, py::handle name) {
+  return object_of(self, number_of(self, name));
+}
+
 std::string describe(const PyWorld& self) {
-  return "<tremolo.World: " + std::to_string(self.parts->size()) + " bodies, " +
-         std::to_string(self.parts->world.scene().colliders.size()) + " colliders>";
+  const SceneWorld& world = self.parts->world;
+  std::size_t count = world.scene().colliders.size();
+  for (std::size_t c = 0; c < world.scene().colliders.size(); ++c)
+    if (world.collider_removed(c)) --count;
+  return "<tremolo.World: " + std::to_string(self.parts->all->size()) + " bodies, " +
+         std::to_string(count) + " colliders>";
 }
 
 py::tuple momenta_tuple(const Momenta& m) {
   return py::make_tuple(array_of<3>(m.linear), array_of<3>(m.angular));
 }
-
-using WorldClass = py::class_<PyWorld>;
 
 // A property, and a function of one body, each one call on the world.
 template <class Get>
@@ -345,7 +217,7 @@ void property(WorldClass& c, const char* name, const char* doc, const Get& get) 
   c.def_property_readonly(
       name,
       [get](const PyWorld& self) {
-        const Call call(self);
+        const WorldCall call(self);
         return get(self.parts->world);
       },
       doc);
@@ -356,10 +228,10 @@ void of_body(WorldClass& c, const char* name, const char* doc, const Get& get,
   c.def(
       name,
       [get, of_guest](const PyWorld& self, py::handle body) {
-        const std::size_t i = index_of(self, body);
-        const Call call(self);
+        const BodyNumber known = number_of(self, body);
+        const WorldCall call(self);
         WorldParts& parts = *self.parts;
-        return parts.is_guest(i) ? of_guest(parts.guest(i)) : get(parts.world, i);
+        return known.guest ? of_guest(parts.guest(known)) : get(parts.world, known.index);
       },
       py::arg("body"), doc);
 }
@@ -417,13 +289,6 @@ void add_queries(WorldClass& c) {
       "pick", &pick, py::arg("origin"), py::arg("direction"),
       "The first hit of a ray (m, world) on a drawn surface: a dict of body, triangle, weights of "
       "its corners (3,), distance, point, and vertex for bodies with a basis; or None.");
-  c.def("move_collider", &move_collider, py::arg("name"), py::arg("position"),
-        py::arg("rotation") = py::make_tuple(1.0, 0.0, 0.0, 0.0),
-        "The collider goes to that pose (m; w, x, y, z) in the next step, carries what lies on it, "
-        "and rests there until the next call. A pickle or copy needs the same call before.");
-  c.def("move", &move_body, py::arg("body"), py::arg("position"),
-        py::arg("rotation") = py::make_tuple(1.0, 0.0, 0.0, 0.0),
-        "The same for the frame of a driven body.");
 }
 
 }  // namespace
@@ -447,38 +312,24 @@ void add_world(py::module_& module) {
       "A body by its name or number, in the order of `names`: a tremolo.Body, or of tetrahedra or "
       "cloth a tremolo.NodalBody, that the world steps. It keeps the world alive.");
   c.def("__getitem__", &body_of, py::arg("name"));
-  c.def("__len__", [](const PyWorld& self) { return self.parts->size(); });
+  c.def("__len__", [](const PyWorld& self) { return self.parts->all->size(); });
   c.def(
       "step", &step, py::arg("n") = 1,
       "Takes n steps without the interpreter's lock. If a step of a body fails, SolverError or "
       "BoundError names it; the world continues without it at the next call. Ctrl-C ends the call "
       "between two steps.");
   add_queries(c);
-  c.def(
-      "set_method",
-      [](const PyWorld& self, py::handle body, const std::string& integrator) {
-        const std::size_t i =
-            self.parts->own_body(index_of(self, body), "its method is the scene's");
-        const Call call(self);
-        check(self.parts->world.set_method(i, integrator));
-      },
-      py::arg("body"), py::arg("integrator"), "Another method of one body.");
-  c.def(
-      "set_step",
-      [](const PyWorld& self, double h) {
-        const Call call(self);
-        check(self.parts->world.set_step(h));
-      },
-      py::arg("step"), "Another step of all bodies, s.");
+  add_changes_of_world(c);
   c.def(
       "set_threads",
       [](const PyWorld& self, unsigned threads) {
-        const Call call(self);
+        const WorldCall call(self);
         check(self.parts->world.set_threads(threads));
       },
       py::arg("threads"), "Threads of a step; 0: one per core. Results do not depend on it.");
-  c.def("save", &save, "The state between steps, bytes, as `tremolo run --save` writes it.");
-  c.def("restore", &restore, py::arg("bytes"), "Continues from save() of a world of this scene.");
+  c.def("save", &save_world, "The state between steps, bytes, as `tremolo run --save` writes it.");
+  c.def("restore", &restore_world, py::arg("bytes"),
+        "Continues from save() of a world of this scene.");
   c.def("__reduce__", [](const PyWorld& self) { return reduced("world_of", pickled(self)); });
   refuse_construction(c, "tremolo.world() makes one");
   module.def("_world_of", from_pickle(&unpickled), py::arg("state"),

@@ -41,10 +41,15 @@ def scene_text(scene: Mapping[str, Any]) -> str:
     return "".join(f"{_key(key)} = {_value(value, key)}\n" for key, value in scene.items())
 
 
+def path_in(folder: Any) -> str:
+    """Where a scene that is a dict would be, for the paths in it."""
+    return os.path.join(os.path.abspath(os.fsdecode(folder)), "scene")
+
+
 def _text_and_path(scene: Any, folder: Any) -> Tuple[str, str]:
     """The text of a scene, and the path that the paths in it are relative to."""
     if isinstance(scene, Mapping):
-        return scene_text(scene), os.path.join(os.path.abspath(os.fsdecode(folder)), "scene")
+        return scene_text(scene), path_in(folder)
     if not isinstance(scene, (str, bytes, os.PathLike)):
         raise TypeError(f"expected a dict or a path, found {type(scene).__name__}")
     path = os.path.abspath(os.fsdecode(scene))

@@ -12,12 +12,12 @@
 #include "runtime/apps/tremolo/cloth/cloth_commands.h"
 #include "runtime/apps/tremolo/export/export.h"
 #include "runtime/apps/tremolo/export/motion_source.h"
-#include "runtime/apps/tremolo/export/nodal_tracks.h"
 #include "runtime/apps/tremolo/output/run_progress.h"
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/bodies/cloth/cloth_model.h"
 #include "runtime/bodies/cloth/cloth_parts.h"
 #include "runtime/bodies/cloth/cloth_world.h"
+#include "runtime/io/exchange/nodal_tracks.h"
 #include "runtime/io/exchange/recording.h"
 
 namespace tremolo {

@@ -10,11 +10,11 @@
 
 #include <fmt/format.h>
 
-#include "runtime/apps/tremolo/export/nodal_tracks.h"
 #include "runtime/apps/tremolo/output/run_progress.h"
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/run/simulate.h"
 #include "runtime/io/exchange/recording.h"
+#include "runtime/io/exchange/world_tracks.h"
 #include "runtime/world/scene_world.h"
 
 namespace tremolo {
@@ -83,72 +83,6 @@ Status step_to(SceneWorld& world, const MixedGuests* guests, std::int64_t step) 
   return Success{};
 }
 
-// The radius of drawn planes: the largest extent of the bodies in all frames, with a margin.
-double reach_of(const Animation& animation, const Eigen::Vector3d& centre) {
-  double reach = 0.0;
-  for (const AnimatedBody& body : animation.bodies) {
-    if (body.collider) continue;
-    const AnimatedShape& shape = animation.shape_of(body);
-    const BoundingBox box = bounding_box(shape.surface.vertices);
-    const double size = std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff());
-    for (const Pose& pose : body.poses)
-      reach = std::max(reach, (pose.position - centre).norm() + size);
-  }
-  return 1.25 * reach;
-}
-
-// colliders: numbers, in the world, of the recorded ones, which follow the bodies.
-void widen_planes(const SceneWorld& world, const std::vector<std::size_t>& colliders,
-                  Animation& animation) {
-  for (std::size_t k = 0; k < colliders.size(); ++k) {
-    if (!std::holds_alternative<PlaneShape>(world.colliders()[colliders[k]].shape)) continue;
-    const AnimatedBody& plane = animation.bodies[world.size() + k];
-    const double reach = reach_of(animation, plane.poses[0].position);
-    for (Eigen::Vector3d& x : animation.shapes[plane.shape].surface.vertices) x *= reach;
-  }
-}
-
-// The tracks of a world in a recording: its bodies, then of its colliders those that can be drawn.
-struct WorldTracks {
-  std::size_t first = 0;  // the first body's
-  std::vector<std::size_t> colliders;
-  std::vector<std::string> left_out;
-};
-
-Result<WorldTracks> add_tracks(const SceneWorld& world, bool colliders, Recording& recording) {
-  WorldTracks tracks;
-  for (std::size_t i = 0; i < world.size(); ++i) {
-    const auto added = recording.add(world.body(i), world.name(i));
-    if (!added) return added.error();
-    if (i == 0) tracks.first = *added;
-  }
-  for (std::size_t k = 0; colliders && k < world.colliders().size(); ++k) {
-    std::string name = world.scene().colliders[k].name;
-    std::optional<AnimatedShape> shape = collider_shape(world.colliders()[k].shape, name, 1.0);
-    if (!shape) {
-      tracks.left_out.push_back(name);
-      continue;
-    }
-    while (world.find(name)) name += "-collider";
-    if (const auto added = recording.add(std::move(*shape), name); !added) return added.error();
-    tracks.colliders.push_back(k);
-  }
-  return tracks;
-}
-
-Status record_frame(const SceneWorld& world, const WorldTracks& tracks, Recording& recording) {
-  for (std::size_t i = 0; i < world.size(); ++i)
-    if (Status s = recording.record(tracks.first + i, world.body(i)); !s) return s;
-  for (std::size_t k = 0; k < tracks.colliders.size(); ++k) {
-    // The collider at the end of the last step; before the first step, at its start.
-    const PlacedCollider& placed = world.colliders()[tracks.colliders[k]];
-    const Pose& pose = world.steps() == 0 ? placed.start : placed.end;
-    if (Status s = recording.record(tracks.first + world.size() + k, {}, std::span(&pose, 1)); !s)
-      return s;
-  }
-  return Success{};
-}
-
 // Worlds of one step and duration, each by itself; guests and colliders are those of the first.
 struct Film {
   std::vector<SceneWorld> worlds;
@@ -159,13 +93,8 @@ struct Film {
 
 Result<RecordedMotion> record(Film& film, const FrameRange& range, const FrameSteps& frames,
                               double duration) {
-  Result<GuestTracks> guest_tracks = GuestTracks::create(film.guests);
-  if (!guest_tracks) return guest_tracks.error();
   Recording recording(range.rate);
   std::vector<WorldTracks> tracks(film.worlds.size());
-  for (std::size_t w = 0; w < tracks.size(); ++w)
-    if (Status s = take(tracks[w], add_tracks(film.worlds[w], film.colliders, recording)); !s)
-      return s.error();
   const SceneWorld& first = film.worlds.front();
   ToldProgress progress(film.name, duration);
   for (const std::int64_t step : frames.steps) {
@@ -173,17 +102,19 @@ Result<RecordedMotion> record(Film& film, const FrameRange& range, const FrameSt
       if (Status s = step_to(world, film.guests.guests, step); !s) return s.error();
     if (Status s = recording.begin_frame(first.time()); !s) return s.error();
     for (std::size_t w = 0; w < tracks.size(); ++w)
-      if (Status s = record_frame(film.worlds[w], tracks[w], recording); !s) return s.error();
-    guest_tracks->record();
+      if (Status s = tracks[w].record(
+              things_of(film.worlds[w], w == 0 ? &film.guests : nullptr, film.colliders),
+              recording);
+          !s)
+        return s.error();
     progress.reached(first.time());
   }
   RecordedMotion motion;
   motion.offset = frames.offset;
   motion.even_step = frames.even_step;
-  motion.left_out = tracks.front().left_out;
+  motion.left_out = tracks.front().left_out();
   if (Status s = take(motion.animation, recording.animation()); !s) return s.error();
-  guest_tracks->add_to(motion.animation);
-  widen_planes(first, tracks.front().colliders, motion.animation);
+  widen_planes(motion.animation);
   return motion;
 }
 

@@ -21,11 +21,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A motion without modes gets this many modes of the recording, or fewer if their error is below
-// this fraction of the size.
-constexpr std::size_t kMostRecorded = 160;
-constexpr double kRecordedError = 1e-3;
-
 GlbTexture texture_of_flag(const std::string& text) {
   const std::size_t equals = text.find('=');
   // A file may have the sign in its name.
@@ -196,8 +191,7 @@ Status write_by_modes(const MotionOutputs& outputs, const Animation& recorded,
   double error = 0.0;
   if (free) {
     described = recorded;
-    if (Status s = take(error, describe_by_modes(described, kMostRecorded, kRecordedError)); !s)
-      return s;
+    if (Status s = take(error, describe_by_modes(described)); !s) return s;
   }
   const Animation& animation = free ? described : recorded;
   const auto add = [&](Result<Json> json) -> Status {

@@ -8,11 +8,11 @@
 
 #include "runtime/apps/tremolo/export/export.h"
 #include "runtime/apps/tremolo/export/motion_source.h"
-#include "runtime/apps/tremolo/export/nodal_tracks.h"
 #include "runtime/apps/tremolo/output/run_progress.h"
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/tets/tets_commands.h"
 #include "runtime/bodies/tets/motion/tet_group.h"
+#include "runtime/io/exchange/nodal_tracks.h"
 
 namespace tremolo {
 namespace {

@@ -1,8 +1,8 @@
 // Stage: the guests of a world, cloths and bodies of tetrahedra.
 #include <algorithm>
 
-#include "runtime/apps/tremolo/export/nodal_tracks.h"
 #include "runtime/apps/view/stage/stage.h"
+#include "runtime/io/exchange/nodal_tracks.h"
 
 namespace tremolo {
 

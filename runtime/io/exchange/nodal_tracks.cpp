@@ -1,8 +1,6 @@
-#include "runtime/apps/tremolo/export/nodal_tracks.h"
+#include "runtime/io/exchange/nodal_tracks.h"
 
 #include <filesystem>
-#include <iterator>
-#include <utility>
 
 #include "runtime/bodies/cloth/cloth_model.h"
 #include "runtime/bodies/tets/elements/element_turn.h"
@@ -64,8 +62,8 @@ Pose nearest_pose(const std::vector<Eigen::Vector3d>& rest,
   return {mean - turn * rest_mean, Eigen::Quaterniond(turn).normalized()};
 }
 
-void record_tets(const TetsKind& kind, const Eigen::VectorXd& positions, const AnimatedShape& shape,
-                 AnimatedBody& body) {
+Pose tets_frame(const TetsKind& kind, const Eigen::VectorXd& positions, const AnimatedShape& shape,
+                std::vector<double>& displacements) {
   const std::vector<Eigen::Vector3d>& rest = shape.surface.vertices;
   std::vector<Eigen::Vector3d> places(rest.size());
   std::vector<Eigen::Vector3f> normals(rest.size());
@@ -74,64 +72,32 @@ void record_tets(const TetsKind& kind, const Eigen::VectorXd& positions, const A
   for (std::size_t k = 0; k < rest.size(); ++k) {
     const Eigen::Vector3d local = pose.rotation.conjugate() * (places[k] - pose.position);
     for (Eigen::Index axis = 0; axis < 3; ++axis)
-      body.displacements.push_back(local[axis] - rest[k][axis]);
+      displacements.push_back(local[axis] - rest[k][axis]);
   }
-  body.poses.push_back(pose);
+  return pose;
 }
 
-void record_cloth(const ClothParts& parts, const Eigen::VectorXd& x, const AnimatedShape& shape,
-                  AnimatedBody& body) {
+void cloth_frame(const ClothParts& parts, const Eigen::VectorXd& x, const AnimatedShape& shape,
+                 std::vector<double>& displacements) {
   const std::vector<Eigen::Vector3d>& rest = shape.surface.vertices;
   const std::vector<VertexId>& sources = shape.surface.sources;
   for (std::size_t v = 0; v < rest.size(); ++v) {
     const std::size_t vertex = sources.empty() ? v : static_cast<std::size_t>(sources[v]);
     const auto particle = static_cast<Eigen::Index>(parts.particle_of_vertex(vertex));
     for (int axis = 0; axis < 3; ++axis)
-      body.displacements.push_back(x[3 * particle + axis] - rest[v][axis]);
+      displacements.push_back(x[3 * particle + axis] - rest[v][axis]);
   }
+}
+
+void record_tets(const TetsKind& kind, const Eigen::VectorXd& positions, const AnimatedShape& shape,
+                 AnimatedBody& body) {
+  body.poses.push_back(tets_frame(kind, positions, shape, body.displacements));
+}
+
+void record_cloth(const ClothParts& parts, const Eigen::VectorXd& x, const AnimatedShape& shape,
+                  AnimatedBody& body) {
+  cloth_frame(parts, x, shape, body.displacements);
   body.poses.emplace_back();
-}
-
-Result<GuestTracks> GuestTracks::create(const WorldGuests& guests) {
-  GuestTracks tracks;
-  tracks.guests_ = &guests;
-  for (const TetsKind& kind : guests.kinds) tracks.shapes_.push_back(tets_shape(kind));
-  for (std::size_t i = 0; i < guests.tets(); ++i) {
-    AnimatedBody body;
-    body.name = guests.guests->name(i);
-    body.shape = guests.kind_of[i];
-    tracks.bodies_.push_back(std::move(body));
-  }
-  for (std::size_t i = 0; i < guests.cloths(); ++i) {
-    const std::size_t number = guests.of_cloth(i);
-    Result<AnimatedShape> shape = cloth_shape(guests.guests->cloth(number)->body().cloth());
-    if (!shape) return shape.error();
-    AnimatedBody body;
-    body.name = guests.guests->name(number);
-    body.shape = tracks.shapes_.size();
-    tracks.shapes_.push_back(std::move(*shape));
-    tracks.bodies_.push_back(std::move(body));
-  }
-  return tracks;
-}
-
-void GuestTracks::record() {
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    AnimatedBody& body = bodies_[i];
-    const AnimatedShape& shape = shapes_[body.shape];
-    if (const TetStep* tets = guests_->guests->tets(i)) {
-      record_tets(guests_->kind(i), tets->body().positions(), shape, body);
-    } else {
-      const ClothBody& cloth = guests_->guests->cloth(i)->body();
-      record_cloth(cloth.model().parts(), cloth.state().x, shape, body);
-    }
-  }
-}
-
-void GuestTracks::add_to(Animation& animation) {
-  for (AnimatedBody& body : bodies_) body.shape += animation.shapes.size();
-  std::move(shapes_.begin(), shapes_.end(), std::back_inserter(animation.shapes));
-  std::move(bodies_.begin(), bodies_.end(), std::back_inserter(animation.bodies));
 }
 
 }  // namespace tremolo

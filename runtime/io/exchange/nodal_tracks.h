@@ -1,5 +1,4 @@
-// Bodies that move by their vertices, in a recorded motion: tetrahedra and cloths, of scenes of
-// their own and as guests of a world.
+// Bodies that move by their vertices, in a recorded motion: tetrahedra and cloths.
 #pragma once
 
 #include <vector>
@@ -11,7 +10,6 @@
 #include "runtime/bodies/tets/scene/tet_scene.h"
 #include "runtime/io/exchange/animation.h"
 #include "runtime/math/pose.h"
-#include "runtime/world/world_guests.h"
 
 namespace tremolo {
 
@@ -25,27 +23,17 @@ AnimatedShape tets_shape(const TetsKind& kind);
 // make_cloth_parts().
 Result<AnimatedShape> cloth_shape(const SceneCloth& cloth);
 
+// Append the displacements of a frame, 3 for each vertex of that shape, and return the pose. As
+// below.
+Pose tets_frame(const TetsKind& kind, const Eigen::VectorXd& positions, const AnimatedShape& shape,
+                std::vector<double>& displacements);
+void cloth_frame(const ClothParts& parts, const Eigen::VectorXd& x, const AnimatedShape& shape,
+                 std::vector<double>& displacements);
 // Add a frame to a body of that shape: the pose nearest to all vertices and the displacements from
 // it; of a cloth, displacements alone. positions: of the control points, m; x: of the particles, m.
 void record_tets(const TetsKind& kind, const Eigen::VectorXd& positions, const AnimatedShape& shape,
                  AnimatedBody& body);
 void record_cloth(const ClothParts& parts, const Eigen::VectorXd& x, const AnimatedShape& shape,
                   AnimatedBody& body);
-
-// The guests of a world during its recording.
-class GuestTracks {
- public:
-  // guests: must outlive this object. Errors: those of cloth_shape().
-  static Result<GuestTracks> create(const WorldGuests& guests);
-
-  void record();  // adds a frame
-  // Moves all tracks behind the animation's own.
-  void add_to(Animation& animation);
-
- private:
-  const WorldGuests* guests_ = nullptr;
-  std::vector<AnimatedShape> shapes_;  // of kinds of tetrahedra, then of cloths
-  std::vector<AnimatedBody> bodies_;
-};
 
 }  // namespace tremolo
