@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <compare>
 #include <limits>
 #include <numeric>
 #include <tuple>
@@ -141,7 +140,10 @@ struct Face {
   std::array<VertexId, 3> corners;
   bool side;
   std::size_t tet;
-  auto operator<=>(const Face&) const = default;
+  // The arrays of the compiler for pages have no <=>.
+  bool operator<(const Face& other) const {
+    return std::tie(corners, side, tet) < std::tie(other.corners, other.side, other.tet);
+  }
 };
 
 Face face_of(const TetMesh& mesh, std::size_t t, std::size_t opposite) {

@@ -153,9 +153,12 @@ class ByteScanner {
 template <class T>
 T swapped_bytes(T value) {
   static_assert(std::is_arithmetic_v<T>);
-  auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(value);
+  // The compiler for pages has no std::bit_cast.
+  std::array<char, sizeof(T)> bytes;
+  std::memcpy(bytes.data(), &value, sizeof(T));
   std::reverse(bytes.begin(), bytes.end());
-  return std::bit_cast<T>(bytes);
+  std::memcpy(&value, bytes.data(), sizeof(T));
+  return value;
 }
 
 template <class T>

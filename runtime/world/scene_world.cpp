@@ -1,8 +1,6 @@
 #include "runtime/world/scene_world.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <filesystem>
 #include <initializer_list>
@@ -48,7 +46,7 @@ std::string key_of(const SceneBody& body) {
   std::string key = solid.mesh + "|" + std::to_string(body.contact.points);
   const auto add = [&key](std::initializer_list<double> values) {
     for (const double& value : values)
-      key.append(std::bit_cast<std::array<char, 8>>(value).data(), 8);
+      key.append(reinterpret_cast<const char*>(&value), sizeof(value));
   };
   if (solid.shape) {
     key += shape_name(*solid.shape);

@@ -26,6 +26,7 @@ node "$work/film_test.mjs" "$work/film.html" "$chromium" "$work/photos" "$work/f
 command -v emcmake >/dev/null || { echo "emcmake is missing"; exit 77; }
 cmake --build "$build" --target web
 node "$work/engine_test.mjs" "$build/web/package" "$build/bin/tremolo" "$build/models/horse.tremolo" "$work"
+node "$work/scene_test.mjs" "$build/web/package" "$build/bin/tremolo" "$build/models" "$work"
 # Damaged files, as far as an engine without checksums lets them in; what the fuzzer has learned of
 # basis files, where it has run.
 cmake --build "$build" --target web_engine_unchecked

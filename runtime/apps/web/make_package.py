@@ -1,6 +1,6 @@
 """The npm package: engine, wrapper, types, and a single file with everything inside.
 
-usage: make_package.py SOURCE CORE FULL PLAIN OUT VERSION; CORE, FULL, PLAIN: folders of the modules"""
+usage: make_package.py SOURCE CORE FULL PLAIN WORLD OUT VERSION; CORE to WORLD: folders of the modules"""
 import base64
 import json
 import pathlib
@@ -8,18 +8,19 @@ import re
 import shutil
 import sys
 
-source, core, full, plain, out = (pathlib.Path(name) for name in sys.argv[1:6])
+source, core, full, plain, world, out = (pathlib.Path(name) for name in sys.argv[1:7])
 package = out / "package"
 package.mkdir(parents=True, exist_ok=True)
-for module in (core / "engine.wasm", full / "engine-full.wasm"):
+for module in (core / "engine.wasm", full / "engine-full.wasm", world / "engine-world.wasm", world / "engine-world.mjs"):
     shutil.copy(module, package / module.name)
 shutil.copy(plain / "engine.wasm", package / "engine-plain.wasm")
-for name in ("tremolo.mjs", "engine.mjs", "tremolo.d.ts", "README.md"):
+for name in ("tremolo.mjs", "engine.mjs", "scene.mjs", "tremolo.d.ts", "scene.d.ts", "README.md"):
     shutil.copy(source / "package" / name, package / name)
-shutil.copy(source.parent.parent / "LICENSE", package / "LICENSE")
+shutil.copy(source.resolve().parents[2] / "LICENSE", package / "LICENSE")
 
 # One module: the starter without its export, the core's bytes, the wrapper without its import.
 starter, found = re.subn(r"^export default ", "", (source / "package/engine.mjs").read_text(), flags=re.M)
+starter = starter.replace("export async", "async")
 wrapper, imported = re.subn(r"^import createEngine from '\./engine\.mjs';\n", "",
                             (source / "package/tremolo.mjs").read_text(), flags=re.M)
 single, given = re.subn(r"\{ wasmBinary, full = false \} = \{\}",
@@ -32,9 +33,10 @@ inlined = ("function tremoloWasm() {\n  const raw = atob('" + base64.b64encode(w
 (out / "engine.inline.js").write_text(starter + inlined + wrapper.replace("export ", ""))
 (package / "tremolo.single.mjs").write_text(starter + inlined + single)
 (package / "package.json").write_text(json.dumps({
-    "name": "tremolo", "version": sys.argv[6], "type": "module", "license": "MIT",
+    "name": "tremolo", "version": sys.argv[7], "type": "module", "license": "MIT",
     "description": "Deformable solids that vibrate in real time without losing their energy",
     "main": "tremolo.mjs", "types": "tremolo.d.ts",
     "exports": {".": {"types": "./tremolo.d.ts", "default": "./tremolo.mjs"},
+                "./scene": {"types": "./scene.d.ts", "default": "./scene.mjs"},
                 "./single": {"types": "./tremolo.d.ts", "default": "./tremolo.single.mjs"}},
     "files": ["*.mjs", "*.d.ts", "*.wasm", "README.md", "LICENSE"]}, indent=2) + "\n")

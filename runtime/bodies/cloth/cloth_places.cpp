@@ -5,6 +5,8 @@
 #include <optional>
 #include <string_view>
 
+#include "common/text.h"
+
 namespace tremolo {
 namespace {
 
@@ -39,7 +41,7 @@ std::optional<GridPart> grid_part(const ClothGrid& grid, std::string_view word) 
 
 std::optional<double> whole_text(std::string_view text) {
   double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const auto [end, error] = read_decimal(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
     return std::nullopt;
   return value;

@@ -114,7 +114,8 @@ bool ClothWorld::Inside::settle_all(double h) {
 bool ClothWorld::Inside::stands_still() const {
   for (std::size_t b = 0; b < balls.size(); ++b)
     if (balls[b].inverse_mass == 0.0 && around.ways[b].start != around.ways[b].end) return false;
-  return std::ranges::all_of(colliders.placed(), stands);
+  const auto placed = colliders.placed();
+  return std::all_of(placed.begin(), placed.end(), stands);
 }
 
 namespace {

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -15,9 +16,10 @@
 namespace tremolo {
 
 // Contact knows the bodies of a group by their numbers there, its guests by their numbers from
-// kFirstGuest on, and guests know colliders from kFirstCollider on.
-inline constexpr std::size_t kFirstGuest = std::size_t{1} << 39;
-inline constexpr std::size_t kFirstCollider = std::size_t{1} << 40;
+// kFirstGuest on, and guests know colliders from kFirstCollider on. In pages numbers have 32 bits.
+inline constexpr int kGuestBit = std::numeric_limits<std::size_t>::digits > 39 ? 39 : 29;
+inline constexpr std::size_t kFirstGuest = std::size_t{1} << kGuestBit;
+inline constexpr std::size_t kFirstCollider = 2 * kFirstGuest;
 
 // True if two bodies, by these numbers, may touch each other.
 using PairFilter = std::function<bool(std::size_t, std::size_t)>;

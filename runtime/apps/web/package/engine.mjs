@@ -33,7 +33,7 @@ export default async function createEngine({ wasmBinary, file = './engine.wasm' 
   return engine;
 }
 
-async function read(url) {
+export async function read(url) {
   if (url.protocol === 'file:' && globalThis.process?.versions?.node) {
     // node fetches no files.
     const { readFile } = await import('node:fs/promises');
