@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/programs.h"
+#include "tests/support/text_lines.h"
 
 namespace tremolo {
 namespace {
