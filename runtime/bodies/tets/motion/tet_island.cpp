@@ -455,7 +455,10 @@ bool TetIsland::energy_is_good(TetBody& body) {
   TetGuard& guard = body.guard_;
   const double now = body.guarded_energy(members_.front().contact);
   const double gain = now - guard.energy;
-  if (gain > 0.0 && guard.gained + gain > kMostGain * guard.largest) return false;
+  // At rest the largest energy is that of nothing, and gravity's is large and rounded.
+  const double size =
+      body.kinetic_energy() + body.elastic_energy() + std::abs(body.gravity_energy());
+  if (gain > kGuardRounding * size && guard.gained + gain > kMostGain * guard.largest) return false;
   guard.gained = std::max(0.0, guard.gained + gain);
   guard.energy = now;
   guard.largest = std::max(guard.largest, body.kinetic_energy() + body.elastic_energy());
