@@ -91,7 +91,7 @@ export class Body {
   pose(): { position: Float64Array; quaternion: Float64Array };
   setMotion(velocity: Vector, spin?: Vector): void;
   pick(origin: Vector, direction: Vector): Hit | null;
-  setContact(options?: { points?: number; margin?: number; stiffness?: number }): void;
+  setContact(options?: { points?: number; margin?: number; stiffness?: number; modulus?: number }): void;
   grab(place: Place, stiffness: number, damping?: number): bigint;
   pin(place: Place): bigint;
   moveHand(hand: bigint, place: Vector): void;

@@ -357,15 +357,16 @@ export class Body {
   }
 
   // Makes the body feel hands, and colliders (full).
-  setContact({ points, margin, stiffness } = {}) {
+  setContact({ points, margin, stiffness, modulus } = {}) {
     this.tremolo.with((s) => {
       const { engine } = this.tremolo;
-      const at = s.bytes(48);
+      const at = s.bytes(56);
       engine._tremolo_contact_options_init(at);
       const view = new DataView(engine.HEAPU8.buffer);
       if (points !== undefined) view.setInt32(at + 4, points, true);
       if (margin !== undefined) view.setFloat64(at + 8, margin, true);
       if (stiffness !== undefined) view.setFloat64(at + 16, stiffness, true);
+      if (modulus !== undefined) view.setFloat64(at + 48, modulus, true);
       this.call('_tremolo_body_set_contact', at);
     });
   }
