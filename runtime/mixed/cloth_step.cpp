@@ -37,6 +37,11 @@ ContactLaw law_of_cloth(const ClothBody& body, const PointAreas& areas, ContactO
   return area_law(areas, body.mass(), options);
 }
 
+bool is_pinned(const ClothBody& body) {
+  const std::span<const std::uint8_t> held = body.model().held();
+  return std::any_of(held.begin(), held.end(), [](std::uint8_t flag) { return flag != 0; });
+}
+
 std::optional<BlockCholesky> make_factor(const ClothBody& body) {
   if (body.options().solver == NodalSolver::kConjugateGradients) return std::nullopt;
   return make_guest_factor(body.model().pattern());
@@ -57,8 +62,7 @@ ClothStep::ClothStep(ClothBody& body, const ContactOptions& options)
       method_(body.integrator() == "implicit-euler" ? Method::kImplicitEuler : Method::kEnergy),
       areas_(areas_of(body)),
       law_(law_of_cloth(body, areas_, options)),
-      pinned_(
-          std::ranges::any_of(body.model().held(), [](std::uint8_t held) { return held != 0; })),
+      pinned_(is_pinned(body)),
       matrix_(body.model().pattern()),
       factor_(make_factor(body)),
       ledger_(body.model(), true) {

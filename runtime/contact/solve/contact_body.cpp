@@ -155,12 +155,15 @@ StepReport ContactBody::advance_near(bool near) {
   return report;
 }
 
+// The core takes no parts: there a step in a hand that is not solved fails.
 StepReport ContactBody::advance_in_parts(const StepReport& failure, PartReason reason) {
   StepReport report = failure;
-  StepParts parts;
-  const PartBody self{this, 0};
-  booked_ = parts.step({{&self, 1}, contact_->gathered().colliders, {}, {}, nullptr}, options_.step,
-                       {&report, 1}, reason);
+  if constexpr (kHasColliders) {
+    StepParts parts;
+    const PartBody self{this, 0};
+    booked_ = parts.step({{&self, 1}, contact_->gathered().colliders, {}, {}, nullptr},
+                         options_.step, {&report, 1}, reason);
+  }
   return report;
 }
 
