@@ -156,13 +156,18 @@ Vector3d surface_arm(const ContactLaw& law, const ContactHeld& held) {
 }
 
 ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider, const Vector3d& x,
-                           const ContactMemory* memory) {
+                           const Vector3d& middle, const ContactMemory* memory) {
   ContactStart start;
   start.place = into_frame(collider.start, x);
+  start.inward = (into_frame(collider.start, middle) - start.place).normalized();
   if (memory != nullptr && memory->side.counts() &&
       is_behind(collider.shape, memory->side, start.place))
     start.side = memory->side;
-  const CollisionDistance found = distance_by(collider.shape, start.side, start.place);
+  CollisionDistance found = distance_by(collider.shape, start.side, start.place);
+  if (memory == nullptr) {
+    start.side = side_on_edge(collider.shape, start.place, found, start.inward);
+    if (start.side.counts()) found.normal = start.side.normal;
+  }
   start.distance = found.distance - law.radius;
   start.normal = found.normal;
   start.energy = law.energy(start.distance);
@@ -294,8 +299,9 @@ ContactEnd contact_end(const ContactLaw& law, const PlacedCollider& collider,
   ContactEnd end;
   end.place = turns.end.transpose() * (x1 - collider.end.position);
   CollisionDistance found = signed_distance(collider.shape, end.place);
-  end.side = side_at(collider.shape, start.side,
-                     {start.place, start.distance + law.radius, start.normal}, end.place, found);
+  end.side =
+      side_at(collider.shape, start.side, {start.place, start.distance + law.radius, start.normal},
+              end.place, found, start.inward);
   if (end.side.counts()) found = {end.side.at(end.place), end.side.normal};
   end.normal = found.normal;
   end.gap = make_gap(law, start.distance, start.energy, found.distance - law.radius);

@@ -111,6 +111,7 @@ struct ContactStart {
   double distance = 0.0;                              // d0, m
   double energy = 0.0;                                // psi(d0), J
   EntrySide side;                                     // that counts, of the centre of a round point
+  Eigen::Vector3d inward = Eigen::Vector3d::Zero();   // entry_side.h, in the collider's frame
 };
 
 // The rate at which a body and an obstacle separate in a step, averaged over all their points: v =
@@ -244,9 +245,11 @@ struct ColliderTurns {
 };
 ColliderTurns turns_of(const PlacedCollider& collider);
 
-// x: world, m. memory: of the point's contact; null: none.
+// x: of the point, world, m. middle: of its body, if that is rigid, else x. memory: of the point's
+// contact; null: none.
 ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider,
-                           const Eigen::Vector3d& x, const ContactMemory* memory = nullptr);
+                           const Eigen::Vector3d& x, const Eigen::Vector3d& middle,
+                           const ContactMemory* memory);
 
 // The position of a point at the end of a step.
 struct ContactEnd {

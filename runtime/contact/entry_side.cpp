@@ -2,12 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 
 namespace tremolo {
 namespace {
 
 // Two distances of one point agree up to this fraction: surfaces are curved.
 constexpr double kAgree = 0.25;
+// Cosine below which two normals are those of different faces.
+constexpr double kOtherFace = 0.5;
+// A point is on an edge up to this fraction of the shape's largest extent.
+constexpr double kOnEdge = 1e-4;
 
 }  // namespace
 
@@ -23,19 +28,45 @@ bool is_behind(const Collider& shape, const EntrySide& side, const Eigen::Vector
          kAgree * std::abs(deep);
 }
 
+bool is_at_surface(const Collider& shape, double distance) {
+  return !std::holds_alternative<PlaneShape>(shape) &&
+         std::abs(distance) <= kOnEdge * largest_extent(shape);
+}
+
+EntrySide side_on_edge(const Collider& shape, const Eigen::Vector3d& x,
+                       const CollisionDistance& found, const Eigen::Vector3d& inward) {
+  if (inward.isZero(0.0) || !is_at_surface(shape, found.distance)) return {};
+  const double reach = kOnEdge * largest_extent(shape);
+  const Eigen::Vector3d normal = signed_distance(shape, x + reach * inward).normal.normalized();
+  if (!(found.normal.dot(normal) < kOtherFace)) return {};
+  return {normal, found.distance - normal.dot(x)};
+}
+
 EntrySide side_at(const Collider& shape, const EntrySide& before, const PassagePoint& from,
-                  const Eigen::Vector3d& to, const CollisionDistance& found) {
+                  const Eigen::Vector3d& to, const CollisionDistance& found,
+                  const Eigen::Vector3d& inward) {
   if (before.counts()) {
     const double deep = before.at(to);
     const bool agree = found.normal.dot(before.normal) > 0.0 &&
                        std::abs(found.distance - deep) <= kAgree * std::abs(deep);
     return deep >= 0.0 || agree ? EntrySide{} : before;
   }
-  if (!(found.normal.dot(from.normal) < 0.0)) return {};
-  const Eigen::Vector3d normal = from.normal.normalized();
+  Eigen::Vector3d normal = from.normal.normalized();
+  const double cosine = found.normal.dot(normal);
+  if (!(cosine < kOtherFace)) return {};
+  if (cosine >= 0.0) {
+    // A face beside the one of entry: the point is below that one where a little towards its body
+    // along the face leads into the obstacle. At a point beside the edge the normal is not yet that
+    // of the face.
+    if (inward.isZero(0.0)) return {};
+    const Eigen::Vector3d along =
+        kOnEdge * largest_extent(shape) * (inward - normal.dot(inward) * normal);
+    if (signed_distance(shape, to + along).distance > 0.0) return {};
+    normal = signed_distance(shape, from.place + along).normal.normalized();
+  }
   const EntrySide side{normal, from.distance - normal.dot(from.place)};
-  const bool deeper = side.at(to) < std::min(0.0, found.distance);
-  return deeper && is_behind(shape, side, to) ? side : EntrySide{};
+  if (!(side.at(to) < std::min(0.0, found.distance))) return {};
+  return is_behind(shape, side, to) ? side : EntrySide{};
 }
 
 }  // namespace tremolo

@@ -7,6 +7,12 @@
 // the middle, so that d and its gradient are continuous; d is one of a half-space, and a plate
 // stops what a thick wall stops. The plane counts while the surface is where it says, a distance
 // |d| back along n; a point that is then beside the obstacle is released.
+//
+// The same plane counts at an edge, where the nearest surface may be that of the face beside the
+// one on which the point came in: on the edge itself its depth is zero, and its normal would push
+// the point sideways. Which face a point on an edge has met follows from where its body is: cubes
+// whose sides are flush meet with their faces, and those side by side slide along theirs. That is
+// for rigid bodies: the edges of deformable ones bulge past each other.
 #pragma once
 
 #include <Eigen/Core>
@@ -35,9 +41,19 @@ CollisionDistance distance_by(const Collider& shape, const EntrySide& side,
 // True if the surface is where the side's plane says, seen from x.
 bool is_behind(const Collider& shape, const EntrySide& side, const Eigen::Vector3d& x);
 
+// True if a point at this distance may be on an edge.
+bool is_at_surface(const Collider& shape, double distance);
+
+// The side of a point that begins at x, whose nearest surface is `found`: on an edge that of the
+// face on which its body is, else none. inward: the direction from the point to the middle of its
+// body, along the obstacle's axes at rest, of length 1; zero if one of the two deforms.
+EntrySide side_on_edge(const Collider& shape, const Eigen::Vector3d& x,
+                       const CollisionDistance& found, const Eigen::Vector3d& inward);
+
 // The side that counts for a point at `to`, whose nearest surface is `found`. before, from: the
-// side and the point at the start of the step.
+// side and the point at the start of the step. inward: as above.
 EntrySide side_at(const Collider& shape, const EntrySide& before, const PassagePoint& from,
-                  const Eigen::Vector3d& to, const CollisionDistance& found);
+                  const Eigen::Vector3d& to, const CollisionDistance& found,
+                  const Eigen::Vector3d& inward);
 
 }  // namespace tremolo

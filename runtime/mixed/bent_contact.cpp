@@ -23,7 +23,7 @@ void BentContact::add(std::size_t point, const Vector3d& y, double distance) {
                            own, theirs, points_->area_of(point));
   pair.law.rounding += distance_rounding(shape_->surface(), shape_->gathered().ball);
   place_point(pair, {first, second, obstacle_}, point, points_->memory(obstacle_, point), y,
-              distance, shape_->equations().shape_at_start());
+              distance, Vector3d::Zero(), shape_->equations().shape_at_start());
 }
 
 bool BentContact::gather(StepBody& points, ContactStep& shape, std::size_t obstacle) {

@@ -25,7 +25,8 @@ void ColliderContact::add(std::size_t point) {
   touch.point = point;
   touch.law = points_->law_of(point, collider_->friction, collider_->restitution);
   const ContactMemory* memory = points_->memory(obstacle_, point);
-  touch.start = contact_start(touch.law, *collider_, points_->start_of(point), memory);
+  const Vector3d x = points_->start_of(point);
+  touch.start = contact_start(touch.law, *collider_, x, x, memory);
   if (memory != nullptr)
     touch.memory = *memory;
   else

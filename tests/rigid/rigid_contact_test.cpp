@@ -141,6 +141,20 @@ TEST(RigidContact, GivesBilliardBallsTheirRestitution) {
   for (const double step : kSteps) EXPECT_LT(std::abs(rebound(0.0, step)), 0.06) << step;
 }
 
+// The edges of cubes whose sides are flush, or off by rounding, meet on each other's edges;
+// friction must not act there. Cubes that are shifted otherwise turn.
+TEST(RigidContact, LetsCubesThatMeetFaceToFaceExchangeTheirVelocities) {
+  for (const double step : {1.0 / 60.0, 3e-3, 1e-3})
+    for (const double shift : {0.0, 1e-9, 1e-7}) {
+      Scene scene = billiards(1.0, step, shift, 0.3);
+      for (SceneBody& body : scene.bodies) body.rigid->shape = BoxShape{{0.03, 0.03, 0.03}};
+      SceneWorld world = testing::make_world(scene);
+      testing::run_until(world, 0.3);
+      EXPECT_NEAR(world.body(1).rigid_state().velocity.x(), 2.0, 2e-4) << step << ", " << shift;
+      EXPECT_NEAR(world.body(0).rigid_state().velocity.norm(), 0.0, 1e-3) << step << ", " << shift;
+    }
+}
+
 // Each ball of the row passes on (1 + e)/2 of its speed. The fastest moves by 1.3 diameters in a
 // step of 1/60 s.
 TEST(RigidContact, PassesABlowAlongARowOfBalls) {

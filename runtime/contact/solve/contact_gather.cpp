@@ -135,7 +135,8 @@ ContactStep::Candidate ContactStep::make_candidate(std::size_t point, std::size_
                       .law = law_of(surface(), point, collider.friction, collider.restitution,
                                     distance_rounding(surface(), gathered_.ball))};
   const ContactMemory* memory = memories_.find(index, point);
-  candidate.start = contact_start(candidate.law, collider, x, memory);
+  candidate.start = contact_start(candidate.law, collider, x,
+                                  surface().points->rigid() ? gathered_.ball.centre : x, memory);
   if (memory != nullptr)
     candidate.memory = *memory;
   else

@@ -106,6 +106,10 @@ class ContactIsland {
   static const Attempt kAttempts[];
   static constexpr int kFirstAttempts = 2;  // before the step is subdivided
 
+  // Fraction of the small size below which a residual is converged, as after the last move of
+  // Newton's method.
+  static constexpr double kConverged = 0.1;
+
   enum class Outcome { kMoved, kDone, kFailed };
 
   void couple();

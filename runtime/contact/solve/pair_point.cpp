@@ -145,6 +145,15 @@ void add_roll_slopes(const PairPoint& pair, const PairBodies& bodies, const Pair
   second.add_turn_geometry(-torque);
 }
 
+// entry_side.h: inward at y, in the second's mesh coordinates.
+Vector3d inward_at(const Vector3d& y, const ContactStep& first, const ContactStep& second) {
+  if (!first.surface().points->rigid() || !second.surface().points->rigid())
+    return Vector3d::Zero();
+  const Pose& pose = second.gathered().poses.start;
+  const Vector3d middle = first.gathered().ball.centre - pose.position;
+  return (pose.rotation.conjugate() * middle - y).normalized();
+}
+
 // Makes a point of the first body near the second, at y in the second's mesh coordinates and at
 // that distance from it at the start.
 void begin_point(PairPoint& pair, const ContactStep& first, const ContactStep& second,
@@ -153,14 +162,14 @@ void begin_point(PairPoint& pair, const ContactStep& first, const ContactStep& s
                          distance_rounding(first.surface(), first.gathered().ball) +
                              distance_rounding(second.surface(), second.gathered().ball));
   place_point(pair, names, point, first.pair_memories().find(names.obstacle, point), y, distance,
-              second.equations().shape_at_start());
+              inward_at(y, first, second), second.equations().shape_at_start());
 }
 
 }  // namespace
 
 void place_point(PairPoint& pair, const PairNames& names, std::size_t point,
                  const ContactMemory* memory, const Vector3d& y, double distance,
-                 const BentShape& shape) {
+                 const Vector3d& inward, const BentShape& shape) {
   pair.a = names.a;
   pair.b = names.b;
   pair.point = point;
@@ -172,8 +181,12 @@ void place_point(PairPoint& pair, const PairNames& names, std::size_t point,
   pair.memory.point = point;
   pair.law.begins = pair.memory.begins;
   pair.side = {};
+  pair.inward = inward;
   pair.from.reset();
-  if (pair.memory.side.counts()) {
+  if (memory == nullptr && is_at_surface(*shape.shape, distance)) {
+    const Vector3d rest = bent_rest(shape, y);
+    pair.side = side_on_edge(*shape.shape, rest, signed_distance(*shape.shape, rest), inward);
+  } else if (pair.memory.side.counts()) {
     const Vector3d rest = bent_rest(shape, y);
     if (is_behind(*shape.shape, pair.memory.side, rest)) {
       pair.side = pair.memory.side;
@@ -267,7 +280,7 @@ double distance_at_end(PairPoint& pair, const ContactEquations& second) {
     pair.from = {start, pair.distance + pair.law.radius,
                  distance_by(*end.shape, pair.side, start).normal};
   }
-  const EntrySide side = side_at(*end.shape, pair.side, *pair.from, rest, found);
+  const EntrySide side = side_at(*end.shape, pair.side, *pair.from, rest, found, pair.inward);
   if (side.counts() != pair.end_side.counts()) pair.sloped = false;
   pair.end_side = side;
   return side.counts() ? side.at(rest) : found.distance;

@@ -49,6 +49,7 @@ struct PairPoint {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  // y at the end, m, where it may act
   std::shared_ptr<BoneSite> site = {};              // once it acts, if b is on several bones
   EntrySide side, end_side;                         // that count at the start and at the end
+  Eigen::Vector3d inward = gradient;                // entry_side.h, in the mesh's coordinates
   // The point at the start in the shape's coordinates at rest, with distance and normal there, of
   // the centre of a round point, once they are needed.
   std::optional<PassagePoint> from;
@@ -164,10 +165,11 @@ struct PairNames {
 };
 
 // Places a point, whose law is set, near the shape: at y in the shape's mesh coordinates and at
-// that distance, m, at the start. memory: of its contact; null: none. shape: the shape then.
+// that distance, m, at the start. inward: entry_side.h, in these coordinates. memory: of its
+// contact; null: none. shape: the shape then.
 void place_point(PairPoint& pair, const PairNames& names, std::size_t point,
                  const ContactMemory* memory, const Eigen::Vector3d& y, double distance,
-                 const BentShape& shape);
+                 const Eigen::Vector3d& inward, const BentShape& shape);
 
 // Adds the points of a (its body is `first`) that may be in contact with b in the step to `points`,
 // whose first `count` entries are used. Returns the new number of points. Both bodies must have
