@@ -23,6 +23,10 @@ constexpr double kMostShare = 50.0;
 
 constexpr int kMostJoints = 8;  // with backbones of twice the frequency
 
+// A backbone that ends on a loop is followed again so often, each time with steps shorter by this.
+constexpr int kFinerAttempts = 2;
+constexpr double kFiner = 0.3;
+
 // A mode of small vibration about a state at rest.
 struct SmallVibration {
   Eigen::VectorXd shape;  // r, of length 1
@@ -131,8 +135,10 @@ HarmonicPart largest_part(const FourierSeries& motion) {
   return part;
 }
 
-Result<MotionCurve> backbone_curve(const VibratingSystem& system, const BackboneRequest& request,
-                                   const CurveOptions& options) {
+namespace {
+
+Result<MotionCurve> follow_backbone(const VibratingSystem& system, const BackboneRequest& request,
+                                    const CurveOptions& options) {
   if (Status s = check(system, request.mode, request.to_amplitude); !s) return s.error();
   VibratingSystem undamped = system;
   undamped.damping.setZero();
@@ -169,6 +175,23 @@ Result<MotionCurve> backbone_curve(const VibratingSystem& system, const Backbone
     std::optional<MotionCurve> more = past_half_period(free, goal, options, *curve);
     if (!more) break;
     append(std::move(*more), *curve);
+  }
+  return curve;
+}
+
+}  // namespace
+
+Result<MotionCurve> backbone_curve(const VibratingSystem& system, const BackboneRequest& request,
+                                   const CurveOptions& options) {
+  Result<MotionCurve> curve = follow_backbone(system, request, options);
+  // A curve does not lead onto a loop: a step has crossed a narrow gap, which shorter ones may not.
+  CurveOptions finer = options;
+  for (int i = 0; i < kFinerAttempts && curve && curve->end == CurveEnd::kLoop; ++i) {
+    finer.longest_step *= kFiner;
+    Result<MotionCurve> again = follow_backbone(system, request, finer);
+    if (!again || again->end == CurveEnd::kLoop) continue;
+    again->longest_step = finer.longest_step;
+    return again;
   }
   return curve;
 }

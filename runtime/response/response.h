@@ -93,6 +93,9 @@ struct MotionCurve {
   // first.
   int refused = 0;
   double first_refused = 0.0;  // rad/s
+  // Of a backbone: the steps that kept it off a loop, where the ones asked for had led onto it; 0:
+  // those of CurveOptions.
+  double longest_step = 0.0;
 };
 
 // One harmonic of a load in time: scale sin(number omega t + phase).

@@ -46,6 +46,8 @@ struct CurveState {
   int sign = 1;  // of the factored matrix's determinant: it changes at a branch point
 
   double omega_slope() const { return tangent[tangent.size() - 1]; }
+  // The direction of the curve, for curve_state().
+  Eigen::VectorXd onwards() const { return weights.array().square() * tangent.array(); }
 };
 
 // Result of a correction.

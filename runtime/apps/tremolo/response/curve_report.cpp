@@ -200,6 +200,11 @@ void add_warnings(bool damped, const CurveOptions& options, CurveResult& result)
         fmt::format("{} points, the first at {:.6g} Hz, have too few harmonics: with more of them "
                     "no motion was found; --harmonics begins with more",
                     curve.refused, in_hertz(curve.first_refused)));
+  if (curve.longest_step > 0.0)
+    result.warnings.push_back(fmt::format(
+        "steps of {:.3g} led onto a closed loop, which a backbone does not reach; with steps of "
+        "{:.3g} it stays off the loop",
+        options.longest_step, curve.longest_step));
   if (!damped)
     result.warnings.push_back(
         "without damping no motion attracts others: stability was not computed");
