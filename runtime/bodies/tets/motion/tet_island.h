@@ -89,7 +89,12 @@ class TetIsland {
   static constexpr std::uint32_t kNoEnd = ~std::uint32_t{0};
 
   template <class Body>
-  void for_each(std::size_t count, const Body& body);
+  void for_each(std::size_t count, const Body& body) {
+    if (pool_ != nullptr)
+      pool_->run(count, [&body](std::size_t i, unsigned) { body(i); });
+    else
+      for (std::size_t i = 0; i < count; ++i) body(i);
+  }
   TetMethod common_method() const;
   bool make_step(TetMethod method, double h);
   bool make_linear_step(double h);
