@@ -58,7 +58,8 @@ Vector3d MixedGuests::hands_force(std::size_t i) const {
 
 bool MixedGuests::is_pushed(std::size_t i) const {
   const ContactAccount& account = guests_[i]->step->account();
-  return account.active > 0 || account.hand_work != 0.0 || account.joint_work != 0.0 ||
+  return has_load(i) || account.load_work != 0.0 || account.active > 0 ||
+         account.hand_work != 0.0 || account.joint_work != 0.0 ||
          std::any_of(hands_.begin(), hands_.end(),
                      [i](const Hand& held) { return held.used && held.hand.guest == i; }) ||
          std::any_of(joined_.begin(), joined_.end(), [i](const Link& link) {
@@ -98,7 +99,7 @@ Result<std::size_t> MixedGuests::point_of_vertex(std::size_t i, VertexId vertex)
                          ", counted from 0");
   if (const std::optional<std::size_t> point = tets.point_of(vertex)) return *point;
   return content_error("vertex " + number +
-                       " is inside: a body of tetrahedra is held at its surface");
+                       " is inside: a body of tetrahedra is held and loaded at its surface");
 }
 
 // Other forces hold a point, so that its hands and joints move it by little more than the margin.

@@ -126,8 +126,9 @@ bool World::look_at(std::size_t number) {
   const GuestEnergy now = energy_of(all_guests(), number);
   const ContactSums& sums = all_guests().sums(number);
   const double contact = all_guests().account(number).energy;
-  return guests_[number].bound.look(now.kinetic + now.elastic + contact, now.gravity,
-                                    sums.work + sums.hand + sums.joint + contact);
+  return guests_[number].bound.look(
+      now.kinetic + now.elastic + contact, now.gravity,
+      sums.work + sums.hand + sums.joint + all_guests().load_work(number) + contact);
 }
 
 Result<WorldBody> World::add(const SceneBody& body, const ModelSource& source) {

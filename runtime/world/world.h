@@ -176,7 +176,9 @@ class World {
   // A reduced or rigid body; null: another kind.
   const ContactBody* reduced(WorldBody body) const;
   Status move(WorldBody body, const Pose& next);  // as SceneWorld::move_body(); kUsage: a guest
-  // kUsage: a guest. Errors of Body::apply_force() and Body::add_load().
+  // A force that is constant over the next `steps` steps, and one in time, which begins at the
+  // body's time. Errors of Body::apply_force() and Body::add_load(); for guests those of
+  // MixedGuests::apply_force() and add_guest_loads().
   Status apply_force(WorldBody body, VertexId vertex, const Eigen::Vector3d& force, int steps);
   Status add_load(WorldBody body, const SceneLoad& load);
 
