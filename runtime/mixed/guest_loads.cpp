@@ -86,7 +86,7 @@ void MixedGuests::meet_loads(std::size_t guest) {
 
 // The body as a whole moves by h^2 F/M. Other forces hold a single point, so that its load moves it
 // by little more than the margin.
-double MixedGuests::loads_pull(std::size_t guest) {
+void MixedGuests::prepare_loads(std::size_t guest) {
   const Guest& of = *guests_[guest];
   const double mass = of.tets != nullptr ? of.tets->body().model().mass() : of.cloth->body().mass();
   Vector3d sum = Vector3d::Zero();
@@ -99,7 +99,9 @@ double MixedGuests::loads_pull(std::size_t guest) {
     }
   });
   const double square = step_ * step_;
-  return square * sum.norm() / mass + std::min(of.step->area_law().margin, square * most);
+  of.step->set_load(sum);
+  of.step->set_pull(pull_of(guest) + square * sum.norm() / mass +
+                    std::min(of.step->area_law().margin, square * most));
 }
 
 // Counts a step that the guest has taken.

@@ -137,6 +137,13 @@ double MixedGuests::deepest_in(std::size_t i, const Collider& shape,
   return deepest;
 }
 
+void MixedGuests::set_gravity(const Eigen::Vector3d& gravity) {
+  for (const auto& guest : guests_) {
+    if (guest->tets != nullptr) guest->tets->body().set_gravity(gravity);
+    if (guest->cloth != nullptr) guest->cloth->body().set_gravity(gravity);
+  }
+}
+
 void MixedGuests::start(std::span<const PlacedCollider> colliders) {
   colliders_ = colliders;
   length_ = step_;
@@ -147,9 +154,8 @@ void MixedGuests::start(std::span<const PlacedCollider> colliders) {
   for (std::size_t i = 0; i < guests_.size(); ++i) {
     guests_[i]->old = guests_[i]->removed;
     if (guests_[i]->failed) continue;
-    GuestStep& step = *guests_[i]->step;
-    step.set_pull(pull_of(i) + loads_pull(i));
-    step.start();
+    prepare_loads(i);
+    guests_[i]->step->start();
   }
 }
 

@@ -141,6 +141,7 @@ class MixedGuests final : public IslandGuests {
 
   double step_size() const { return step_; }  // s
   std::size_t size() const override { return guests_.size(); }
+  void set_gravity(const Eigen::Vector3d& gravity) override;
   void start(std::span<const PlacedCollider> colliders) override;
   void find_contacts(std::span<ContactStep* const> contacts) override;
   std::span<const std::pair<std::size_t, std::size_t>> links() const override { return links_; }
@@ -211,7 +212,7 @@ class MixedGuests final : public IslandGuests {
   template <class Visit>
   void for_loads_of(std::size_t guest, const Visit& visit);
   void meet_loads(std::size_t guest);
-  double loads_pull(std::size_t guest);
+  void prepare_loads(std::size_t guest);
   void age_forces(std::size_t guest);
   void forget_loads(std::size_t guest);
   void carry_loads(StateStream& stream);

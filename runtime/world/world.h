@@ -98,8 +98,7 @@ struct WorldContact {
 class World {
  public:
   // threads: of a step, the caller's included; 0: one for each core; no bit depends on it. Errors
-  // of SceneWorld::create() and add_guests(); kContent: two bodies have one name, or gravity that
-  // changes in time acts on tetrahedra.
+  // of SceneWorld::create() and add_guests(); kContent: two bodies have one name.
   static Result<std::unique_ptr<World>> create(const WorldScene& scene, unsigned threads = 1);
 
   double step_size() const { return own_.step_size(); }  // s

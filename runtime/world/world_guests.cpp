@@ -92,7 +92,7 @@ GuestEnergy energy_of(const MixedGuests& guests, std::size_t guest) {
   }
   const ClothBody& cloth = guests.cloth(guest)->body();
   const double elastic = cloth.elastic_energy();
-  return {cloth.kinetic_energy(), elastic, cloth.model().potential(cloth.state().x) - elastic};
+  return {cloth.kinetic_energy(), elastic, 0.0 - cloth.work().gravity};
 }
 
 Result<WorldGuests> add_guests(std::span<const TetSceneBody> tets,

@@ -144,9 +144,12 @@ Result<SceneKind> scene_kind(std::string_view text, const std::string& path) {
   if (bodies == nullptr) return SceneKind::kBodies;
   const bool tets = !bodies->empty() && std::all_of(bodies->begin(), bodies->end(), is_of_tets);
   const bool held = table->contains("hands") || table->contains("joints");
+  const toml::array* gravity = (*table)["gravity"].as_array();
+  const bool changes = table->contains("gravity") &&
+                       (gravity == nullptr || (!gravity->empty() && (*gravity)[0].is_array()));
   const bool loaded = tets && std::any_of(bodies->begin(), bodies->end(), has_loads);
-  return tets && !held && !loaded && !has_worlds_colliders(*table) ? SceneKind::kTets
-                                                                   : SceneKind::kWorld;
+  return tets && !held && !loaded && !changes && !has_worlds_colliders(*table) ? SceneKind::kTets
+                                                                               : SceneKind::kWorld;
 }
 
 }  // namespace tremolo

@@ -195,10 +195,6 @@ Result<MixedFile> read_mixed(const toml::table& table, const std::string& path) 
   for (const toml::node& node : *table["bodies"].as_array()) {
     ++number;
     if (!is_of_tets(node)) continue;
-    if (gravity.values.size() > 1)
-      return error_at(path, node.source(),
-                      "gravity that changes in time does not act on bodies of tetrahedra, to whose "
-                      "balance it belongs as a potential energy");
     Copies copies;
     Result<TetSceneBody> body =
         read_tets_body(*node.as_table(), number,
