@@ -293,7 +293,9 @@ TEST_F(MixedProgram, ABlockAloneHasALoadAndGravityInTime) {
   const json& block = report["bodies"][0];
   EXPECT_NEAR(block["linear_momentum_final"][0].get<double>(), 0.0999, 1e-8);
   EXPECT_NEAR(block["linear_momentum_final"][2].get<double>(), -0.7, 1e-8);
-  EXPECT_NEAR(report["bodies"][1]["energy_by_cause"]["gravity"].get<double>(), 0.5 * 0.49, 1e-6);
+  EXPECT_NEAR(block["energy_by_cause"]["gravity"].get<double>(), 0.5 * 0.49, 1e-9);
+  EXPECT_NEAR(report["bodies"][1]["linear_momentum_final"][2].get<double>(), -0.7, 1e-8)
+      << "bdf2 has no lag";
   EXPECT_LE(report["momentum_error"].get<double>(), 1e-8);
 }
 
