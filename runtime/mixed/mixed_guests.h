@@ -28,7 +28,6 @@
 #include "runtime/mixed/guest_step.h"
 #include "runtime/mixed/hand_pull.h"
 #include "runtime/mixed/hull_contact.h"
-#include "runtime/mixed/load_push.h"
 #include "runtime/mixed/mixed_island.h"
 #include "runtime/mixed/reduced_pair.h"
 #include "runtime/mixed/reduced_step.h"
