@@ -158,8 +158,8 @@ typedef uint64_t tremolo_body_id;
 /* Reads the files that the scene names; the scene is not needed after the call. threads: of a step,
  * the caller's included; 0: one for each core; no bit depends on it. TREMOLO_SYSTEM: a file is
  * missing, or threads cannot be started. TREMOLO_CONTENT: a value is out of range, two bodies have
- * one name, a body begins inside another or a collider by more than its margin, or gravity that
- * changes acts on tetrahedra; the message names the body. */
+ * one name, or a body begins inside another or a collider by more than its margin; the message
+ * names the body. */
 tremolo_status tremolo_world_create(const tremolo_scene* scene, uint32_t threads,
                                     tremolo_world** world);
 void tremolo_world_destroy(tremolo_world* world);
@@ -234,17 +234,19 @@ typedef enum tremolo_signal {
   TREMOLO_TABLE = 5  /* straight lines between `count` values at times; zero before and after */
 } tremolo_signal;
 
-/* A force on vertices of a reduced or rigid body. Fill with tremolo_load_init. `size` as in
+/* A force on vertices of a body of any kind. Fill with tremolo_load_init. `size` as in
  * tremolo_body_options. */
 typedef struct tremolo_load {
   uint32_t size;
-  int32_t signal;   /* a tremolo_signal; TREMOLO_CONSTANT */
-  const char* at;   /* a vertex's number or a selector on the boundary; NULL: the model's load */
-  double force[3];  /* N, world, shared by the vertices; not read of the model's load */
-  double scale;     /* times all of it; 1 */
-  double start;     /* s, on the body's clock, which began when it was added; 0 */
-  double duration;  /* s; 0 */
-  double frequency; /* Hz; 1 */
+  int32_t signal; /* a tremolo_signal; TREMOLO_CONSTANT */
+  /* A vertex's number or a selector on the boundary, of a cloth also a place as in its pins. NULL:
+   * the model's load; tetrahedra and cloths have none. */
+  const char* at;
+  double force[3];       /* N, world, shared by the vertices; not read of the model's load */
+  double scale;          /* times all of it; 1 */
+  double start;          /* s, on the body's clock, which began when it was added; 0 */
+  double duration;       /* s; 0 */
+  double frequency;      /* Hz; 1 */
   double last_frequency; /* Hz; 10 */
   const double* times;   /* of a table: s, ascending, at least two; copied */
   const double* values;
@@ -253,8 +255,8 @@ typedef struct tremolo_load {
 
 void tremolo_load_init(tremolo_load* load);
 
-/* TREMOLO_USAGE: a body of tetrahedra or a cloth; TREMOLO_CONTENT: `at` names no vertex. Clocks of
- * bodies that sleep stand still; a load wakes them. */
+/* TREMOLO_CONTENT: `at` names no vertex, of tetrahedra none on the surface, or only fixed ones.
+ * Clocks of bodies that sleep stand still; a load wakes them. */
 tremolo_status tremolo_world_add_load(tremolo_world* world, tremolo_body_id body,
                                       const tremolo_load* load);
 
@@ -343,7 +345,8 @@ tremolo_status tremolo_world_look(const tremolo_world* world, tremolo_body_id bo
 tremolo_status tremolo_world_pose(const tremolo_world* world, tremolo_body_id body,
                                   double position[3], double quaternion[4]);
 
-/* As tremolo_body_apply_force. TREMOLO_USAGE also: a body of tetrahedra or a cloth. */
+/* As tremolo_body_apply_force. vertex: of tetrahedra one of the mesh on its surface, of a cloth one
+ * of its file or grid; TREMOLO_USAGE: it is fixed. */
 tremolo_status tremolo_world_apply_force(tremolo_world* world, tremolo_body_id body,
                                          uint32_t vertex, const double force[3], int32_t steps);
 

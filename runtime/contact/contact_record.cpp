@@ -14,7 +14,8 @@ void add_account(ContactAccount& sum, const ContactAccount& part) {
   for (double ContactAccount::*each :
        {&ContactAccount::work, &ContactAccount::lost, &ContactAccount::friction_loss,
         &ContactAccount::given, &ContactAccount::surplus, &ContactAccount::hand_work,
-        &ContactAccount::hand_damped, &ContactAccount::joint_work, &ContactAccount::impulse})
+        &ContactAccount::hand_damped, &ContactAccount::joint_work, &ContactAccount::load_work,
+        &ContactAccount::impulse})
     sum.*each += before.*each;
   sum.penetration = std::max(sum.penetration, before.penetration);
   sum.slip = std::max(sum.slip, before.slip);

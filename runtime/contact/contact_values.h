@@ -61,6 +61,7 @@ struct ContactAccount {
   double surplus = 0.0;
   double hand_work = 0.0, hand_damped = 0.0;  // J
   double joint_work = 0.0;                    // J
+  double load_work = 0.0;                     // of loads on bodies of tetrahedra and cloths, J
   double penetration = 0.0;                   // greatest depth of a point behind a surface, m
   double impulse = 0.0;                       // sum of |F| h, N s
   double way = 0.0;  // longest path of a point relative to a nearby obstacle, m

@@ -45,7 +45,7 @@ void GuestStep::start() {
 void GuestStep::carry(StateStream& stream) {
   carry_body(stream);
   tremolo::carry(stream, account_);
-  stream(account_.slip);
+  stream(account_.slip, account_.load_work);
   stream.sized(memories_);
   stream.sized(contacted_);
   if (!stream.reads()) return;

@@ -52,6 +52,9 @@ class GuestStep : public StepBody {
   // rounding error of positions, which it turns into a force, is part of enough(). Call it after
   // begin().
   void hold_at(double slope) { held_slope_ += slope; }
+  // The sum of the mean forces of all loads in the next step, N, which the method knows as it knows
+  // gravity. Call it before start().
+  void set_load(const Eigen::Vector3d& force) { load_ = force; }
   // The mass that moves with a point at first, kg.
   virtual double mass_at(std::size_t point) const = 0;
 
@@ -80,7 +83,8 @@ class GuestStep : public StepBody {
   virtual void end_whole(int parts) = 0;  // counts the step; 0: it failed, and the body is put back
 
   const Part& part() const { return part_; }
-  void clear_holds() { held_slope_ = 0.0; }  // in begin()
+  void clear_holds() { held_slope_ = 0.0; }              // in begin()
+  const Eigen::Vector3d& load() const { return load_; }  // of set_load()
   // Of the forces of hands and joints at positions up to `far` from the world's origin, N.
   double held_rounding(double far) const {
     return 4.0 * std::numeric_limits<double>::epsilon() * held_slope_ * far;
@@ -102,8 +106,9 @@ class GuestStep : public StepBody {
   };
 
   StepBall ball_;
-  double pull_ = 0.0;        // m
-  double held_slope_ = 0.0;  // N/m
+  double pull_ = 0.0;                               // m
+  double held_slope_ = 0.0;                         // N/m
+  Eigen::Vector3d load_ = Eigen::Vector3d::Zero();  // N
   Part part_;
   Before before_;
   ContactRecord sum_;  // of the parts

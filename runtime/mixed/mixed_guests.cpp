@@ -90,6 +90,7 @@ void MixedGuests::remove(std::size_t i) {
     const GuestJoint& joint = link.joint;
     if (joint.guest == i || (joint.to_guest && joint.other == i)) link.used = false;
   }
+  forget_loads(i);
   guest.removed = guest.failed = true;
   guest.step.reset();
   guest.tets = nullptr;
@@ -136,6 +137,13 @@ double MixedGuests::deepest_in(std::size_t i, const Collider& shape,
   return deepest;
 }
 
+void MixedGuests::set_gravity(const Eigen::Vector3d& gravity) {
+  for (const auto& guest : guests_) {
+    if (guest->tets != nullptr) guest->tets->body().set_gravity(gravity);
+    if (guest->cloth != nullptr) guest->cloth->body().set_gravity(gravity);
+  }
+}
+
 void MixedGuests::start(std::span<const PlacedCollider> colliders) {
   colliders_ = colliders;
   length_ = step_;
@@ -146,9 +154,8 @@ void MixedGuests::start(std::span<const PlacedCollider> colliders) {
   for (std::size_t i = 0; i < guests_.size(); ++i) {
     guests_[i]->old = guests_[i]->removed;
     if (guests_[i]->failed) continue;
-    GuestStep& step = *guests_[i]->step;
-    step.set_pull(pull_of(i));
-    step.start();
+    prepare_loads(i);
+    guests_[i]->step->start();
   }
 }
 
@@ -212,12 +219,13 @@ void MixedGuests::meet_guests(std::size_t guest, std::span<const std::size_t> ot
   }
 }
 
-// Finds the contacts of these guests with each other, with bodies and with colliders, their hands
-// and their joints.
+// Finds the contacts of these guests with each other, with bodies and with colliders, their hands,
+// loads and joints.
 void MixedGuests::meet(std::span<const std::size_t> guests,
                        std::span<ContactStep* const> contacts) {
   for (std::size_t k = 0; k < guests.size(); ++k) {
     meet_hands(guests[k]);
+    meet_loads(guests[k]);
     meet_joints(guests[k]);
     meet_colliders(guests[k]);
     meet_bodies(guests[k], contacts);
@@ -441,6 +449,7 @@ void MixedGuests::book(std::size_t guest) {
   of.sums.error += account.surplus;
   of.sums.hand += account.hand_work;
   of.sums.joint += account.joint_work;
+  of.load_work += account.load_work;
   of.deepest = std::max(of.deepest, account.penetration);
   of.slip = std::max(of.slip, account.slip);
   const bool touches = account.active > 0;
@@ -452,6 +461,7 @@ void MixedGuests::book(std::size_t guest) {
     held.hand.force = held.pull.mean_force();
     held.hand.start = held.hand.end;
   }
+  age_forces(guest);
 }
 
 // Everything else is of one step.
@@ -459,10 +469,12 @@ void MixedGuests::carry(StateStream& stream, std::size_t bodies) {
   for (const auto& guest : guests_)
     if (!guest->removed) carry_guest(stream, bodies, *guest);
   carry_links(stream);
+  carry_loads(stream);
 }
 
 void MixedGuests::carry_guest(StateStream& stream, std::size_t bodies, Guest& guest) {
-  stream(guest.sums, guest.contacts, guest.deepest, guest.slip, guest.failed, guest.touched);
+  stream(guest.sums, guest.contacts, guest.deepest, guest.slip, guest.load_work, guest.failed,
+         guest.touched);
   guest.step->carry(stream);
   for (const ContactedPoint& point : guest.step->contacted())
     stream.require(point.on_body

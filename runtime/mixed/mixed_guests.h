@@ -86,7 +86,16 @@ class MixedGuests final : public IslandGuests {
   const GuestHand* hand(std::size_t hand) const;
   Eigen::Vector3d hands_force(std::size_t i) const;  // of all hands in the last step, N
 
-  // True if contact, a hand or a joint acted on the guest in the last step.
+  // Adds a load in time. Its work is part of load_work(). Errors (kUsage): a point that does not
+  // exist; a force that is not finite; all its points are fixed.
+  Status add_load(GuestLoad load);
+  // Adds a force on a contact point, constant over the next `steps` steps, N. Errors as for
+  // add_load(); kUsage also for less than one step.
+  Status apply_force(std::size_t i, std::size_t point, const Eigen::Vector3d& force, int steps);
+  bool has_load(std::size_t i) const;  // in time, over or not, or a force that still acts
+  double load_work(std::size_t i) const { return guests_[i]->load_work; }  // since the start, J
+
+  // True if contact, a hand or a joint acted on the guest in the last step, or it has loads.
   bool is_pushed(std::size_t i) const;
 
   // Joins a contact point of a guest to a point of another body and returns the joint's number,
@@ -131,6 +140,7 @@ class MixedGuests final : public IslandGuests {
 
   double step_size() const { return step_; }  // s
   std::size_t size() const override { return guests_.size(); }
+  void set_gravity(const Eigen::Vector3d& gravity) override;
   void start(std::span<const PlacedCollider> colliders) override;
   void find_contacts(std::span<ContactStep* const> contacts) override;
   std::span<const std::pair<std::size_t, std::size_t>> links() const override { return links_; }
@@ -152,7 +162,7 @@ class MixedGuests final : public IslandGuests {
     ClothStep* cloth = nullptr;  // that of a cloth, or null
     ContactSums sums = {};
     std::int64_t contacts = 0;
-    double deepest = 0.0, slip = 0.0;
+    double deepest = 0.0, slip = 0.0, load_work = 0.0;
     bool failed = false, touched = false;
     bool removed = false, old = false;  // old: before the last step
   };
@@ -163,6 +173,17 @@ class MixedGuests final : public IslandGuests {
     HandPull pull = {};
 
     void carry(StateStream& stream) { stream(used, hand); }
+  };
+  struct Loaded {
+    bool used = false;
+    GuestLoad load = {};
+    LoadPush push = {};
+
+    // Of a force that acts for some steps.
+    void carry(StateStream& stream) {
+      stream(used, load.guest, load.steps);
+      stream.sized(load.pushes);
+    }
   };
   struct Link {
     bool used = false;
@@ -185,6 +206,15 @@ class MixedGuests final : public IslandGuests {
   void meet(std::span<const std::size_t> guests, std::span<ContactStep* const> contacts);
   double pull_of(std::size_t guest) const;
   void meet_hands(std::size_t guest);
+  Status check_load(const GuestLoad& load) const;
+  double average_of(const GuestLoad& load) const;
+  template <class Visit>
+  void for_loads_of(std::size_t guest, const Visit& visit);
+  void meet_loads(std::size_t guest);
+  void prepare_loads(std::size_t guest);
+  void age_forces(std::size_t guest);
+  void forget_loads(std::size_t guest);
+  void carry_loads(StateStream& stream);
   void meet_joints(std::size_t guest);
   bool may_touch(std::size_t guest, bool to_guest, std::size_t other) const;
   void meet_colliders(std::size_t guest);
@@ -211,6 +241,8 @@ class MixedGuests final : public IslandGuests {
   std::vector<std::unique_ptr<Guest>> guests_;
   std::vector<Hand> hands_;
   std::vector<Link> joined_;
+  std::vector<Loaded> loads_;    // in time
+  std::vector<Loaded> applied_;  // for some steps; those that are not in use are over
   std::vector<std::pair<const TetModel*, std::shared_ptr<const TetPoints>>> points_;
   std::span<const PlacedCollider> colliders_;
   std::size_t bodies_ = 0;  // of the group

@@ -52,6 +52,12 @@ Index TetStep::unknowns() const {
   return body_->model().rest().size();
 }
 
+void TetStep::prepare() {
+  if (load() == loaded_) return;
+  body_->expect_change((load() - loaded_) / body_->model().mass());
+  loaded_ = load();
+}
+
 StepBall TetStep::find_ball() {
   const VectorXd &x = body_->now_.x, &v = body_->now_.v;
   Vector3d low = x.head<3>(), high = low;
@@ -367,7 +373,7 @@ void TetStep::finish(const ContactAccount& account, double start, bool jumped) {
 void TetStep::end() {
   sort_memories();
   if (!part().whole) return;
-  if (!body_->had_before_) body_->begin_bdf2_again(body_->saved_, nullptr);
+  if (!body_->had_before_) body_->begin_bdf2_again(body_->saved_, nullptr, load());
   body_->skip_step();
   body_->choose_degrees(report_);
   jumped_ = report_.switched > 0;
@@ -386,7 +392,7 @@ void TetStep::begin_part() {
 void TetStep::end_whole(int parts) {
   TetBody& body = *body_;
   if (parts > 0) {
-    body.begin_bdf2_again(whole_.now, whole_.has_before ? &whole_.before : nullptr);
+    body.begin_bdf2_again(whole_.now, whole_.has_before ? &whole_.before : nullptr, load());
     report_.parts = parts;
     body.skip_step();
     body.choose_degrees(report_);
@@ -400,7 +406,8 @@ void TetStep::end_whole(int parts) {
 
 void TetStep::carry_body(StateStream& stream) {
   body_->carry(stream);
-  stream(report_, sums_);
+  stream(report_, sums_, loaded_);
+  stream.require(loaded_.allFinite());
   jumped_ = report_.switched > 0;
 }
 

@@ -124,7 +124,7 @@ class TetStep final : public GuestStep {
   void give_up() override;
 
  protected:
-  void prepare() override {}
+  void prepare() override;
   StepBall find_ball() override;
   void keep_whole() override;
   void begin_part() override;
@@ -164,6 +164,7 @@ class TetStep final : public GuestStep {
   ContactLaw law_;
   TetStepReport report_;
   bool jumped_ = false;
+  Eigen::Vector3d loaded_ = Eigen::Vector3d::Zero();  // load() of the last step
   TetSums sums_;
   double ends_ = 1.0;  // dx_1/dd
   bool known_ = false;

@@ -75,6 +75,11 @@ std::uint64_t hash_of(const ClothSceneBody& body, const ClothParts& parts) {
   return identity.hash();
 }
 
+std::uint64_t with_loads(std::uint64_t hash, std::span<const SceneLoad> loads) {
+  for (const SceneLoad& load : loads) hash = with_load(hash, load);
+  return hash;
+}
+
 }  // namespace
 
 std::vector<SavedPart> guest_parts(std::span<const TetSceneBody> tets, const PlacedTets& placed,
@@ -84,14 +89,16 @@ std::vector<SavedPart> guest_parts(std::span<const TetSceneBody> tets, const Pla
   std::vector<std::uint64_t> kinds;
   for (const TetsKind& kind : placed.kinds) kinds.push_back(hash_of(kind));
   for (std::size_t i = 0; i < tets.size(); ++i)
-    parts.push_back({"body '" + tets[i].name + "'", hash_of(tets[i], kinds[placed.kind_of[i]])});
+    parts.push_back({"body '" + tets[i].name + "'",
+                     with_loads(hash_of(tets[i], kinds[placed.kind_of[i]]), tets[i].loads)});
   for (std::size_t i = 0; i < cloths.size(); ++i)
     parts.push_back(cloth_part(cloths[i], *guests.cloth(tets.size() + i)));
   return parts;
 }
 
 SavedPart cloth_part(const ClothSceneBody& cloth, const ClothStep& step) {
-  return {"body '" + cloth.name() + "'", hash_of(cloth, step.body().model().parts())};
+  return {"body '" + cloth.name() + "'",
+          with_loads(hash_of(cloth, step.body().model().parts()), cloth.loads)};
 }
 
 }  // namespace tremolo

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <map>
 #include <optional>
 
 #include "common/mesh/selector.h"
+#include "common/mesh/surface_mesh.h"
 #include "formats/basis/selector_reader.h"
 #include "runtime/bodies/cloth/cloth_places.h"
 
@@ -89,7 +91,84 @@ Result<VertexId> one_vertex(const MixedGuests& guests, std::size_t guest, const 
   return found->front();
 }
 
+// Particles by a place, else by a selector.
+Result<std::vector<VertexId>> places_or_selection(const ClothStep& step, const std::string& text) {
+  Result<std::vector<VertexId>> found = cloth_vertices(step, text);
+  if (found) return found;
+  Result<std::vector<VertexId>> selected = cloth_selection(step, text);
+  if (selected) return selected;
+  // Places have no comparisons and no boxes: a text with these was meant as a selector.
+  const bool selects = text.find_first_of("<>") != std::string::npos || text.starts_with("box:");
+  return selects ? selected : found;
+}
+
+std::vector<std::size_t> particles_of(const ClothStep& step,
+                                      const std::vector<VertexId>& vertices) {
+  const ClothParts& parts = step.body().model().parts();
+  std::vector<std::size_t> particles;
+  for (const VertexId vertex : vertices)
+    particles.push_back(parts.particle_of_vertex(static_cast<std::size_t>(vertex)));
+  std::sort(particles.begin(), particles.end());
+  particles.erase(std::unique(particles.begin(), particles.end()), particles.end());
+  return particles;
+}
+
+// A force on these vertices, which are points.
+std::vector<PointPush> shared_pushes(const TetStep& step, const std::vector<VertexId>& vertices,
+                                     const Vector3d& force) {
+  const TetModel& model = step.body().model();
+  const BoundarySurface boundary = boundary_surface(model.mesh());
+  std::vector<Vector3d> rest;
+  for (const VertexId vertex : boundary.vertex_ids)
+    rest.push_back(model.mesh().vertices[static_cast<std::size_t>(vertex)]);
+  const std::vector<double> shares =
+      area_shares(vertices, boundary.vertex_ids, boundary.triangles, rest);
+  std::vector<PointPush> pushes;
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    if (shares[i] != 0.0) pushes.push_back({*step.point_of(vertices[i]), shares[i] * force});
+  return pushes;
+}
+
+std::vector<PointPush> shared_pushes(const ClothStep& step,
+                                     const std::vector<std::size_t>& particles,
+                                     const Vector3d& force) {
+  double area = 0.0;
+  for (const std::size_t particle : particles) area += step.area_of(particle);
+  std::vector<PointPush> pushes;
+  for (const std::size_t particle : particles)
+    pushes.push_back({particle, (step.area_of(particle) / area) * force});
+  return pushes;
+}
+
 }  // namespace
+
+Result<std::vector<PointPush>> guest_pushes(const MixedGuests& guests, std::size_t guest,
+                                            const std::string& text, const Vector3d& force) {
+  const auto failed = [&](const std::string& what) {
+    return content_error(key_text("at", text) + ": " + what);
+  };
+  std::vector<PointPush> pushes;
+  if (const std::optional<VertexId> number = whole_vertex(text)) {
+    const Result<std::size_t> point = guests.point_of_vertex(guest, *number);
+    if (!point) return failed(point.error().message);
+    pushes.push_back({*point, force});
+  } else if (const TetStep* tets = guests.tets(guest)) {
+    const Result<std::vector<VertexId>> found = tets_vertices(*tets, text);
+    if (!found) return failed(found.error().message);
+    pushes = shared_pushes(*tets, *found, force);
+  } else {
+    const ClothStep& cloth = *guests.cloth(guest);
+    const Result<std::vector<VertexId>> found = places_or_selection(cloth, text);
+    if (!found) return failed(found.error().message);
+    pushes = shared_pushes(cloth, particles_of(cloth, *found), force);
+  }
+  const bool moves = std::any_of(pushes.begin(), pushes.end(), [&](const PointPush& push) {
+    return std::isfinite(guests.mass_at(guest, push.point));
+  });
+  if (!moves || force.isZero(0.0))
+    return failed("no vertex there moves (they are fixed), or the force is zero");
+  return pushes;
+}
 
 Result<std::size_t> guest_point(const MixedGuests& guests, std::size_t guest,
                                 const std::string& text, const char* key, const char* holder) {
@@ -112,20 +191,9 @@ Result<std::vector<std::size_t>> guest_points(const MixedGuests& guests, std::si
     points = tets->points_on(*found);
   } else {
     const ClothStep& cloth = *guests.cloth(guest);
-    Result<std::vector<VertexId>> found = cloth_vertices(cloth, text);
-    if (!found) {
-      const Result<std::vector<VertexId>> selected = cloth_selection(cloth, text);
-      // Places have no comparisons and no boxes: a text with these was meant as a selector.
-      const bool selects =
-          text.find_first_of("<>") != std::string::npos || text.starts_with("box:");
-      if (!selected) return failed(selects ? selected.error() : found.error());
-      found = *selected;
-    }
-    const ClothParts& parts = cloth.body().model().parts();
-    for (const VertexId vertex : *found)
-      points.push_back(parts.particle_of_vertex(static_cast<std::size_t>(vertex)));
-    std::sort(points.begin(), points.end());
-    points.erase(std::unique(points.begin(), points.end()), points.end());
+    const Result<std::vector<VertexId>> found = places_or_selection(cloth, text);
+    if (!found) return failed(found.error());
+    points = particles_of(cloth, *found);
   }
   if (points.empty())
     return content_error(key_text(key, text) + " is no point of its surface: a weld needs some");

@@ -22,4 +22,11 @@ Result<std::size_t> guest_point(const MixedGuests& guests, std::size_t guest,
 Result<std::vector<std::size_t>> guest_points(const MixedGuests& guests, std::size_t guest,
                                               const std::string& text, const char* key);
 
+// A force on what a load's `at` names, N: a number or a selection as for guest_points(), without
+// middles of edges. Of tetrahedra it is distributed as area_shares() does (surface_mesh.h), of a
+// cloth by the area for which each particle stands. kContent: a text that names none; no point
+// there moves, or the force is zero.
+Result<std::vector<PointPush>> guest_pushes(const MixedGuests& guests, std::size_t guest,
+                                            const std::string& text, const Eigen::Vector3d& force);
+
 }  // namespace tremolo

@@ -11,6 +11,7 @@
 #include "common/hash.h"
 #include "common/state_stream.h"
 #include "runtime/math/motion.h"
+#include "runtime/scene/scene.h"
 
 namespace tremolo {
 
@@ -43,5 +44,8 @@ class Identity {
 };
 
 void add(Identity& identity, const Motion& motion);
+
+// The identity of a body that has one more load.
+std::uint64_t with_load(std::uint64_t body, const SceneLoad& load);
 
 }  // namespace tremolo

@@ -8,6 +8,7 @@
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/scene/scene_bones.h"
 #include "runtime/scene/scene_start.h"
+#include "runtime/world/identity.h"
 #include "runtime/world/scene_world.h"
 
 namespace tremolo {
@@ -288,6 +289,11 @@ void SceneWorld::forget_guest(std::size_t guest, const std::string& name) {
   scene_.guests.erase(name);
   std::erase_if(guest_identity_,
                 [&](const SavedPart& part) { return part.name == "body '" + name + "'"; });
+}
+
+void SceneWorld::note_guest_load(const std::string& name, const SceneLoad& load) {
+  for (SavedPart& part : guest_identity_)
+    if (part.name == "body '" + name + "'") part.hash = with_load(part.hash, load);
 }
 
 Status SceneWorld::expect_guests() {

@@ -138,6 +138,13 @@ void add(Identity& identity, const Motion& motion) {
   }
 }
 
+std::uint64_t with_load(std::uint64_t body, const SceneLoad& load) {
+  Identity identity;
+  identity.add(body);
+  add(identity, load);
+  return identity.hash();
+}
+
 std::vector<SavedPart> scene_parts(const Scene& scene, const std::vector<const Model*>& models,
                                    const std::vector<const Collider*>& shapes,
                                    std::span<const PlacedCollider> colliders) {

@@ -471,6 +471,7 @@ std::span<const SceneWorld::Failure> SceneWorld::step() {
     joint.joint.before_step(scene_.joints[joint.wanted], time(), scene_.step, *group_);
   if (links_) links_->before_step(steps_);
   const Vector3d gravity = scene_.gravity.at(time() + 0.5 * scene_.step);
+  if (gravity_changes_ && guests_) guests_->set_gravity(gravity);
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     Actor& actor = actors_[i];
     actor.old = actor.removed;

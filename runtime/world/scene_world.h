@@ -223,6 +223,8 @@ class SceneWorld {
     guest_identity_.push_back(std::move(identity));
   }
   void forget_guest(std::size_t guest, const std::string& name);
+  // The guest of that name got a load.
+  void note_guest_load(const std::string& name, const SceneLoad& load);
 
   // As Body::set_method: sets another method of one body, or another step, s, of all. The world's
   // time is rounded to the nearest multiple of the step. Error kUsage: another step with guests.

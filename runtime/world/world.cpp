@@ -9,11 +9,6 @@
 namespace tremolo {
 namespace {
 
-constexpr const char* kGravity =
-    "gravity that changes in time does not act on bodies of tetrahedra, to whose balance it "
-    "belongs "
-    "as a potential energy";
-
 std::vector<Eigen::Index> drawn_particles(const ClothParts& parts) {
   std::vector<Eigen::Index> particles(parts.drawn ? parts.drawn->vertices.size()
                                                   : parts.particles());
@@ -33,14 +28,13 @@ Status check_names(const WorldScene& scene) {
   for (const ClothSceneBody& body : scene.cloths) all.push_back(body.name());
   for (const std::string& name : all)
     if (!names.insert(name).second) return content_error("two bodies are called '" + name + "'");
-  if (!scene.tets.empty() && scene.scene.gravity.values.size() > 1) return content_error(kGravity);
   return Success{};
 }
 
 // With the step and the gravity of the world.
 TetSceneBody in_world(TetSceneBody body, const SceneWorld& world) {
   body.options.step = world.step_size();
-  body.options.gravity = world.scene().gravity.at(0.0);
+  body.options.gravity = world.scene().gravity.at(world.time());
   return body;
 }
 
@@ -126,8 +120,9 @@ bool World::look_at(std::size_t number) {
   const GuestEnergy now = energy_of(all_guests(), number);
   const ContactSums& sums = all_guests().sums(number);
   const double contact = all_guests().account(number).energy;
-  return guests_[number].bound.look(now.kinetic + now.elastic + contact, now.gravity,
-                                    sums.work + sums.hand + sums.joint + contact);
+  return guests_[number].bound.look(
+      now.kinetic + now.elastic + contact, now.gravity,
+      sums.work + sums.hand + sums.joint + all_guests().load_work(number) + contact);
 }
 
 Result<WorldBody> World::add(const SceneBody& body, const ModelSource& source) {
@@ -140,7 +135,6 @@ Result<WorldBody> World::add(const SceneBody& body, const ModelSource& source) {
 }
 
 Result<WorldBody> World::add(TetSceneBody body) {
-  if (own_.scene().gravity.values.size() > 1) return content_error(kGravity);
   const bool first = guests() == nullptr;
   Result<AddedGuest> added = add_guest(in_world(std::move(body), own_), path_, own_);
   if (first) pass_filter();

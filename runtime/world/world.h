@@ -98,8 +98,7 @@ struct WorldContact {
 class World {
  public:
   // threads: of a step, the caller's included; 0: one for each core; no bit depends on it. Errors
-  // of SceneWorld::create() and add_guests(); kContent: two bodies have one name, or gravity that
-  // changes in time acts on tetrahedra.
+  // of SceneWorld::create() and add_guests(); kContent: two bodies have one name.
   static Result<std::unique_ptr<World>> create(const WorldScene& scene, unsigned threads = 1);
 
   double step_size() const { return own_.step_size(); }  // s
@@ -176,7 +175,9 @@ class World {
   // A reduced or rigid body; null: another kind.
   const ContactBody* reduced(WorldBody body) const;
   Status move(WorldBody body, const Pose& next);  // as SceneWorld::move_body(); kUsage: a guest
-  // kUsage: a guest. Errors of Body::apply_force() and Body::add_load().
+  // A force that is constant over the next `steps` steps, and one in time, which begins at the
+  // body's time. Errors of Body::apply_force() and Body::add_load(); for guests those of
+  // MixedGuests::apply_force() and add_guest_loads().
   Status apply_force(WorldBody body, VertexId vertex, const Eigen::Vector3d& force, int steps);
   Status add_load(WorldBody body, const SceneLoad& load);
 

@@ -4,6 +4,7 @@
 
 #include "runtime/bodies/reduced/surface_velocity.h"
 #include "runtime/contact/solve/contact_step.h"
+#include "runtime/world/guest_loads.h"
 #include "runtime/world/world.h"
 
 namespace tremolo {
@@ -140,6 +141,7 @@ WorldAccount World::account(WorldBody body) const {
   a.friction = 0.0 - sums.friction_loss;
   a.hand = sums.hand;
   a.joint = sums.joint;
+  a.load = guests()->load_work(index(body));
   if (cloth(body) != nullptr) {
     account_of_cloth(body, all);
   } else {
@@ -197,13 +199,19 @@ Status World::move(WorldBody body, const Pose& next) {
 }
 
 Status World::apply_force(WorldBody body, VertexId vertex, const Vector3d& force, int steps) {
-  if (Status s = need_own(body, "it takes no forces on vertices"); !s) return s;
-  return own_.body(index(body)).apply_force(vertex, force, steps);
+  if (!is_guest(body)) return own_.body(index(body)).apply_force(vertex, force, steps);
+  MixedGuests& all = all_guests();
+  const Result<std::size_t> point = all.point_of_vertex(index(body), vertex);
+  if (!point) return content_error("body '" + name(body) + "': " + point.error().message);
+  return all.apply_force(index(body), *point, force, steps);
 }
 
 Status World::add_load(WorldBody body, const SceneLoad& load) {
-  if (Status s = need_own(body, "it takes no forces on vertices"); !s) return s;
-  return own_.add_load(index(body), load);
+  if (!is_guest(body)) return own_.add_load(index(body), load);
+  const Status added = add_guest_loads(all_guests(), index(body), std::span(&load, 1));
+  if (!added) return content_error("body '" + name(body) + "': " + added.error().message);
+  own_.note_guest_load(name(body), load);
+  return Success{};
 }
 
 Result<std::size_t> World::grab(WorldBody body, VertexId vertex, double stiffness, double damping) {

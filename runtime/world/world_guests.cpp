@@ -6,6 +6,7 @@
 #include "common/text.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/world/guest_links.h"
+#include "runtime/world/guest_loads.h"
 
 namespace tremolo {
 namespace {
@@ -70,6 +71,12 @@ Status begin_adding(const std::string& name, SceneWorld& world) {
   return Success{};
 }
 
+Status take_loads(MixedGuests& guests, std::size_t guest, std::span<const SceneLoad> loads) {
+  const Status taken = add_guest_loads(guests, guest, loads);
+  if (taken) return taken;
+  return content_error("body '" + guests.name(guest) + "': " + taken.error().message);
+}
+
 // A value out of range is an error of the scene, which has it.
 Error of_scene(Error error) {
   if (error.kind == ErrorKind::kUsage) error.kind = ErrorKind::kContent;
@@ -85,7 +92,7 @@ GuestEnergy energy_of(const MixedGuests& guests, std::size_t guest) {
   }
   const ClothBody& cloth = guests.cloth(guest)->body();
   const double elastic = cloth.elastic_energy();
-  return {cloth.kinetic_energy(), elastic, cloth.model().potential(cloth.state().x) - elastic};
+  return {cloth.kinetic_energy(), elastic, 0.0 - cloth.work().gravity};
 }
 
 Result<WorldGuests> add_guests(std::span<const TetSceneBody> tets,
@@ -102,6 +109,7 @@ Result<WorldGuests> add_guests(std::span<const TetSceneBody> tets,
       return of_file(path, added.error());
     if (Status s = check_apart(*guests, i, solids, "contact-margin"); !s)
       return of_file(path, s.error());
+    if (Status s = take_loads(*guests, i, tets[i].loads); !s) return of_file(path, s.error());
   }
   for (const ClothSceneBody& cloth : cloths) {
     Result<ClothBody> body = ClothBody::create(cloth.scene, cloth.velocity);
@@ -110,6 +118,7 @@ Result<WorldGuests> add_guests(std::span<const TetSceneBody> tets,
     if (!added) return of_file(path, of_scene(added.error()));
     if (Status s = check_apart(*guests, *added, solids, "thickness"); !s)
       return of_file(path, s.error());
+    if (Status s = take_loads(*guests, *added, cloth.loads); !s) return of_file(path, s.error());
   }
   Result<std::unique_ptr<GuestLinks>> links = make_guest_links(world, *guests);
   if (!links) return of_file(path, links.error());
@@ -133,9 +142,11 @@ Result<AddedGuest> add_guest(const TetSceneBody& body, const std::string& path, 
   const auto added =
       guests.add(body.name, std::move(placed->bodies[0]), body.contact, placed->kinds[0].hull);
   if (!added) return of_file(path, added.error());
-  if (Status s = check_apart(guests, *added, solids_of(world), "contact-margin"); !s) {
+  Status good = check_apart(guests, *added, solids_of(world), "contact-margin");
+  if (good) good = take_loads(guests, *added, body.loads);
+  if (!good) {
     guests.remove(*added);
-    return of_file(path, s.error());
+    return of_file(path, good.error());
   }
   world.note_guest(body.name, guest_parts(std::span(&body, 1), *placed, {}, guests)[0]);
   return AddedGuest{*added, std::move(placed->kinds[0])};
@@ -149,9 +160,11 @@ Result<AddedGuest> add_guest(const ClothSceneBody& body, const std::string& path
   MixedGuests& guests = *guests_of(world);
   const Result<std::size_t> added = guests.add(std::move(*cloth), body.contact);
   if (!added) return of_file(path, of_scene(added.error()));
-  if (Status s = check_apart(guests, *added, solids_of(world), "thickness"); !s) {
+  Status good = check_apart(guests, *added, solids_of(world), "thickness");
+  if (good) good = take_loads(guests, *added, body.loads);
+  if (!good) {
     guests.remove(*added);
-    return of_file(path, s.error());
+    return of_file(path, good.error());
   }
   world.note_guest(body.name(), cloth_part(body, *guests.cloth(*added)));
   return AddedGuest{*added, std::nullopt};

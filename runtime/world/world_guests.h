@@ -14,7 +14,8 @@
 
 namespace tremolo {
 
-// Energies of a guest, J. gravity: 0 at the world's origin.
+// Energies of a guest, J. gravity: less the work of gravity; of tetrahedra 0 at the world's origin,
+// of a cloth at its start.
 struct GuestEnergy {
   double kinetic = 0.0, elastic = 0.0, gravity = 0.0;
 };

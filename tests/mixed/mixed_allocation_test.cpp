@@ -31,6 +31,7 @@ using testing::MixedKind;
 using testing::MixedWorld;
 
 // Two cubes of tetrahedra on each other, on the floor.
+// The lower one has a load in time, the upper one a force for some steps.
 TEST(MixedAllocation, AStackAtRestAllocatesNothing) {
   const MixedKind kind{.step = 2e-3,
                        .restitution = 0.0,
@@ -48,6 +49,11 @@ TEST(MixedAllocation, AStackAtRestAllocatesNothing) {
   PlacedCollider floor;
   floor.shape = PlaneShape{};
   world.set_colliders({&floor, 1});
+  MixedGuests& guests = world.guests();
+  ASSERT_TRUE(guests.add_load({.guest = 0,
+                               .pushes = {{0, {0, 0, -0.5}}, {1, {0, 0, -0.5}}},
+                               .signal = {.kind = SignalKind::kSine, .frequency = 5.0}}));
+  ASSERT_TRUE(guests.apply_force(1, 3, {0, 0, -1.0}, 110));
   for (int k = 0; k < 100; ++k) ASSERT_TRUE(world.step());
   EXPECT_EQ(world.in_islands(), 2U);
   const long before = mixed_mallocs;
@@ -56,6 +62,8 @@ TEST(MixedAllocation, AStackAtRestAllocatesNothing) {
   const long after = mixed_mallocs;
   EXPECT_TRUE(good);
   EXPECT_EQ(after - before, 0);
+  EXPECT_NE(guests.load_work(0), 0.0);
+  EXPECT_FALSE(guests.has_load(1)) << "its 110 steps are over";
 }
 
 }  // namespace

@@ -92,6 +92,7 @@ int tremolo_c_scene_world_round(const tremolo_scene* scene) {
   size_t k = 0, n = 0, size = 0, again = 0, kept = 0;
   double there[kMost], before[kMost], speed[kMost], force[3], linear[3], place[3], turn[4];
   const double up[3] = {0.0, 0.0, 1.0};
+  const double light[3] = {0.0, 0.0, 1e-6}; /* N */
   float near[kMost];
   uint32_t corners[kMost];
   void* bytes = NULL;
@@ -137,7 +138,11 @@ int tremolo_c_scene_world_round(const tremolo_scene* scene) {
     asleep += (uint32_t)sleeps;
     given = i < 2 ? TREMOLO_OK : TREMOLO_USAGE;
     REQUIRE((int)tremolo_world_pose(world, body, place, turn) == given);
-    REQUIRE((int)tremolo_world_apply_force(world, body, 0, up, 1) == given);
+    /* The first particle of the sheet is pinned. */
+    REQUIRE((int)tremolo_world_apply_force(world, body, 0, up, 1) ==
+            (i < 3 ? TREMOLO_OK : TREMOLO_USAGE));
+    REQUIRE(tremolo_world_apply_force(world, body, 1, light, 1) == TREMOLO_OK);
+    REQUIRE(tremolo_world_apply_force(world, body, 1, up, 0) == TREMOLO_USAGE);
   }
   REQUIRE(contacts >= 0 && asleep == 0);
   REQUIRE(tremolo_world_find(world, "nobody", &body) == TREMOLO_USAGE);

@@ -223,14 +223,15 @@ TEST_F(WorldCApiLook, JobsOfTheCallerChangeNoBit) {
 
 // A load that is the weight lets a body hover; half of a sine gives its integral.
 TEST_F(WorldCApiLook, LoadsInTimeBeginWhenTheyAreGiven) {
-  for (const CubeKind kind : {CubeKind::kReduced, CubeKind::kRigid}) {
+  for (const CubeKind kind : kKinds) {
     SCOPED_TRACE(static_cast<int>(kind));
     tremolo_world* world = make_world(false);
     const tremolo_body_id body = add(world, kind, at("one", {0.0, 0.0, 1.0}));
     const double m = mass(kind);
     tremolo_load load;
     tremolo_load_init(&load);
-    load.at = "near:0,0,0.05";
+    // A place on a cloth is in the world.
+    load.at = kind == CubeKind::kCloth ? "x>-9" : "near:0,0,0.05";
     load.force[2] = m * kFall;
     ASSERT_EQ(tremolo_world_add_load(world, body, &load), TREMOLO_OK) << tremolo_last_error();
     load.force[2] = 0.0;
@@ -282,7 +283,20 @@ TEST_F(WorldCApiLook, StatesOfWorldsThatChangedAreRestoredToTheBit) {
     std::uint32_t number = 0;
     EXPECT_EQ(tremolo_world_add_joint(world, &joint, &number), TREMOLO_OK);
     advance(world, 2);
-    add(world, CubeKind::kSoft, at("cube", {0.5, 0.0, kHalfEdge}));
+    const tremolo_body_id cube = add(world, CubeKind::kSoft, at("cube", {0.5, 0.0, kHalfEdge}));
+    tremolo_load load;
+    tremolo_load_init(&load);
+    load.at = "z>99%";
+    load.force[0] = 0.5;
+    load.signal = TREMOLO_SINE;
+    load.frequency = 9.0;
+    EXPECT_EQ(tremolo_world_add_load(world, cube, &load), TREMOLO_OK) << tremolo_last_error();
+    tremolo_body_id sheet = 0;
+    EXPECT_EQ(tremolo_world_find(world, "sheet", &sheet), TREMOLO_OK);
+    load.at = "right";
+    load.signal = TREMOLO_PULSE;
+    load.duration = 0.06;
+    EXPECT_EQ(tremolo_world_add_load(world, sheet, &load), TREMOLO_OK) << tremolo_last_error();
   };
   double place[3] = {0.0, 0.0, 0.0};
   const auto run = [&](tremolo_world* world, int from) {
@@ -294,6 +308,11 @@ TEST_F(WorldCApiLook, StatesOfWorldsThatChangedAreRestoredToTheBit) {
   };
   tremolo_world *world = make_world(true), *other = make_world(true);
   change(world);
+  // A force that still acts when the world is saved.
+  tremolo_body_id pushed = 0;
+  ASSERT_EQ(tremolo_world_find(world, "cube", &pushed), TREMOLO_OK);
+  const double force[3] = {0.0, 0.3, 0.0};
+  ASSERT_EQ(tremolo_world_apply_force(world, pushed, 0, force, 30), TREMOLO_OK);
   run(world, 0);
   const std::vector<std::byte> bytes = saved(world);
   run(world, 20);

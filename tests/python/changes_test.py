@@ -192,9 +192,18 @@ class BodiesThatCome(unittest.TestCase):
         t = 50 * STEP
         self.assertAlmostEqual(w["marble"].pose[0][0], 0.5 / 0.5 * t * t / 2, delta=1e-12)
         self.assertAlmostEqual(w.account("marble")["load"], 0.5 * 0.5 * t * t, delta=1e-12)
-        w.add(cloth(corner=[1, 1, 1]))
-        with self.assertRaisesRegex(tremolo.UsageError, "takes no forces on vertices"):
-            w.add_load("sheet", {"load": "constant", "at": "x>-9", "force": [1.0, 0, 0]})
+        sheet = w.add(cloth(corner=[1, 1, 1]))
+        w.add_load("sheet", {"load": "constant", "at": "x>-9", "force": [0.2, 0, 0], "scale": 0.5})
+        w.step(20)
+        np.testing.assert_allclose(sheet.linear_momentum, [0.1 * 20 * STEP, 0, 0], atol=1e-9)
+        w["sheet"].apply_force(3, [0, 0.4, 0], steps=5)
+        w.step(10)
+        np.testing.assert_allclose(sheet.linear_momentum, [0.1 * 30 * STEP, 0.4 * 5 * STEP, 0], atol=1e-9)
+        self.assertGreater(w.account("sheet")["load"], 0.0)
+        with self.assertRaisesRegex(tremolo.ContentError, "no particle 99"):
+            w.add_load("sheet", {"load": "constant", "at": 99, "force": [1.0, 0, 0]})
+        with self.assertRaisesRegex(tremolo.UsageError, "does not exist"):
+            sheet.apply_force(99, [0, 0, 1])
         for load in ({"load": "magic"}, {"load": "none"}, {"load": "sine", "colour": 1},
                      {"load": "sine", "at": "x>9", "force": [0, 0, 1]}):
             with self.assertRaises(tremolo.ContentError):

@@ -258,8 +258,53 @@ TEST_F(MixedProgram, ProbesOfTetrahedraAndClothFall) {
   }
   const ProgramResult refused = run(scene, "--probe 13");
   EXPECT_EQ(refused.code, 3);
-  EXPECT_NE(refused.err.find("body 'cube': probe = \"13\""), std::string::npos)
-      << refused.err;
+  EXPECT_NE(refused.err.find("body 'cube': probe = \"13\""), std::string::npos) << refused.err;
+}
+
+// A load presses a block of tetrahedra on a rigid box: the box carries m g + F, the floor both.
+TEST_F(MixedProgram, ALoadedBlockPressesWithItsWeightAndItsLoad) {
+  const ProgramResult result = run(
+      "step = 0.002\nduration = 0.5\ngravity = [0, 0, -9.81]\n" +
+      rigid("lower", "position = [0, 0, 0.0503]\nrestitution = 0\nfriction = 0.5\n") +
+      tets("upper",
+           "position = [0, 0, 0.1506]\nrestitution = 0\nfriction = 0.5\ndegree = \"quadratic\"\n"
+           "integrator = \"implicit-euler\"\nbeta = 0.005\n[[bodies.loads]]\nload = \"constant\"\n"
+           "at = \"z>99%\"\nforce = [0, 0, -4]\n[[bodies.loads]]\nload = \"ramp\"\n"
+           "load-duration = 0.1\nat = \"z>99%\"\nforce = [0, 0, -3]\nscale = 2\n") +
+      kFloor);
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  const json& upper = report["bodies"][1];
+  EXPECT_NEAR(upper["contact_force_final"][2].get<double>(), kWeight + 10.0, 1e-3 * (kWeight + 10));
+  EXPECT_GT(upper["energy_by_cause"]["load"].get<double>(), 0.0);
+  EXPECT_LE(report["energy_balance_error"].get<double>(), 1e-8);
+}
+
+// Scenes of tetrahedra alone that have loads, or gravity that changes, are worlds.
+TEST_F(MixedProgram, ABlockAloneHasALoadAndGravityInTime) {
+  const ProgramResult result =
+      run("step = 0.002\nduration = 0.2\ngravity = [[0, 0, 0, -2], [0.1, 0, 0, -4]]\n" +
+          tets("block",
+               "integrator = \"midpoint\"\nload = \"square\"\nload-duration = 0.0333\n"
+               "at = \"x>99%\"\nforce = [3, 0, 0]\n") +
+          tets("other", "position = [0, 0, 1]\n"));
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  const json& block = report["bodies"][0];
+  EXPECT_NEAR(block["linear_momentum_final"][0].get<double>(), 0.0999, 1e-8);
+  EXPECT_NEAR(block["linear_momentum_final"][2].get<double>(), -0.7, 1e-8);
+  EXPECT_NEAR(block["energy_by_cause"]["gravity"].get<double>(), 0.5 * 0.49, 1e-9);
+  EXPECT_NEAR(report["bodies"][1]["linear_momentum_final"][2].get<double>(), -0.7, 1e-8)
+      << "bdf2 has no lag";
+  EXPECT_LE(report["momentum_error"].get<double>(), 1e-8);
+}
+
+TEST_F(MixedProgram, ASceneOfClothAloneSaysWhereItsLoadsBelong) {
+  const ProgramResult result = run(
+      "step = 0.01\nduration = 0.1\n[[cloths]]\ncolumns = 4\nrows = 4\nload = \"sine\"\nat = 3\n"
+      "force = [0, 0, 1]\n");
+  EXPECT_EQ(result.code, 3);
+  EXPECT_NE(result.err.find("kind = \"cloth\""), std::string::npos) << result.err;
 }
 
 TEST_F(MixedProgram, AFilmHasBodiesOfEveryKindWhereTheyFall) {
@@ -294,8 +339,9 @@ TEST_F(MixedProgram, RefusesByNameWhatABodyOfTetrahedraCannotDo) {
             start + block + "[[hands]]\nbody = \"block\"\nat = \"vertex:99999\"\nstiffness = 10\n",
             "", "hand 1: at = \"vertex:99999\"", 3},
         {start + block + "creep = 0.01\n", "", "without creep", 3},
-        {"gravity = [[0, 0, 0, -9.81], [1, 0, 0, 0]]\n" + start + block, "", "gravity that changes",
-         3},
+        {start + block + "load = \"constant\"\nat = \"13\"\nforce = [0, 0, 1]\n", "",
+         "vertex 13 is inside", 3},
+        {start + block + "load = \"constant\"\n", "", "needs `at` and `force`", 3},
         {start + block + block, "", "two bodies", 3},
         {start + tets("block", "position = [0, 0, 0.05]\n"), "", "inside body 'other'", 3},
         {start + block, "--integrator ep4", "--integrator", 2}}) {

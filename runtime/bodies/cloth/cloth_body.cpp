@@ -95,6 +95,11 @@ Momenta ClothBody::momenta() const {
   return sum;
 }
 
+void ClothBody::set_gravity(const Vector3d& gravity) {
+  scene_.gravity.times.clear();
+  scene_.gravity.values.assign(1, gravity);
+}
+
 // The motion of released particles counts again.
 void ClothBody::begin_step() {
   const double h = options().step;

@@ -60,6 +60,8 @@ class ClothBody {
   // Replaces positions and velocities, 3n. Error kUsage: other sizes or a value that is not finite.
   Status set_state(const Eigen::VectorXd& x, const Eigen::VectorXd& v);
 
+  // Gravity of all steps from the next one on, m/s^2, instead of that of the scene.
+  void set_gravity(const Eigen::Vector3d& gravity);
   // Prepares the next step, before step() or end_step(): pins whose time is over are released;
   // gravity and wind become those of the middle of the step.
   void begin_step();

@@ -111,6 +111,7 @@ struct ClothSceneBody {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // of all particles at the start, m/s
   ContactOptions contact;
   std::vector<std::string> probes;  // particles whose motion is recorded
+  std::vector<SceneLoad> loads;
 
   const SceneCloth& cloth() const { return scene.cloths.front(); }
   const std::string& name() const { return cloth().name; }

@@ -46,6 +46,8 @@ class IslandGuests {
 
   // Number of guests.
   virtual std::size_t size() const = 0;
+  // Gravity that changes in time, in the next step, m/s^2.
+  virtual void set_gravity(const Eigen::Vector3d& gravity) = 0;
   // Starts a step among colliders, which stay in memory until it ends.
   virtual void start(std::span<const PlacedCollider> colliders) = 0;
   // Finds all contacts of guests with each other, with colliders and with bodies of the group, of

@@ -102,6 +102,11 @@ Result<SceneCloth> read_cloth(const toml::table& table, std::size_t number, cons
   const std::string what = told_name(table, "cloth", number);
   TomlKeys keys(table, path, what);
   if (number > 1) cloth.name += "-" + std::to_string(number);
+  for (const char* key : {"load", "loads", "signal", "force"})
+    if (keys.has(key))
+      keys.fail(key,
+                "loads act on a cloth that is one of [[bodies]], with kind = \"cloth\": write it "
+                "as one, or hold it with [[hands]] here");
   if (Status s = read_cloth_keys(keys, path, what, files, cloth); !s) return s.error();
   if (Status s = keys.finish(); !s) return s.error();
   return cloth;
@@ -220,6 +225,7 @@ Result<ClothSceneBody> read_cloth_body(const toml::table& table, std::size_t num
   read_cloth_method(keys, body.scene);
   read_contact_stiffness(keys, body.contact);
   keys.read("probe", body.probes);
+  if (Status s = take(body.loads, read_loads(keys, path, what, files)); !s) return s.error();
   SceneCloth cloth;
   if (Status s = read_cloth_keys(keys, path, what, files, cloth); !s) return s.error();
   if (Status s = keys.finish(); !s) return s.error();

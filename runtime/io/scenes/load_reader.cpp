@@ -1,4 +1,6 @@
 // The keys of a load in time on a body.
+#include <algorithm>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <utility>
@@ -70,6 +72,21 @@ Result<std::vector<SceneLoad>> read_load(TomlKeys& keys, const std::string& usua
     return std::vector<SceneLoad>{};
   }
   return std::vector<SceneLoad>{std::move(load)};
+}
+
+Result<std::vector<SceneLoad>> read_loads(TomlKeys& keys, const std::string& path,
+                                          const std::string& what,
+                                          std::vector<std::string>& files) {
+  Result<std::vector<SceneLoad>> loads = read_load(keys, "none", files);
+  if (!loads) return loads;
+  for (const toml::table* entry : keys.read_tables("loads")) {
+    TomlKeys load_keys(*entry, path, what + ", loads");
+    Result<std::vector<SceneLoad>> more = read_load(load_keys, "square", files);
+    if (!more) return more;
+    if (Status s = load_keys.finish(); !s) return s.error();
+    std::move(more->begin(), more->end(), std::back_inserter(*loads));
+  }
+  return loads;
 }
 
 }  // namespace tremolo

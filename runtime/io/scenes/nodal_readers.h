@@ -65,8 +65,7 @@ struct MixedFile {
 };
 
 // Errors: those of parse_world(); kContent with file, line and key for a body of tetrahedra or a
-// cloth, for gravity that changes next to tetrahedra, and for several cloths that nothing allows to
-// pass through each other.
+// cloth, and for several cloths that nothing allows to pass through each other.
 Result<MixedFile> parse_mixed(std::string_view text, const std::string& path);
 // The same of a table that has been parsed.
 Result<MixedFile> read_mixed(const toml::table& table, const std::string& path);

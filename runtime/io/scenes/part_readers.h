@@ -37,6 +37,11 @@ Result<Motion> read_motion(TomlKeys& keys, const std::string& path, const std::s
 Result<std::vector<SceneLoad>> read_load(TomlKeys& keys, const std::string& usual,
                                          std::vector<std::string>& files);
 
+// Reads the load of a body that is in its own table, and those of `loads`. what: the body, in
+// errors.
+Result<std::vector<SceneLoad>> read_loads(TomlKeys& keys, const std::string& path,
+                                          const std::string& what, std::vector<std::string>& files);
+
 // The keys of a body's contact.
 void read_body_contact(TomlKeys& keys, SceneBody& body);
 // Those of its law: margin, stiffness or modulus, friction, restitution.

@@ -115,6 +115,12 @@ bool has_worlds_colliders(const toml::table& scene) {
   });
 }
 
+// Keys of a body that bodies of tetrahedra have in worlds alone.
+bool has_loads(const toml::node& body) {
+  const toml::table& table = *body.as_table();
+  return table.contains("load") || table.contains("loads") || table.contains("signal");
+}
+
 }  // namespace
 
 bool is_of_tets(const toml::node& body) {
@@ -138,7 +144,12 @@ Result<SceneKind> scene_kind(std::string_view text, const std::string& path) {
   if (bodies == nullptr) return SceneKind::kBodies;
   const bool tets = !bodies->empty() && std::all_of(bodies->begin(), bodies->end(), is_of_tets);
   const bool held = table->contains("hands") || table->contains("joints");
-  return tets && !held && !has_worlds_colliders(*table) ? SceneKind::kTets : SceneKind::kWorld;
+  const toml::array* gravity = (*table)["gravity"].as_array();
+  const bool changes = table->contains("gravity") &&
+                       (gravity == nullptr || (!gravity->empty() && (*gravity)[0].is_array()));
+  const bool loaded = tets && std::any_of(bodies->begin(), bodies->end(), has_loads);
+  return tets && !held && !loaded && !changes && !has_worlds_colliders(*table) ? SceneKind::kTets
+                                                                               : SceneKind::kWorld;
 }
 
 }  // namespace tremolo

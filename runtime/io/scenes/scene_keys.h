@@ -52,8 +52,9 @@ bool is_of_tets(const toml::node& body);
 bool is_of_cloth(const toml::node& body);
 
 // kBodies: one table a body, each by itself. kWorld: [[bodies]], of which some may be of kind
-// "tets" or "cloth" (scene_reader.h). kTets: [[bodies]] of kind "tets" alone, and colliders that
-// stand still and have no file (nodal_readers.h). kCloth: [[cloths]] (nodal_readers.h).
+// "tets" or "cloth" (scene_reader.h). kTets: [[bodies]] of kind "tets" alone, without loads,
+// gravity that stays, and colliders that stand still and have no file (nodal_readers.h). kCloth:
+// [[cloths]] (nodal_readers.h).
 enum class SceneKind { kBodies, kWorld, kTets, kCloth };
 
 // Errors (kContent): no TOML, with the line; kinds that do not meet in one scene.

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <initializer_list>
-#include <iterator>
 #include <memory>
 #include <set>
 #include <string>
@@ -126,14 +125,8 @@ Result<SceneBody> read_body(const toml::table& table, std::size_t number, SceneF
   read_what(keys, body);
   copies = read_copies(keys);
   read_method(keys, body);
-  if (Status s = take(body.loads, read_load(keys, "none", file.files)); !s) return s.error();
-  for (const toml::table* entry : keys.read_tables("loads")) {
-    TomlKeys load_keys(*entry, file.path, what + ", loads");
-    Result<std::vector<SceneLoad>> more = read_load(load_keys, "square", file.files);
-    if (!more) return more.error();
-    if (Status s = load_keys.finish(); !s) return s.error();
-    std::move(more->begin(), more->end(), std::back_inserter(body.loads));
-  }
+  if (Status s = take(body.loads, read_loads(keys, file.path, what, file.files)); !s)
+    return s.error();
   if (Status s = read_bones(keys, file.path, what, file.files, body); !s) return s.error();
   if (Status s = take(body.motion, read_motion(keys, file.path, what, file.files, true)); !s)
     return s.error();

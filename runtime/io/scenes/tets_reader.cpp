@@ -59,6 +59,7 @@ struct TetsPlace {
   double step;
   Eigen::Vector3d gravity;
   Copies* copies;
+  std::vector<std::string>* files = nullptr;  // CSV files that were read; only with copies
 };
 
 void read_tets_contact(TomlKeys& keys, const TetsPlace& scene, TetSceneBody& body) {
@@ -96,6 +97,9 @@ Result<TetSceneBody> read_tets_body(const toml::table& table, std::size_t number
   keys.read("spin", body.spin);
   read_tets_contact(keys, scene, body);
   read_tets_method(keys, body.options);
+  if (scene.copies != nullptr)
+    if (Status s = take(body.loads, read_loads(keys, scene.path, what, *scene.files)); !s)
+      return s.error();
   if (Status s = keys.finish(); !s) return s.error();
   body.options.step = scene.step;
   body.options.gravity = scene.gravity;
@@ -191,13 +195,10 @@ Result<MixedFile> read_mixed(const toml::table& table, const std::string& path) 
   for (const toml::node& node : *table["bodies"].as_array()) {
     ++number;
     if (!is_of_tets(node)) continue;
-    if (gravity.values.size() > 1)
-      return error_at(path, node.source(),
-                      "gravity that changes in time does not act on bodies of tetrahedra, to whose "
-                      "balance it belongs as a potential energy");
     Copies copies;
-    Result<TetSceneBody> body = read_tets_body(
-        *node.as_table(), number, {path, mixed.file.scene.step, gravity.at(0.0), &copies});
+    Result<TetSceneBody> body =
+        read_tets_body(*node.as_table(), number,
+                       {path, mixed.file.scene.step, gravity.at(0.0), &copies, &mixed.file.files});
     if (!body) return body.error();
     add_copies(*body, copies, mixed.tets);
   }

@@ -112,14 +112,18 @@ std::optional<double> number_or_none(py::handle given) {
   return given.is_none() ? std::nullopt : std::optional(given.cast<double>());
 }
 
-std::size_t grab(const NodalHandle& self, std::int64_t vertex, py::handle stiffness,
-                 py::handle damping) {
-  const Call call(self);
+std::size_t drawn_vertex(const NodalHandle& self, std::int64_t vertex) {
   if (vertex < 0 || std::cmp_greater_equal(vertex, self.source->drawn()))
     raise(usage_error("vertex " + std::to_string(vertex) + " does not exist: the surface has " +
                       std::to_string(self.source->drawn())));
-  const auto made = unwrap(self.source->grab(static_cast<std::size_t>(vertex),
-                                             number_or_none(stiffness), number_or_none(damping)));
+  return static_cast<std::size_t>(vertex);
+}
+
+std::size_t grab(const NodalHandle& self, std::int64_t vertex, py::handle stiffness,
+                 py::handle damping) {
+  const Call call(self);
+  const auto made = unwrap(self.source->grab(drawn_vertex(self, vertex), number_or_none(stiffness),
+                                             number_or_none(damping)));
   self.source->driven = true;
   return made;
 }
@@ -234,6 +238,16 @@ void add_nodal(py::module_& module) {
         check(self.source->release(grab_number(number)));
       },
       py::arg("number"), "Ends a grab.");
+  c.def(
+      "apply_force",
+      [](const NodalHandle& self, std::int64_t vertex, py::handle force, int steps) {
+        const Call call(self);
+        check(self.source->apply_force(drawn_vertex(self, vertex), vector3(force, "force"), steps));
+      },
+      py::arg("vertex"), py::arg("force"), py::arg("steps") = 1,
+      "A force on a vertex of the drawn surface, (3,), N, along the world's axes, constant over "
+      "the "
+      "next `steps` steps; in a world, where the vertex may be the next one that contact knows.");
   refuse_construction(c, "a world or a scene has it");
   c.def("__reduce__", [](const NodalHandle&) -> py::object {
     raise_type("a body of tetrahedra or cloth is neither copied nor pickled");

@@ -103,9 +103,19 @@ class GuestSource : public Source {
   }
   std::optional<NodalAccount> account() override {
     const ContactSums& sums = guests_.sums(i_);
-    return NodalAccount{
-        energy(),  sums.given, -sums.lost, -sums.friction_loss, sums.work + sums.hand + sums.joint,
-        sums.hand, sums.joint};
+    return NodalAccount{energy(),
+                        sums.given,
+                        -sums.lost,
+                        -sums.friction_loss,
+                        sums.work + sums.hand + sums.joint + guests_.load_work(i_),
+                        sums.hand,
+                        sums.joint,
+                        guests_.load_work(i_)};
+  }
+  // The contact point as for grab().
+  Status apply_force(std::size_t vertex, const Vector3d& force, int steps) override {
+    return guests_.apply_force(i_, guests_.point_near(i_, this->place(this->points())[vertex]),
+                               force, steps);
   }
   std::int64_t contacts() const override { return guests_.contacts(i_); }
   double penetration_max() const override { return guests_.penetration_max(i_); }

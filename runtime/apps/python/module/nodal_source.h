@@ -35,8 +35,8 @@ struct NodalAccount {
   NodalEnergy now;
   // Given since the start, J.
   double contact_given = 0.0, restitution = 0.0, friction = 0.0;
-  double work = 0.0;               // of contact, with what it stores, of hands and of joints, J
-  double hand = 0.0, joint = 0.0;  // given since the start, J
+  double work = 0.0;  // of contact, with what it stores, of hands, joints and loads, J
+  double hand = 0.0, joint = 0.0, load = 0.0;  // given since the start, J
 };
 
 class NodalSource {
@@ -72,6 +72,14 @@ class NodalSource {
                                    std::optional<double> damping) = 0;
   virtual Status move_grab(std::size_t number, const Eigen::Vector3d& position) = 0;
   virtual Status release(std::size_t number) = 0;
+  // A force on a drawn vertex, N, constant over the next `steps` steps. kUsage: it is in a scene of
+  // its own kind alone.
+  virtual Status apply_force(std::size_t vertex, const Eigen::Vector3d& force, int steps) {
+    (void)vertex;
+    (void)force;
+    (void)steps;
+    return usage_error("body '" + name() + "': forces act on it in a tremolo.world()");
+  }
   // Grabs and states that the user has set put energy in: the bound of the energy is then unknown.
   bool driven = false;
   // Called before each step.

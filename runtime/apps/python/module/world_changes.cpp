@@ -293,7 +293,7 @@ void add_changes_of_world(WorldClass& c) {
         add_load(self, number_of(self, body), table_of(self, load, folder));
       },
       py::arg("body"), py::arg("load"), py::kw_only(), py::arg("folder") = py::none(),
-      "Adds a force in time to a reduced or rigid body: a dict as one of `loads` of a body in "
+      "Adds a force in time to a body of any kind: a dict as one of `loads` of a body in "
       "tremolo.world(): at, force, and load or signal, frequency, sweep, load_duration, scale. Its "
       "times are on the body's clock, which began when the body was added and stands still while "
       "it sleeps.");

@@ -20,10 +20,10 @@ void add_guest_contacts(const MixedGuests& guests, std::size_t guest, double h,
   json["asleep"] = false;
 }
 
-std::array<double, 5> held_values(const MixedGuests& guests, std::size_t guest) {
+std::array<double, 6> held_values(const MixedGuests& guests, std::size_t guest) {
   const ContactSums& sums = guests.sums(guest);
   const Eigen::Vector3d force = guests.hands_force(guest);
-  return {sums.hand, sums.joint, force.x(), force.y(), force.z()};
+  return {sums.hand, sums.joint, force.x(), force.y(), force.z(), guests.load_work(guest)};
 }
 
 Result<GuestProbes> GuestProbes::create(const MixedGuests& guests, std::size_t guest,
@@ -61,7 +61,7 @@ void GuestProbes::append_now(const MixedGuests& guests, std::vector<double>& val
 
 std::vector<double> further_values(const MixedGuests& guests, std::size_t guest,
                                    const GuestProbes& probes) {
-  const std::array<double, 5> held = held_values(guests, guest);
+  const std::array<double, 6> held = held_values(guests, guest);
   std::vector<double> values(held.begin(), held.end());
   probes.append_now(guests, values);
   return values;

@@ -17,9 +17,9 @@ namespace tremolo {
 void add_guest_contacts(const MixedGuests& guests, std::size_t guest, double h,
                         nlohmann::ordered_json& json);
 
-// Columns of a guest's hands and joints: their energies, J, and the force of all hands, N.
-inline constexpr const char* kHeldColumns = ",hand,joint,hand_fx,hand_fy,hand_fz";
-std::array<double, 5> held_values(const MixedGuests& guests, std::size_t guest);
+// Columns of a guest's hands, joints and loads: their energies, J; the force of all hands, N.
+inline constexpr const char* kHeldColumns = ",hand,joint,hand_fx,hand_fy,hand_fz,load";
+std::array<double, 6> held_values(const MixedGuests& guests, std::size_t guest);
 
 // The motion of vertices of a guest's surface, or of particles.
 class GuestProbes {

@@ -25,7 +25,7 @@ constexpr const char* kClothColumns =
 double WorldClothRun::Account::turnover() const {
   double sum = 0.0;
   for (const double part : {work.gravity, work.wind, work.pins, work.damped, given, restitution,
-                            friction, hand, joint, work.numerical})
+                            friction, hand, joint, load, work.numerical})
     sum += std::abs(part);
   return sum;
 }
@@ -68,7 +68,8 @@ WorldClothRun::Account WorldClothRun::account_of(std::size_t i) const {
           .restitution = 0.0 - sums.lost,
           .friction = 0.0 - sums.friction_loss,
           .hand = sums.hand,
-          .joint = sums.joint};
+          .joint = sums.joint,
+          .load = guests_->guests->load_work(number(i))};
 }
 
 void WorldClothRun::watch(std::size_t i, bool first) {
@@ -159,7 +160,8 @@ nlohmann::ordered_json WorldClothRun::body_json(std::size_t i) const {
   json["energy_max"] = number_or_null(watched.balance.energy_max);
   json["kinetic_final"] = number_or_null(now.kinetic);
   json["elastic_final"] = number_or_null(now.elastic);
-  json["energy_by_cause"] = {{"gravity", number_or_null(now.work.gravity)},
+  json["energy_by_cause"] = {{"load", number_or_null(now.load)},
+                             {"gravity", number_or_null(now.work.gravity)},
                              {"wind", number_or_null(now.work.wind)},
                              {"support", number_or_null(now.work.pins)},
                              {"contact", number_or_null(now.given)},
@@ -183,11 +185,12 @@ void WorldClothRun::print() const {
     const Account& now = watched.now;
     tell(
         "  {} (cloth, {}): energy {:.6g} -> {:.6g} J; gravity {:.4g}, wind {:.4g}, support {:.4g}, "
-        "contact {:.4g}, restitution {:.4g}, friction {:.4g}, hand {:.4g}, joint {:.4g}, damping "
+        "contact {:.4g}, restitution {:.4g}, friction {:.4g}, hand {:.4g}, joint {:.4g}, load "
+        "{:.4g}, damping "
         "{:.4g}, the method itself {:.4g} J; {} contacts, its particles {:.3g} m deep at most\n",
         mixed_->cloths[i].name(), mixed_->cloths[i].scene.integrator, watched.at_start, now.total(),
         now.work.gravity, now.work.wind, now.work.pins, now.given, now.restitution, now.friction,
-        now.hand, now.joint, 0.0 - now.work.damped, now.work.numerical,
+        now.hand, now.joint, now.load, 0.0 - now.work.damped, now.work.numerical,
         guests_->guests->contacts(number(i)), guests_->guests->penetration_max(number(i)));
     if (!watched.files.empty()) tell("    wrote {}\n", list_files(watched.files));
   }

@@ -41,13 +41,13 @@ class WorldClothRun {
     double kinetic = 0.0, elastic = 0.0, contact = 0.0;
     ClothWork work;
     double given = 0.0, restitution = 0.0, friction = 0.0;  // by contact; the last two not positive
-    double hand = 0.0, joint = 0.0;
+    double hand = 0.0, joint = 0.0, load = 0.0;
 
     double total() const { return kinetic + elastic + contact; }
     // Without the method itself.
     double by_causes() const {
       return work.gravity + work.wind + work.pins - work.damped + given + restitution + friction +
-             hand + joint;
+             hand + joint + load;
     }
     // Sum of the sizes of all energy exchanged.
     double turnover() const;

@@ -28,12 +28,12 @@ WorldMomentum::Known WorldMomentum::start_of(const MixedGuests& guests, std::siz
   known.momentum = momentum_of(guests, guest);
   if (const TetStep* tets = guests.tets(guest)) {
     const TetBody& body = tets->body();
-    known.free = body.options().drag == 0.0 && !any(body.model().held());
+    known.free = body.options().drag == 0.0 && !any(body.model().held()) && !guests.has_load(guest);
     known.mass = body.model().mass();
     return known;
   }
   const ClothBody& cloth = guests.cloth(guest)->body();
-  known.free = cloth.cloth().drag == 0.0 && !any(cloth.model().held());
+  known.free = cloth.cloth().drag == 0.0 && !any(cloth.model().held()) && !guests.has_load(guest);
   known.mass = cloth.mass();
   return known;
 }

@@ -40,7 +40,7 @@ Result<WorldTetsRun> WorldTetsRun::create(const MixedFile& mixed, const WorldGue
   return run;
 }
 
-// The energy put in is the work of gravity, contact, hands and joints.
+// The energy put in is the work of gravity, contact, hands, joints and loads.
 void WorldTetsRun::watch(std::size_t i, bool first) {
   Watched& watched = watched_[i];
   TetBody& body = tets_->guests->tets(i)->body();
@@ -51,8 +51,9 @@ void WorldTetsRun::watch(std::size_t i, bool first) {
   if (first) watched.momenta_start = watched.momenta_now;
   const ContactSums& sums = tets_->guests->sums(i);
   const double contact = tets_->guests->account(i).energy;
-  const bool sound = watched.bound.look(own + contact, watched.now.gravity,
-                                        sums.work + sums.hand + sums.joint + contact);
+  const bool sound = watched.bound.look(
+      own + contact, watched.now.gravity,
+      sums.work + sums.hand + sums.joint + tets_->guests->load_work(i) + contact);
   watched.energy_max = std::max(watched.energy_max, watched.now.total());
   if (watched.exit_code != 0) return;
   if (tets_->guests->failed(i))
@@ -102,9 +103,11 @@ nlohmann::ordered_json WorldTetsRun::body_json(std::size_t i) const {
   json["energy_final"] = number_or_null(watched.now.total());
   json["energy_max"] = number_or_null(watched.energy_max);
   const double gravity = watched.start.gravity - watched.now.gravity;
+  const double load = tets_->guests->load_work(i);
   const double method = watched.now.total() - watched.start.total() - gravity - sums.given +
-                        sums.lost + sums.friction_loss - sums.hand - sums.joint;
-  json["energy_by_cause"] = {{"gravity", number_or_null(gravity)},
+                        sums.lost + sums.friction_loss - sums.hand - sums.joint - load;
+  json["energy_by_cause"] = {{"load", number_or_null(load)},
+                             {"gravity", number_or_null(gravity)},
                              {"contact", number_or_null(sums.given)},
                              {"friction", number_or_null(0.0 - sums.friction_loss)},
                              {"restitution", number_or_null(0.0 - sums.lost)},
@@ -125,11 +128,12 @@ void WorldTetsRun::print() const {
     const ContactSums& sums = tets_->guests->sums(i);
     tell(
         "  {} (tets, {}): energy {:.6g} -> {:.6g} J; contact {:.4g}, restitution {:.4g}, friction "
-        "{:.4g}, hand {:.4g}, joint {:.4g} J; {} contacts, its points {:.3g} m deep at most\n",
+        "{:.4g}, hand {:.4g}, joint {:.4g}, load {:.4g} J; {} contacts, its points {:.3g} m deep "
+        "at most\n",
         mixed_->tets[i].name, tet_method_name(mixed_->tets[i].options.method),
         watched_[i].start.total(), watched_[i].now.total(), sums.given, 0.0 - sums.lost,
-        0.0 - sums.friction_loss, sums.hand, sums.joint, tets_->guests->contacts(i),
-        tets_->guests->penetration_max(i));
+        0.0 - sums.friction_loss, sums.hand, sums.joint, tets_->guests->load_work(i),
+        tets_->guests->contacts(i), tets_->guests->penetration_max(i));
     if (!report.files.empty()) tell("    wrote {}\n", list_files(report.files));
   }
 }

@@ -99,7 +99,7 @@ TetBody::TetBody(TetModelPointer model, const TetBodyOptions& options)
   weight_.resize(size);
   if (factor_) folded_.resize(model->nodes());
   model->mass_times(ones, weight_);
-  load_ = (weight_.array() * options.gravity.replicate(size / 3, 1).array()).matrix().norm();
+  find_load();
   system_.set_degrees(choice_.first_degrees());
   solve_.choose(system_.active());
 }
@@ -127,8 +127,24 @@ double TetBody::elastic_energy() {
   return system_.energy();
 }
 
+// The size of the weight.
+void TetBody::find_load() {
+  const auto gravity = options_.gravity.replicate(weight_.size() / 3, 1).array();
+  load_ = (weight_.array() * gravity).matrix().norm();
+}
+
+void TetBody::set_gravity(const Eigen::Vector3d& gravity) {
+  if (gravity == options_.gravity) return;
+  const double before = gravity_energy();
+  expect_change(gravity - options_.gravity);
+  options_.gravity = gravity;
+  gravity_shift_ += before - gravity_energy();
+  has_acceleration_ = false;
+  find_load();
+}
+
 double TetBody::gravity_energy() const {
-  double sum = 0.0;
+  double sum = gravity_shift_;
   for (std::size_t i = 0; i < model().nodes(); ++i)
     sum -= weight_[body_at(i)] * options_.gravity.dot(now_.x.segment<3>(body_at(i)));
   return sum;
@@ -423,18 +439,24 @@ void TetBody::restore_momenta(const TetMotion& start, double passed) {
   restore_spin(model(), spin - now, now_.x, now_.v, correction_);
 }
 
-// The mean of v_1 - v_0 then stays as it was; without a step before it is that of gravity.
-void TetBody::begin_bdf2_again(const TetMotion& start, const TetMotion* before) {
+// The mean of v_1 - v_0 then stays as it was; without a step before it is that of known forces.
+void TetBody::begin_bdf2_again(const TetMotion& start, const TetMotion* before,
+                               const Eigen::Vector3d& load) {
   before_.x = start.x;
   before_.v = start.v;
   has_before_ = true;
   if (held_ || hand_ || options_.method != TetMethod::kBdf2) return;
   const Eigen::Vector3d from = system_.momentum(start.v), to = system_.momentum(now_.v);
-  const Eigen::Vector3d change = before != nullptr
-                                     ? Eigen::Vector3d(from - system_.momentum(before->v))
-                                     : model().mass() * options_.step * options_.gravity;
+  Eigen::Vector3d change = model().mass() * options_.step * options_.gravity + options_.step * load;
+  if (before != nullptr) change = from - system_.momentum(before->v);
   const Eigen::Vector3d shift = (to - from - change) / model().mass();
   for (std::size_t i = 0; i < model().nodes(); ++i) before_.v.segment<3>(body_at(i)) += shift;
+}
+
+void TetBody::expect_change(const Eigen::Vector3d& acceleration) {
+  if (held_ || !has_before_ || options_.method != TetMethod::kBdf2) return;
+  const Eigen::Vector3d shift = options_.step * acceleration;
+  for (std::size_t i = 0; i < model().nodes(); ++i) before_.v.segment<3>(body_at(i)) -= shift;
 }
 
 void TetBody::stop() {
@@ -498,7 +520,10 @@ void TetBody::carry(StateStream& stream) {
       stream.require(motion->x.allFinite() && motion->v.allFinite() && motion->a.allFinite());
   }
   stream(has_before_, has_acceleration_, guard_, search_iterations_, search_nodes_, time_, steps_);
-  stream.require(steps_ >= 0 && std::isfinite(time_));
+  stream(options_.gravity, gravity_shift_);
+  stream.require(steps_ >= 0 && std::isfinite(time_) && options_.gravity.allFinite() &&
+                 std::isfinite(gravity_shift_));
+  if (stream.reads()) find_load();
   choice_.carry(stream);
   system_.carry(stream);
   if (stream.reads()) solve_.choose(system_.active());

@@ -132,6 +132,10 @@ class TetBody {
   const Eigen::VectorXd& trial_places() const { return s_; }
   const Eigen::VectorXd& trial_velocities() const { return velocity_; }
 
+  // Sets gravity from the next step on, m/s^2, finite. gravity_energy() is then still the work of
+  // gravity since the start, with the opposite sign, plus its value there. Allocates nothing.
+  void set_gravity(const Eigen::Vector3d& gravity);
+
   // Energies of the state: kinetic, elastic and of gravity, J.
   double kinetic_energy() const { return system_.kinetic_energy(now_.v); }
   double elastic_energy();
@@ -153,6 +157,7 @@ class TetBody {
   void rewind();         // to the start of the step, without the step before it
   void keep_part();      // x and v, at the start of a part of a step
   void rewind_part();
+  void find_load();
   // Energy of the state, and of its contact with fixed obstacles, J.
   double guarded_energy(const TetContact* contact);
   // Removes up to `excess` J of the kinetic energy relative to the nearest rigid motion. Returns
@@ -165,7 +170,13 @@ class TetBody {
   // its forces at once. start: its start; before: the step before that; null: there was none. Sets
   // the velocity at the start that the next step uses: bdf2 conserves M (3 v_1 - v_0)/2 plus h F,
   // and what it had still to pass on, it passes on, but what was given is not given again.
-  void begin_bdf2_again(const TetMotion& start, const TetMotion* before);
+  // load: of known forces other than gravity in the step, N.
+  void begin_bdf2_again(const TetMotion& start, const TetMotion* before,
+                        const Eigen::Vector3d& load = Eigen::Vector3d::Zero());
+  // Known forces, gravity or a load, accelerate the body in the next step by this much more than in
+  // the last one, m/s^2. Changes the velocity before the last step, so that bdf2 gives the body
+  // their momentum at once, as it does for forces that stay.
+  void expect_change(const Eigen::Vector3d& acceleration);
   void begin(TetMethod method, double h);
   void guess(bool stay);  // initial displacement; stay: zero
   // Computes the forces at way_, without contact, in force_; they then become the residual.
@@ -217,6 +228,7 @@ class TetBody {
   Eigen::VectorXd way_, s_, start_, velocity_, force_, residual_, correction_, direction_, inertia_,
       weight_, work_, rigid_;
   double rounding_scale_ = 0.0, load_ = 0.0, time_ = 0.0;
+  double gravity_shift_ = 0.0;  // of gravity_energy(), by changes of gravity, J
   std::int64_t steps_ = 0;
   std::optional<TetHand> hand_;
   std::unique_ptr<TetIsland> alone_;

@@ -30,6 +30,7 @@ struct TetSceneBody {
   TetBodyOptions options;
   ContactOptions contact = {};  // in a world with bodies of other kinds; without points and shape
   std::vector<std::string> probes = {};  // in such a world: vertices whose motion is recorded
+  std::vector<SceneLoad> loads = {};     // in such a world
 };
 
 // A scene. All bodies have the same step. Colliders are at rest.

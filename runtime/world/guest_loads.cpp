@@ -1,0 +1,27 @@
+#include "runtime/world/guest_loads.h"
+
+#include <utility>
+#include <vector>
+
+#include "runtime/world/guest_points.h"
+
+namespace tremolo {
+
+Status add_guest_loads(MixedGuests& guests, std::size_t guest, std::span<const SceneLoad> loads) {
+  for (const SceneLoad& load : loads) {
+    if (load.signal.kind == SignalKind::kNone) continue;
+    if (load.at.empty())
+      return content_error(std::string("a load on ") +
+                           (guests.tets(guest) != nullptr ? "a body of tetrahedra" : "a cloth") +
+                           " needs `at` and `force`");
+    Result<std::vector<PointPush>> pushes = guest_pushes(guests, guest, load.at, load.force);
+    if (!pushes) return pushes.error();
+    for (PointPush& push : *pushes) push.force *= load.scale;
+    GuestLoad wanted{
+        .guest = guest, .pushes = std::move(*pushes), .signal = load.signal, .table = load.table};
+    if (Status s = guests.add_load(std::move(wanted)); !s) return s;
+  }
+  return Success{};
+}
+
+}  // namespace tremolo
