@@ -1,5 +1,6 @@
 #include "runtime/scene/scene_links.h"
 
+#include <algorithm>
 #include <limits>
 #include <string>
 #include <utility>
@@ -153,7 +154,8 @@ Result<HeldJoint> HeldJoint::create(const SceneJoint& wanted, const ContactBody&
   if (!joint) return content_error(joint.error().message);
   // A stiff joint would pull them together suddenly.
   const double apart = joint_distance(*joint, first, second);
-  const double limit = first.contact()->surface().law.margin;
+  double limit = first.contact()->surface().law.margin;
+  if (second.contact() != nullptr) limit = std::min(limit, second.contact()->surface().law.margin);
   if (!wanted.options.stiffness && std::abs(apart - joint->length) > limit)
     return content_error(
         "its places are " + number_text(apart) + " m apart at the start, not " +

@@ -87,13 +87,15 @@ double GuestJointMaker::mass_at(const End& end) const {
 }
 
 double GuestJointMaker::margin(const End& end) const {
-  return end.guest ? guests_.margin(*end.guest) : end.body->contact()->surface().law.margin;
+  if (end.guest) return guests_.margin(*end.guest);
+  return end.body->contact() != nullptr ? end.body->contact()->surface().law.margin : INFINITY;
 }
 
 Status GuestJointMaker::check_apart(const SceneJoint& wanted, const End& first,
                                     const End& second) const {
   const double apart = (where(first) - where(second)).norm(), length = wanted.options.length;
-  if (wanted.options.stiffness || std::abs(apart - length) <= margin(first)) return Success{};
+  const double limit = std::min(margin(first), margin(second));
+  if (wanted.options.stiffness || std::abs(apart - length) <= limit) return Success{};
   return content_error("its places are " + number_text(apart) + " m apart at the start, not " +
                        number_text(length) +
                        " m: say `length`, a `stiffness`, or put a body "

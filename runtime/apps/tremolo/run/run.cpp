@@ -68,6 +68,13 @@ Warnings warnings_of(const RunReport& report) {
   const std::string step = step_warning(report.first_frequency, report.step, "the ", "--step ");
   if (!step.empty()) warnings.push_back(step);
   if (!report.sound_warning.empty()) warnings.push_back(report.sound_warning);
+  constexpr double kWrongLoss = 0.05;  // of the energy put in
+  const double put_in = report.energy_put_in, loss = report.dissipated;
+  if (report.exit_code == 0 && (loss < -kWrongLoss * put_in || loss > (1.0 + kWrongLoss) * put_in))
+    warnings.push_back(fmt::format(
+        "damping took {:.3g} J of the {:.3g} J that were put in: the step of {:.4g} s is too long "
+        "for {} with this damping; take a shorter one, or ep4",
+        loss, put_in, report.step, report.integrator));
   if (report.squeezed_at >= 0)
     warnings.push_back(fmt::format(
         "at t = {:.4g} s the surface is squeezed below {:.2f} of its length (at the worst to "

@@ -50,6 +50,7 @@ struct RunReport : BodyReport {
   double first_frequency = 0;        // of the first mode, Hz
   double scale = 1;                  // of the load: as given, or found by --deflect
   double microseconds_per_step = 0;  // processor time of step(), without measurements
+  double energy_put_in = 0;          // at the start and by the load, the largest sum, J
   double energy_reference = 0;       // after the end of the load; at the end of the run if it lasts
   double energy_drift_max = 0;       // docs/reference.md
   double largest_probe = 0;          // largest displacement of the first probe, m

@@ -119,6 +119,7 @@ Result<bool> Watch::observe(const Moment& moment) {
 
 void Watch::note_energy(const Moment& moment, const Energy& energy) {
   drift_.observe(energy.total(), moment.work, moment.dissipated, moment.loaded);
+  report_->energy_put_in = std::max(report_->energy_put_in, report_->energy_initial + moment.work);
   // At the start it is the energy that is there.
   if (moment.loaded || was_loaded_) report_->energy_reference = energy.total();
   was_loaded_ = moment.loaded;

@@ -105,7 +105,7 @@ void HandRecord::before_step(const LiveWorld& live) {
   const double h = world.step_size();
   if (!holds_) {
     SceneHand taken;
-    taken.body = world.name(hand.body());
+    taken.body = hand.name(world);
     taken.at = std::to_string(hand.vertex());
     taken.stiffness = hand.springs().stiffness;
     taken.damping = hand.springs().damping;

@@ -10,6 +10,7 @@
 #include "common/text.h"
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/start/start_state.h"
+#include "runtime/contact/springs.h"
 #include "runtime/scene/scene_start.h"
 
 namespace tremolo {
@@ -24,6 +25,21 @@ HandSpring suitable_springs(const ContactBody& body, const VertexRows& place) {
   if (body.frame() == FrameKind::kFree && body.model().inertia() != nullptr)
     return swinging_spring(body.model().inertia()->mass);
   return pulling_spring(most, 1.0 / std::max(inverse_mass, 1e-30));
+}
+
+namespace {
+
+// Numbers that are written with few digits, so that a record of them says the same.
+HandSpring written_springs(HandSpring springs, double firmness) {
+  for (double* number : {&springs.stiffness, &springs.damping})
+    *number = std::stod(number_text(*number * firmness));
+  return springs;
+}
+
+}  // namespace
+
+std::string LiveHand::name(const SceneWorld& world) const {
+  return guest_ ? guest_->guests->name(guest_->guest) : world.name(body_);
 }
 
 void LiveHand::make_holdable(SceneWorld& world) {
@@ -57,10 +73,7 @@ Status LiveHand::take(SceneWorld& world, const SceneWorld::Hit& hit, double firm
   body_ = hit.body;
   vertex_ = hit.hit.vertex;
   place_ = std::move(*place);
-  springs_ = suitable_springs(body, place_);
-  // A number that is written with few digits, so that a record of it says the same.
-  for (double* number : {&springs_.stiffness, &springs_.damping})
-    *number = std::stod(number_text(*number * firmness));
+  springs_ = written_springs(suitable_springs(body, place_), firmness);
   begun_ = held(world);
   way_.setZero();
   const Result<std::size_t> number =
@@ -75,10 +88,21 @@ Status LiveHand::take(SceneWorld& world, const LiveGuests& guests, const LiveGue
   let_go(world);
   const Result<HandSpring> springs = guests.suitable_springs(hit);
   if (!springs) return usage_error(guests.name(hit.guest) + ": " + springs.error().message);
-  springs_ = {springs->stiffness * firmness, springs->damping * firmness};
   MixedGuests& all = guests.all();
-  GuestHold taken{&all, hit.guest,
-                  all.point_near(hit.guest, guests.vertex_at(hit.guest, hit.vertex)), 0};
+  std::size_t point = all.point_near(hit.guest, guests.vertex_at(hit.guest, hit.vertex));
+  vertex_ = all.number_of(hit.guest, point);
+  // A scene names a vertex, not the middle of an edge, and of a mesh one of the file.
+  if (const ClothStep* cloth = all.cloth(hit.guest)) {
+    const ClothParts& parts = cloth->body().model().parts();
+    for (std::size_t v = parts.vertices(); v-- > 0;)
+      if (parts.particle_of_vertex(v) == point) vertex_ = static_cast<VertexId>(v);
+  } else if (const Result<std::size_t> named = all.point_of_vertex(hit.guest, vertex_)) {
+    point = *named;
+  }
+  springs_ = written_springs(*springs, firmness);
+  const HandSpring most = all.stiffest_hand(hit.guest, point);
+  limit_spring(most, world.step_size(), springs_.stiffness, springs_.damping);
+  GuestHold taken{&all, hit.guest, point, 0};
   if (Status s = tremolo::take(taken.number, all.hold(taken.guest, taken.point, springs_)); !s)
     return s;
   guest_ = taken;
@@ -213,16 +237,11 @@ Status LiveWorld::refresh() {
   return Success{};
 }
 
-Result<std::optional<Eigen::Vector3d>> LiveWorld::take(const CameraRay& ray, double firmness,
-                                                       bool recorded) {
+Result<std::optional<Eigen::Vector3d>> LiveWorld::take(const CameraRay& ray, double firmness) {
   const Result<std::optional<SceneWorld::Hit>> hit = world_->pick(ray.origin, ray.direction);
   if (!hit) return hit.error();
   const std::optional<LiveGuests::Hit> guest = guests_.pick(ray);
   if (guest && (!*hit || guest->distance < (*hit)->hit.distance)) {
-    if (recorded)
-      return usage_error(guests_.name(guest->guest) +
-                         ": no hand of a scene holds it: while a hand is recorded, cloths and "
-                         "bodies of tetrahedra among others cannot be grabbed");
     if (Status s = hand_.take(*world_, guests_, *guest, firmness); !s) return s.error();
     return std::optional<Eigen::Vector3d>(ray.origin + guest->distance * ray.direction);
   }

@@ -46,8 +46,9 @@ class LiveHand {
   void let_go(SceneWorld& world);
 
   bool holds() const { return number_.has_value() || guest_.has_value(); }
-  // Of a body that is not a guest.
-  std::size_t body() const { return body_; }
+  // The name of the body that it holds, and the vertex, of a cloth the particle, as a scene's hand
+  // has them; only while holds().
+  std::string name(const SceneWorld& world) const;
   VertexId vertex() const { return vertex_; }
   HandSpring springs() const { return springs_; }
   // Present and initial position of the hand, m, world.
@@ -58,7 +59,7 @@ class LiveHand {
   Eigen::Vector3d held(const SceneWorld& world) const;
 
  private:
-  std::size_t body_ = 0;
+  std::size_t body_ = 0;  // not of a guest
   VertexId vertex_ = 0;
   VertexRows place_;
   HandSpring springs_;
@@ -88,11 +89,9 @@ class LiveWorld {
   const LiveHand& hand() const { return hand_; }
 
   // The hand takes the first body that the ray meets, with springs `firmness` times the suitable
-  // ones. recorded: the hand is recorded as one of a scene, which cannot hold a guest. Returns the
-  // point at which the ray meets it, m; nothing: it meets none. Errors of LiveHand::take; kUsage
-  // for a guest if the hand is recorded.
-  Result<std::optional<Eigen::Vector3d>> take(const CameraRay& ray, double firmness,
-                                              bool recorded = false);
+  // ones. Returns the point at which the ray meets it, m; nothing: it meets none. Errors of
+  // LiveHand::take.
+  Result<std::optional<Eigen::Vector3d>> take(const CameraRay& ray, double firmness);
 
   // Steps the world. A body whose step fails stays at rest from then on, and trouble() gives the
   // reason. Errors of look_at_world.

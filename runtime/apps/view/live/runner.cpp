@@ -95,7 +95,7 @@ void Runner::press(const CameraRay& ray, double firmness) {
     pull_.reset();
   }
   post([this, ray, firmness](LiveWorld& live) {
-    const auto taken = live.take(ray, firmness, records_);
+    const auto taken = live.take(ray, firmness);
     const std::lock_guard lock(mutex_);
     pressed_ = taken && taken->has_value();
     if (*pressed_) grabbed_at_ = **taken;

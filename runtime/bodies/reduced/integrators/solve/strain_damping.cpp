@@ -114,6 +114,35 @@ double StrainKick::operator()(StrainDamping& strain, const VectorXd& q, const Ve
   return kick_(force_, p) + reached + forced;
 }
 
+double StrainMidpoint::solve(StrainDamping& strain, const VectorXd& q, const VectorXd& b,
+                             double tolerance, VectorXd& d) {
+  const auto multiply = [&](const VectorXd& x) {
+    const double power = strain.force(q, x, image_);
+    image_ = weights_.cwiseProduct(x) + (0.5 * h_) * image_;
+    return power;
+  };
+  strain.stand_at(q);
+  double power = multiply(d);
+  residual_ = b - image_;
+  scaled_ = residual_.cwiseQuotient(weights_);
+  direction_ = scaled_;
+  double square = residual_.dot(scaled_);
+  const double enough = tolerance * b.norm();
+  for (int i = 0; i < kMostProducts && residual_.norm() > enough; ++i) {
+    multiply(direction_);
+    const double length = square / direction_.dot(image_);
+    if (!std::isfinite(length)) break;
+    d += length * direction_;
+    residual_ -= length * image_;
+    scaled_ = residual_.cwiseQuotient(weights_);
+    const double next = residual_.dot(scaled_);
+    direction_ = scaled_ + (next / square) * direction_;
+    square = next;
+    power = NAN;
+  }
+  return std::isnan(power) ? strain.force(q, d, image_) : power;
+}
+
 double flow_with_strain_damping(StrainDamping& strain, const VectorXd& q, const VectorXd& g,
                                 double s, VectorXd& p, StrainFlowScratch& scratch) {
   auto& [term, next, path] = scratch;

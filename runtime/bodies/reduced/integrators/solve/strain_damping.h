@@ -14,6 +14,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 
@@ -115,6 +116,31 @@ class StrainKick {
   DampedKick kick_;
   double half_step_ = 0.0;
   Eigen::VectorXd force_, residual_, direction_, image_, velocity_;
+};
+
+// Rows of the midpoint rule with the damping of StrainDamping, whose position is given: they solve
+//
+//     (W + (h/2) rest(q)) d = b,       W diagonal, at least 1 + (h/2) beta Lambda,
+//
+// symmetric and positive, by conjugate gradients preconditioned by W.
+class StrainMidpoint {
+ public:
+  StrainMidpoint() = default;
+  // weights: W, r. step: h, s.
+  StrainMidpoint(Eigen::VectorXd weights, double step) : weights_(std::move(weights)), h_(step) {
+    for (Eigen::VectorXd* v : {&residual_, &scaled_, &direction_, &image_})
+      v->setZero(weights_.size());
+  }
+
+  // d: a guess, then the solution to `tolerance` of b, r. Returns d . rest(q) d. Nothing is
+  // allocated.
+  double solve(StrainDamping& strain, const Eigen::VectorXd& q, const Eigen::VectorXd& b,
+               double tolerance, Eigen::VectorXd& d);
+
+ private:
+  Eigen::VectorXd weights_;
+  double h_ = 0.0;
+  Eigen::VectorXd residual_, scaled_, direction_, image_;
 };
 
 struct StrainFlowScratch {
