@@ -338,6 +338,10 @@ TEST_F(SceneCApi, WrongHandsAndJointsAreToldWithTheirLine) {
       {"[[joints]]\nbody = \"cube\"\nat = 1\nto = \"sheet\"\nto-at = 99\n",
        "there is no particle 99"},
       {"[[joints]]\nbody = \"cube\"\nat = 1\nto = \"sheet\"\nto-at = 1\n", "apart at the start"},
+      // 3.6 mm too short: less than the sheet's margin and more than the box's.
+      {"[[joints]]\nbody = \"sheet\"\nat = \"top-left\"\nto = \"hard\"\n"
+       "to-at = \"near:-0.05,0.05,0.05\"\nlength = 0.1431\n",
+       "0.14668 m apart at the start"},
       {"[[joints]]\nbody = \"cube\"\nat = 1\nto = \"sheet\"\nlength = -1\n", "negative"}};
   for (const auto& [text, told] : wrong) {
     SCOPED_TRACE(text);
