@@ -6,7 +6,7 @@
 
 #include "common/text.h"
 #include "runtime/c/c_api.h"
-#include "runtime/contact/solve/body_group.h"
+#include "runtime/contact/islands/body_group.h"
 
 // NOLINTBEGIN(readability-identifier-naming): the names of the C header
 struct tremolo_contacts {

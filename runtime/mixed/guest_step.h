@@ -1,4 +1,4 @@
-// A guest of a group (runtime/contact/solve/island_guests.h) in a step of an island of bodies of
+// A guest of a group (runtime/contact/islands/island_guests.h) in a step of an island of bodies of
 // any kind: what bodies of tetrahedra and cloths have in common.
 #pragma once
 
@@ -32,7 +32,7 @@ class GuestStep : public StepBody {
   // state is that before the step.
   virtual bool step_alone() = 0;
 
-  // A step that failed, in parts (runtime/contact/solve/step_parts.h): start_parts() stores the
+  // A step that failed, in parts (runtime/contact/islands/step_parts.h): start_parts() stores the
   // body; start_part() begins a part, whose ends are fractions of the step, and end_part() adds
   // one that was solved to the sums. end_parts(): made: the sums are those of the step, which
   // counts as one; otherwise the body is as before the first part.

@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "common/result.h"
-#include "runtime/contact/solve/island_guests.h"
-#include "runtime/contact/solve/step_parts.h"
+#include "runtime/contact/islands/island_guests.h"
+#include "runtime/contact/islands/step_parts.h"
 #include "runtime/contact/springs.h"
 #include "runtime/contact_body.h"
 #include "runtime/mixed/bent_contact.h"

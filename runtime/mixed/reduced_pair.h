@@ -1,11 +1,11 @@
 // Two reduced bodies of an island of bodies of any kind: their points on each other's shapes and
-// their joints, as in runtime/contact/solve/contact_island.h.
+// their joints, as in runtime/contact/islands/contact_island.h.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "runtime/contact/solve/contact_island.h"
+#include "runtime/contact/islands/contact_island.h"
 #include "runtime/contact/solve/pair_point.h"
 #include "runtime/mixed/pair_forces.h"
 

@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "runtime/contact/islands/contact_island.h"
 #include "runtime/contact/solve/contact_equations.h"
-#include "runtime/contact/solve/contact_island.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/math/dense/dense_lu.h"
 #include "runtime/mixed/step_body.h"

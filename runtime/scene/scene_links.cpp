@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/text.h"
-#include "runtime/contact/solve/body_group.h"
+#include "runtime/contact/islands/body_group.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/scene/selection.h"
 #include "runtime/scene/welds.h"

@@ -12,8 +12,8 @@
 
 #include "common/result.h"
 #include "common/state_stream.h"
+#include "runtime/contact/islands/body_group.h"
 #include "runtime/contact/joint.h"
-#include "runtime/contact/solve/body_group.h"
 #include "runtime/contact_body.h"
 #include "runtime/math/motion.h"
 #include "runtime/scene/scene.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "common/text.h"
-#include "runtime/contact/solve/body_group.h"
+#include "runtime/contact/islands/body_group.h"
 #include "runtime/contact/springs.h"
 #include "runtime/contact/weld.h"
 

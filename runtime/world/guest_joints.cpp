@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "common/text.h"
-#include "runtime/contact/solve/body_group.h"
+#include "runtime/contact/islands/body_group.h"
 #include "runtime/contact/weld.h"
 #include "runtime/scene/scene_links.h"
 #include "runtime/scene/welds.h"

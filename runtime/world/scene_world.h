@@ -3,9 +3,9 @@
 // Each step takes every body from t to t + h. The motion of a driven body's frame in the step
 // follows from its poses at t - h, t, t + h and t + 2h; gravity is that of the middle of the step.
 // Colliders move from pose to pose of their motion; every body can be in contact with all of them,
-// and with the other bodies that have a shape (runtime/contact/solve/body_group.h). The result for
-// a body depends only on the scene's entries for it, for bodies and colliders in contact with it,
-// and for its hands, bit for bit: not on the order of the entries (bodies are sorted by name).
+// and with the other bodies that have a shape (runtime/contact/islands/body_group.h). The result
+// for a body depends only on the scene's entries for it, for bodies and colliders in contact with
+// it, and for its hands, bit for bit: not on the order of the entries (bodies are sorted by name).
 //
 // A body whose step fails keeps its state and is not stepped again; the other bodies continue.
 #pragma once
@@ -31,7 +31,7 @@
 #include "common/state_stream.h"
 #include "formats/saved/saved_file.h"
 #include "runtime/contact/contact_law.h"
-#include "runtime/contact/solve/body_group.h"
+#include "runtime/contact/islands/body_group.h"
 #include "runtime/contact_body.h"
 #include "runtime/math/motion.h"
 #include "runtime/math/state.h"

@@ -160,7 +160,7 @@ std::string folder_of(const fs::path& file) {
   static const std::map<std::string, std::string> rooms = {
       {"parts.h", "runtime/math"},
       {"energy_bound.h", "runtime/math"},
-      {"contact_body.h", "runtime/contact/solve"},
+      {"contact_body.h", "runtime/contact/islands"},
       {"world.h", "runtime/bodies/lanes"},
       {"tremolo.h", "runtime/c"},
       {"tremolo_cloth.h", "runtime/c"},
@@ -183,6 +183,7 @@ const std::vector<std::string>& runtime_rooms() {
                                                  "runtime/bodies/cloth",
                                                  "runtime/bodies/tets",
                                                  "runtime/contact/solve",
+                                                 "runtime/contact/islands",
                                                  "runtime/mixed",
                                                  "runtime/scene",
                                                  "runtime/world",

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/contact/solve/body_group.h"
+#include "runtime/contact/islands/body_group.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/contact_body.h"
 #include "runtime/world/scene_world.h"

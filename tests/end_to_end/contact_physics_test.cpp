@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/contact/solve/body_group.h"
+#include "runtime/contact/islands/body_group.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/contact_body.h"
 #include "tests/support/meshes/made_cube.h"

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/bodies/reduced/rigid/rigid_solid.h"
-#include "runtime/contact/solve/body_group.h"
+#include "runtime/contact/islands/body_group.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/math/motion.h"
 #include "tests/support/distance_fields.h"

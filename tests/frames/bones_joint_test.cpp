@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/bodies/reduced/rigid/rigid_solid.h"
-#include "runtime/contact/solve/body_group.h"
+#include "runtime/contact/islands/body_group.h"
 #include "runtime/math/motion.h"
 #include "runtime/scene/welds.h"
 #include "tests/support/frames/rigged_model.h"

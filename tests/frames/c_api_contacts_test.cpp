@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/contact/solve/body_group.h"
+#include "runtime/contact/islands/body_group.h"
 #include "runtime/tremolo.h"
 #include "tests/support/c_models.h"
 #include "tests/support/frames/frame_models.h"

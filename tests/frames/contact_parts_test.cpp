@@ -8,7 +8,7 @@
 
 #include "runtime/contact/contact_law.h"
 #include "runtime/contact/friction.h"
-#include "runtime/contact/solve/block_solver.h"
+#include "runtime/contact/islands/block_solver.h"
 #include "runtime/contact/solve/contact_points.h"
 
 namespace tremolo {

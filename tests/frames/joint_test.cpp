@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "common/state_stream.h"
-#include "runtime/contact/solve/body_group.h"
+#include "runtime/contact/islands/body_group.h"
 #include "runtime/world/scene_world.h"
 #include "tests/support/frames/frame_models.h"
 

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/contact/solve/body_group.h"
+#include "runtime/contact/islands/body_group.h"
 #include "runtime/tremolo.h"
 #include "runtime/world/scene_world.h"
 #include "tests/support/frames/frame_models.h"

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/contact/solve/body_group.h"
+#include "runtime/contact/islands/body_group.h"
 #include "runtime/mixed/mixed_guests.h"
 #include "tests/support/meshes/made_cube.h"
 #include "tests/support/tet_bodies.h"

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "runtime/contact/solve/body_group.h"
+#include "runtime/contact/islands/body_group.h"
 #include "tests/mixed/mixed_bodies.h"
 
 namespace tremolo {

@@ -341,7 +341,7 @@ TEST_F(SceneCApi, WrongHandsAndJointsAreToldWithTheirLine) {
       // 3.6 mm too short: less than the sheet's margin and more than the box's.
       {"[[joints]]\nbody = \"sheet\"\nat = \"top-left\"\nto = \"hard\"\n"
        "to-at = \"near:-0.05,0.05,0.05\"\nlength = 0.1431\n",
-       "0.14668 m apart at the start"},
+       "0.146684 m apart at the start"},
       {"[[joints]]\nbody = \"cube\"\nat = 1\nto = \"sheet\"\nlength = -1\n", "negative"}};
   for (const auto& [text, told] : wrong) {
     SCOPED_TRACE(text);

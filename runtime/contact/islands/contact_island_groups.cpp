@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "common/union_find.h"
-#include "runtime/contact/solve/contact_island.h"
+#include "runtime/contact/islands/contact_island.h"
 
 namespace tremolo {
 

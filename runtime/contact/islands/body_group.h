@@ -24,10 +24,10 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
+#include "runtime/contact/islands/contact_island.h"
+#include "runtime/contact/islands/island_guests.h"
+#include "runtime/contact/islands/step_parts.h"
 #include "runtime/contact/joint.h"
-#include "runtime/contact/solve/contact_island.h"
-#include "runtime/contact/solve/island_guests.h"
-#include "runtime/contact/solve/step_parts.h"
 #include "runtime/contact_body.h"
 #include "runtime/math/thread_pool.h"
 

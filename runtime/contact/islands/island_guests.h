@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/state_stream.h"
-#include "runtime/contact/solve/contact_island.h"
+#include "runtime/contact/islands/contact_island.h"
 
 namespace tremolo {
 

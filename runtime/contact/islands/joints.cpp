@@ -7,8 +7,8 @@
 #include <Eigen/QR>
 
 #include "runtime/contact/contact_values.h"
-#include "runtime/contact/solve/body_group.h"
-#include "runtime/contact/solve/contact_island.h"
+#include "runtime/contact/islands/body_group.h"
+#include "runtime/contact/islands/contact_island.h"
 
 namespace tremolo {
 namespace {

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "runtime/contact/contact_record.h"
+#include "runtime/contact/islands/contact_island.h"
+#include "runtime/contact/islands/island_guests.h"
 #include "runtime/contact/joint.h"
-#include "runtime/contact/solve/contact_island.h"
-#include "runtime/contact/solve/island_guests.h"
 #include "runtime/contact_body.h"
 
 namespace tremolo {

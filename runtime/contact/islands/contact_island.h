@@ -23,8 +23,8 @@
 #include <Eigen/Core>
 
 #include "runtime/contact/contact_values.h"
+#include "runtime/contact/islands/block_solver.h"
 #include "runtime/contact/joint.h"
-#include "runtime/contact/solve/block_solver.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/contact/solve/pair_point.h"
 

@@ -1,4 +1,4 @@
-#include "runtime/contact/solve/body_group.h"
+#include "runtime/contact/islands/body_group.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "runtime/contact/solve/block_solver.h"
+#include "runtime/contact/islands/block_solver.h"
 
 #include <algorithm>
 #include <cmath>

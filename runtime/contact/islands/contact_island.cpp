@@ -1,4 +1,4 @@
-#include "runtime/contact/solve/contact_island.h"
+#include "runtime/contact/islands/contact_island.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "runtime/contact/solve/step_parts.h"
+#include "runtime/contact/islands/step_parts.h"
 
 #include <algorithm>
 #include <cmath>

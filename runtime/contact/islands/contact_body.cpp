@@ -11,9 +11,9 @@
 
 #include "common/mesh/tet_mesh.h"
 #include "common/text.h"
+#include "runtime/contact/islands/step_parts.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/contact/solve/shape_reach.h"
-#include "runtime/contact/solve/step_parts.h"
 
 namespace tremolo {
 namespace {

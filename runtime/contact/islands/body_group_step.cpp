@@ -8,7 +8,7 @@
 
 #include "common/processor.h"
 #include "common/union_find.h"
-#include "runtime/contact/solve/body_group.h"
+#include "runtime/contact/islands/body_group.h"
 
 namespace tremolo {
 
