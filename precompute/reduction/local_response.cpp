@@ -72,7 +72,8 @@ void for_own_rows(const ResponsePlace& place, const LocalDofs& local, const Use&
 
 }  // namespace
 
-std::vector<ResponsePlace> response_places(const Problem& problem, const LocalResponseRequest& request) {
+std::vector<ResponsePlace> response_places(const Problem& problem,
+                                           const LocalResponseRequest& request) {
   const bool at_load = request.at_load;
   std::set<VertexId> vertices;
   for (const Selector& selector : request.at) vertices.merge(chosen_vertices(problem, selector));

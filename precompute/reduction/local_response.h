@@ -23,7 +23,8 @@ struct ResponsePlace {
 
 // The requested points; that of the default load comes first. Ascending and unique. Throws Failure
 // (kContent): no default load, a fixed vertex, more than kMaxResponsePlaces points.
-std::vector<ResponsePlace> response_places(const Problem& problem, const LocalResponseRequest& request);
+std::vector<ResponsePlace> response_places(const Problem& problem,
+                                           const LocalResponseRequest& request);
 
 // K^-1 G: this rank's rows x 3 a place, m/N; of a free body, G self-balanced, on the complement of
 // its rigid motions. residual: the largest |K X - G| / |G|. solver: prepared. Throws Failure as

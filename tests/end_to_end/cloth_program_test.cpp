@@ -219,6 +219,8 @@ TEST_F(ClothProgram, BadInputIsNamed) {
   const std::string head = "[[cloths]]\ncolumns = 4\nrows = 4\n";
   expect_refused({
       {head + "colour = 1\n", "cloth 1: unknown key 'colour'"},
+      {head + "alpha = 1\n", "cloth 1: a cloth's springs have their own dampers"},
+      {head + "load = \"sine\"\n", "cloth 1: loads act on a cloth that is one of [[bodies]]"},
       {"[[cloths]]\ncolumns = 4\n", "`columns` and `rows`, or a `file`"},
       {"[[cloths]]\ncolumns = 1\nrows = 4\n", "'columns' must be from 2"},
       {head + "structural = [-1, 0]\n", "structural"},

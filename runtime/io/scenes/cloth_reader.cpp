@@ -91,6 +91,11 @@ Status read_cloth_keys(TomlKeys& keys, const std::string& path, const std::strin
   keys.read("friction", cloth.friction);
   keys.read("restitution", cloth.restitution);
   keys.read("crumple", cloth.crumple);
+  for (const char* key : {"alpha", "beta", "damping-ratio"})
+    if (keys.has(key))
+      keys.fail(key,
+                "a cloth's springs have their own dampers: `structural`, `shear` and `bend` are "
+                "[stiffness, damping]");
   if (!keys.good()) return keys.finish().error();
   if (Status s = check_mesh(keys, cloth); !s) return s;
   return read_pins(keys, path, what, files, cloth);

@@ -31,6 +31,11 @@ void read_tets_method(TomlKeys& keys, TetBodyOptions& options) {
     options.method = *parsed;
   else
     keys.fail("integrator", parsed.error().message);
+  for (const char* key : {"alpha", "beta"})
+    if (const toml::node* node = keys.find(key); node != nullptr && node->is_array())
+      keys.fail(key,
+                "damping that changes in time is for reduced bodies: a body of tetrahedra has "
+                "one value");
   keys.read("alpha", options.alpha);
   keys.read("beta", options.beta);
   if (const auto damping = read_damping_ratio(keys)) {
