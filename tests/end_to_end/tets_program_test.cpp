@@ -217,7 +217,7 @@ TEST_F(TetsProgram, WhatASceneGetsWrongIsRefusedByItsKey) {
                                     {"upper = 1e-4\nlower = 1e-3\n", "lower"},
                                     {"creep = 0.0\n", "creep"},
                                     {"friction = -1.0\n", "friction"},
-                                    {"alpha = [[0, 0], [1, 2]]\n", "for reduced bodies"},
+                                    {"beta = [[0, 0], [1, 2]]\n", "for reduced bodies"},
                                     {"tolerance = 0.0\n", "tolerance"},
                                     {"colour = 3\n", "colour"}}) {
     const ProgramResult result = run(scene(0.1, cube("one", 0.2, keys)));
