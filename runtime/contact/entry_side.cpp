@@ -51,14 +51,14 @@ EntrySide side_at(const Collider& shape, const EntrySide& before, const PassageP
                        std::abs(found.distance - deep) <= kAgree * std::abs(deep);
     return deep >= 0.0 || agree ? EntrySide{} : before;
   }
+  const double cosine = found.normal.dot(from.normal);
+  const bool other_face = cosine < kOtherFace && !inward.isZero(0.0);
+  if (!(cosine < 0.0) && !other_face) return {};
   Eigen::Vector3d normal = from.normal.normalized();
-  const double cosine = found.normal.dot(normal);
-  if (!(cosine < kOtherFace)) return {};
-  if (cosine >= 0.0) {
+  if (!(cosine < 0.0)) {
     // A face beside the one of entry: the point is below that one where a little towards its body
     // along the face leads into the obstacle. At a point beside the edge the normal is not yet that
     // of the face.
-    if (inward.isZero(0.0)) return {};
     const Eigen::Vector3d along =
         kOnEdge * largest_extent(shape) * (inward - normal.dot(inward) * normal);
     if (signed_distance(shape, to + along).distance > 0.0) return {};
