@@ -130,6 +130,10 @@ Evaluation Potential::make_evaluation() const {
 void Potential::evaluate(const VectorXd& q, unsigned want, PotentialWorkspace& workspace,
                          Evaluation& out) const {
   if (linear()) return evaluate_linear(q, want, out);
+  if (want == kWantEnergy) {
+    out.energy = 0.5 * q.dot(lambda_.cwiseProduct(q)) + unique_.value(q.data(), workspace.unique);
+    return;
+  }
   if ((want & kWantTangent) && workspace.pair_kernel != nullptr && size() < kPairTangent)
     return evaluate_pairs(q, want, workspace, out);
   double* force = want & kWantForce ? out.force.data() : workspace.unique.y.data();

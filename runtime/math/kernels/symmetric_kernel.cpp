@@ -103,6 +103,11 @@ SymmetricKernel::Workspace SymmetricKernel::make_workspace() const {
   return workspace;
 }
 
+double SymmetricKernel::value(const double* q, Workspace& workspace) const {
+  const UniqueRows rows{rows_.data(), r_, z_stride_};
+  return TREMOLO_CALL(evaluate_value, rows, q, sums_in(workspace));
+}
+
 double SymmetricKernel::gradient(const double* q, Workspace& workspace, double* gradient) const {
   const UniqueRows rows{rows_.data(), r_, z_stride_};
   return TREMOLO_CALL(evaluate_gradient, rows, q, sums_in(workspace), gradient);

@@ -49,6 +49,8 @@ class SymmetricKernel {
   };
   Workspace make_workspace() const;
 
+  // P(q), with one multiply-add a coefficient. q: r.
+  double value(const double* q, Workspace& workspace) const;
   // P(q) and grad P. q: r. gradient: r, overwritten.
   double gradient(const double* q, Workspace& workspace, double* gradient) const;
   // grad P at two points with one pass over the coefficients.

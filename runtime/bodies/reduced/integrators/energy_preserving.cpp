@@ -41,21 +41,22 @@
 //     g(d) = (h/2) N Dp(d) + (h^2/2) (G - f) + (h/2) D d = 0,      Jacobian about N^2 + (h^2/4) K
 //
 // in the basis W in which N is simplest (solve/inertia_filter.h): a hat is x_hat = W^T x. With
-// b = -p0 [+ (h/12) Df], (a) is Dp = S (N d/h + b). One contraction at the predicted step d = h p0
-// gives G there and K + O(h^2) for N and for the frozen Jacobian; each correction costs one
-// contraction more and is sharpened by Broyden's updates. Where that stalls the exact Jacobian and
-// a line search take over (runtime/bodies/reduced/integrators/solve/newton.h).
+// b = -p0 [+ (h/12) Df], (a) is Dp = S (N d/h + b). V, its gradient and its tangent are known at
+// the start of a step and give a first G, g0 + K0 d/2. With the frozen Jacobian and the N of the
+// step before, one correction follows, and then the move by which that correction missed in the
+// step before. V is evaluated there (solve/step_ends.h), which gives the exact G and K + O(h^2) for
+// N and for a new frozen Jacobian. Each further correction costs one evaluation and is sharpened by
+// Broyden's updates. Where that stalls the exact Jacobian and a line search take over
+// (runtime/bodies/reduced/integrators/solve/newton.h).
 //
-// The residual g that the solve leaves does work along d: the error of H is exactly (2/h^2) g . d,
-// which is known. p1 is scaled to correct it, so that the balance holds to rounding at any
-// tolerance. A step that ends with so little momentum that this would change the kinetic energy by
-// a twentieth is solved to 1e-13.
+// The corrections shrink the residual by a rate that hardly changes from step to step. Where the
+// rate of a recent step, with a margin, says that a correction reaches the tolerance, nothing is
+// evaluated at its end but V: G follows to first order.
 //
-// ep4's corrections shrink the residual by a rate that hardly changes from step to step. Where the
-// rate of a recent step, with a margin, says that the last correction reaches the tolerance, G at
-// its end is not evaluated: with the correction x it is G + K x/2 to first order in x, and its work
-// is V(q1) - V(q0), which takes half the time. So d is the same as with the evaluation, and H as
-// exact.
+// The residual g that the solve leaves does work along d, and so does what the G of a series
+// misses of V(q1) - V(q0): the error of H, which is known exactly. p1 is scaled to correct it, so
+// that the balance holds to rounding at any tolerance. A step that ends with so little momentum
+// that this would change the kinetic energy by a twentieth is solved to 1e-13.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -67,6 +68,7 @@
 #include "runtime/bodies/reduced/integrators/methods.h"
 #include "runtime/bodies/reduced/integrators/solve/inertia_filter.h"
 #include "runtime/bodies/reduced/integrators/solve/newton.h"
+#include "runtime/bodies/reduced/integrators/solve/step_ends.h"
 #include "runtime/bodies/reduced/integrators/solve/strain_damping.h"
 
 namespace tremolo {
@@ -100,14 +102,12 @@ class EnergyPreserving final : public Integrator {
         S_((0.5 + h_ * theta_D_.array()).inverse().matrix()),
         strain_(*model_, options.beta, options.tolerance),
         N_(std::move(filter)),
-        workspace_(model_->potential().make_workspace(kUseSegment)),
-        at_end_(model_->potential().make_evaluation()),
+        ends_(model_->potential()),
         Z_(MatrixXd::Zero(D_.size(), D_.size())),
         N_matrix_(Z_),
         newton_(D_.size()) {
-    for (VectorXd* v :
-         {&d_, &q1_, &G_, &G_before_, &d_hat_before_, &G_predicted_, &G_missed_, &d_hat_, &dp_hat_,
-          &b_hat_, &g_hat_, &x_, &move_, &middle_, &rest_, &rest_predicted_, &rest_missed_})
+    for (VectorXd* v : {&d_, &q1_, &G_, &d_hat_, &dp_hat_, &b_hat_, &g_hat_, &x_, &move_, &missed_,
+                        &without_, &bent_, &middle_, &rest_})
       v->setZero(D_.size());
     for (VectorXd& v : moves_) v.setZero(D_.size());
     z1_ = {d_, d_};
@@ -138,31 +138,28 @@ class EnergyPreserving final : public Integrator {
       state.p += dp;
       give_back(defect, 0.5 * state.p.squaredNorm(), state.p);
     }
-    if constexpr (Filter::kFollowsTheState) {
-      V_ = V_at_end_ ? V_end_ : V_ + G_.dot(d_);
-      N_of_last_step_ = true;
-      z1_ = state;
-      G_before_ = G_;
-      d_hat_before_ = d_hat_;
-    }
+    ends_.accept(q1_);
+    N_of_last_step_ = true;
+    z1_ = state;
+    if (predicted_)
+      missed_ = d_ - without_;
+    else
+      missed_.setZero();
     return report;
   }
 
-  void reset() override { N_of_last_step_ = V_known_ = false; }
+  void reset() override {
+    N_of_last_step_ = false;
+    ends_.forget();
+  }
   void carry(StateStream& stream) override {
     stream(N_of_last_step_);
-    if constexpr (Filter::kFollowsTheState) {
-      if (!N_of_last_step_ || !stream.good()) return;
-      stream(z1_, G_before_, d_hat_before_, G_missed_, N_);
-      stream(V_known_, V_, rate_, trusted_steps_);
-      if (strain_.present()) stream(rest_missed_);
-    } else {
-      stream.require(!N_of_last_step_);
-    }
+    if (!N_of_last_step_ || !stream.good()) return;
+    stream(z1_, missed_, N_, ends_, rate_, trusted_steps_);
   }
   std::string_view name() const override { return name_; }
   std::optional<double> known_potential(const VectorXd& q) const override {
-    return V_at_end_ && q == q1_ ? std::optional(V_end_) : std::nullopt;
+    return ends_.known_energy(q);
   }
 
  private:
@@ -185,6 +182,8 @@ class EnergyPreserving final : public Integrator {
     }
     if (report.converged && !can_be_given_back() && tolerance_ > kStrict) {
       set_tolerance(kStrict);
+      ends_.forget();
+      ends_.start_at(*q0_);  // with the exact K0
       newton_.unknowns = d_;
       report = solve_exactly(report);
       set_tolerance(options_.tolerance);
@@ -239,58 +238,38 @@ class EnergyPreserving final : public Integrator {
     return relative_residual(g_hat_.norm(), tolerance_, h, p0_->norm(), G_.norm(), f_norm);
   }
 
-  // G for the first correction, from the step before: with K at that step's midpoint m' and its
-  // mean force G' over d', R(q) = G' + K (q - m'), so G = G' + K (d' + d)/2. N is that step's too.
+  // G for the first correction, to first order in d, and rest(qm) d with K0 instead of J^T G J.
   void predict_gradient() {
-    if constexpr (Filter::kFollowsTheState) {
-      enter_basis();
-      x_ = d_hat_before_ + d_hat_;
-      N_.multiply(x_);
-      N_.from_basis(x_);
-      G_predicted_ = G_before_ + 2.0 / (h_ * h_) * x_;
-      G_ = G_predicted_ + G_missed_;
-      if (!strain_.present()) return;
-      predict_rest();
-      rest_ = rest_predicted_ + rest_missed_;
-    }
-  }
-
-  // rest(qm) d with the K of the step before instead of J^T G J.
-  void predict_rest() {
-    if constexpr (Filter::kFollowsTheState) {
-      x_ = d_hat_;
-      N_.multiply(x_);
-      N_.from_basis(x_);
-      rest_predicted_ = strain_.beta() * (4.0 / (h_ * h_) * x_ - model_->lambda().cwiseProduct(d_));
-    }
-  }
-
-  // Takes the prediction along with the first correction.
-  void move_prediction(const VectorXd& move) {
-    if constexpr (Filter::kFollowsTheState) {
-      x_ = move;
-      N_.multiply(x_);
-      N_.from_basis(x_);
-      G_predicted_ += 2.0 / (h_ * h_) * x_;
-      if (strain_.present()) predict_rest();
-    }
-  }
-
-  // K: receives K(m) + O(d^2); null: not computed.
-  void evaluate_gradient(MatrixXd* K) {
-    q1_ = *q0_ + d_;
-    V_at_end_ = false;
+    enter_basis();
+    bent_.noalias() = ends_.start().tangent * d_;
+    G_ = ends_.start().force + 0.5 * bent_;
     missed_work_ = 0.0;
-    model_->potential().averaged_gradient(*q0_, q1_, workspace_, G_, K);
+    if (strain_.present()) rest_ = strain_.beta() * (bent_ - model_->lambda().cwiseProduct(d_));
+  }
+
+  // After the first correction from predict_gradient().
+  void move_as_missed_before() {
+    without_ = d_;
+    d_ += missed_;
+    x_ = missed_;
+    N_.to_basis(x_);
+    d_hat_ += x_;
+  }
+
+  void evaluate_gradient() {
+    q1_ = *q0_ + d_;
+    ends_.end_at(q1_, d_, G_);
+    missed_work_ = ends_.work() - G_.dot(d_);
     if (!strain_.present()) return;
     middle_ = *q0_ + 0.5 * d_;
     rest_work_ = strain_.force(middle_, d_, rest_) / h_;
   }
 
-  // Computes N and the frozen Jacobian from the K in Z_, and the terms of (a) that depend on them.
-  // False if that fails.
+  // Computes N and the frozen Jacobian from the tangents at the ends, and the terms of (a) that
+  // depend on them. False if that fails.
   bool make_filter() {
     N_of_last_step_ = false;
+    ends_.mean_tangent(Z_);
     Z_ *= 0.25 * h_ * h_;
     const bool usable = Z_.allFinite() && N_.compute(Z_);
     enter_basis();
@@ -308,18 +287,15 @@ class EnergyPreserving final : public Integrator {
   // d = h p0 and G there, predicted where the step before ended at this one's start. False if the
   // frozen Jacobian cannot be had.
   bool begin_frozen() {
+    ends_.start_at(*q0_);
     d_ = h_ * *p0_;
     predicted_ = N_of_last_step_ && z1_.q == *q0_ && z1_.p == *p0_;
     if (predicted_) {
       predict_gradient();
       return true;
     }
-    V_known_ = false;
     trusted_steps_ = 0;
-    G_missed_.setZero();
-    rest_missed_.setZero();
-    N_of_last_step_ = false;
-    evaluate_gradient(&Z_);
+    evaluate_gradient();
     return make_filter();
   }
 
@@ -336,9 +312,10 @@ class EnergyPreserving final : public Integrator {
       report.residual = g_hat_.norm();
       // N at the predicted midpoint would depend on the direction of time; it follows the midpoint
       // until its error is below the solve's tolerance.
-      const bool settled = !Filter::kFollowsTheState ||
-                           (report.iterations > 0 &&
-                            (kFilterShare * ratio < 1.0 || report.iterations == kFilterFollows));
+      const bool settled = Filter::kFollowsTheState
+                               ? report.iterations > 0 && (kFilterShare * ratio < 1.0 ||
+                                                           report.iterations == kFilterFollows)
+                               : report.iterations > 0 || !predicted_;
       // After one correction from a prediction a residual that is just small enough does not bound
       // the error.
       const bool guessed = predicted_ && report.iterations == 1;
@@ -350,22 +327,22 @@ class EnergyPreserving final : public Integrator {
       next_move(updates, move);
       report.converged = settled && move.norm() <= kRounding * d_hat_.norm();
       if (report.converged) break;
+      move_ = move;
+      N_.from_basis(move_);
       d_hat_ += move;
-      d_ = d_hat_;
-      N_.from_basis(d_);
+      d_ += move_;
       if (settled && updates == 0 && is_last_move(ratio)) {
         report.residual *= rate_;
-        report.converged = follow_last_move(move);
+        report.converged = follow_last_move();
         ++report.iterations;
         break;
       }
-      if (settled) {
-        evaluate_gradient(nullptr);
+      if (predicted_ && report.iterations == 0) move_as_missed_before();
+      evaluate_gradient();
+      if (settled)
         ++updates;
-      } else {
-        usable = follow_move(move, predicted_ && report.iterations == 0);
-        updates = 0;
-      }
+      else
+        usable = make_filter();
       const double next = evaluate_residual();
       if (settled && updates == 1) {
         rate_ = next / ratio;
@@ -377,66 +354,36 @@ class EnergyPreserving final : public Integrator {
     return report;
   }
 
-  // G and N at the midpoint after a move. from_prediction: the move was the first from
-  // predict_gradient(). False if the frozen Jacobian cannot be had.
-  bool follow_move(const VectorXd& move, bool from_prediction) {
-    if (from_prediction) move_prediction(move);
-    evaluate_gradient(&Z_);
-    if (from_prediction) G_missed_ = G_ - G_predicted_;
-    if (from_prediction && strain_.present()) rest_missed_ = rest_ - rest_predicted_;
-    return make_filter();
-  }
-
-  // True: after this correction of a residual no other one will be needed.
+  // True: after this correction, move_, of a residual no other one will be needed, and G of the
+  // next step will be good enough.
   bool is_last_move(double ratio) const {
-    return predicted_ && trusted_steps_ > 0 && kRateMargin * rate_ * ratio <= 1.0;
+    if (!predicted_ || trusted_steps_ == 0 || kRateMargin * rate_ * ratio > 1.0) return false;
+    const double lag = h_ * h_ * ends_.lag(move_.norm() / d_.norm());
+    return lag * ratio <= g_hat_.norm();
   }
 
-  // The residual's parts and the energy after the step's last move, without an evaluation of G.
-  // False: they are not finite.
-  bool follow_last_move(const VectorXd& move) {
+  // The residual's parts and the energy after the step's last move, without an evaluation of V's
+  // gradient. False: they are not finite.
+  bool follow_last_move() {
     --trusted_steps_;
     q1_ = *q0_ + d_;
-    missed_work_ = 0.0;
-    add_image_of(move);
-    const double ratio = evaluate_residual();
-    if (!V_known_) V_ = potential_at(*q0_);
-    V_end_ = potential_at(q1_);
-    V_known_ = V_at_end_ = true;
-    missed_work_ += V_end_ - V_ - G_.dot(d_);
-    return std::isfinite(ratio + missed_work_);
+    ends_.move_end(move_, q1_, G_, bent_);
+    missed_work_ = ends_.work() - G_.dot(d_);
+    if (strain_.present()) follow_damping();
+    return std::isfinite(evaluate_residual() + missed_work_);
   }
 
-  // The change of G, and of rest(qm) d, by a move of d, to first order.
-  void add_image_of(const VectorXd& move) {
-    if constexpr (Filter::kFollowsTheState) {
-      x_ = move;
-      N_.multiply(x_);
-      N_.from_basis(x_);
-      G_ += 2.0 / (h_ * h_) * x_;
-      if (strain_.present()) follow_damping(move);
-    }
-  }
-
-  // rest(qm) d and its work after the move, of which x_ is (h^2/4) K times. The work is of a higher
-  // order than the force.
-  void follow_damping(const VectorXd& move) {
+  // rest(qm) d and its work after the last move, where bent_ is K times the move. The work is of a
+  // higher order than the force.
+  void follow_damping() {
     if (!strain_.has_stresses()) {
       middle_ = *q0_ + 0.5 * d_;
       rest_work_ = strain_.force(middle_, d_, rest_) / h_;
       return;
     }
-    x_ *= 4.0 / (h_ * h_);
-    move_ = move;
-    N_.from_basis(move_);
-    rest_ += strain_.beta() * (x_ - model_->lambda().cwiseProduct(move_));
-    rest_work_ = strain_.work_after(move_, q1_, x_, h_ * rest_work_, middle_) / h_;
+    rest_ += strain_.beta() * (bent_ - model_->lambda().cwiseProduct(move_));
+    rest_work_ = strain_.work_after(move_, q1_, bent_, h_ * rest_work_, middle_) / h_;
     missed_work_ += rest_work_ - rest_.dot(d_) / h_;
-  }
-
-  double potential_at(const VectorXd& q) {
-    model_->potential().evaluate(q, kWantEnergy, workspace_, at_end_);
-    return at_end_.energy;
   }
 
   // move = -J^-1 g by the frozen Jacobian and all updates so far.
@@ -450,7 +397,7 @@ class EnergyPreserving final : public Integrator {
   StepReport solve_exactly(const StepReport& before) {
     if (N_of_last_step_) {
       d_ = h_ * *p0_;
-      evaluate_gradient(&Z_);
+      evaluate_gradient();
       make_filter();
     }
     for (Index j = 0; j < N_matrix_.cols(); ++j) {
@@ -472,11 +419,12 @@ class EnergyPreserving final : public Integrator {
     d_ = newton_.unknowns;
     d_hat_ = d_;
     N_.to_basis(d_hat_);
-    evaluate_gradient(nullptr);
+    evaluate_gradient();
     const double ratio = evaluate_residual();
     newton_.residual = g_hat_;
     N_.from_basis(newton_.residual);
-    model_->potential().averaged_jacobian(*q0_, q1_, workspace_, newton_.jacobian);
+    middle_ = *q0_ + 0.5 * d_;
+    ends_.mean_derivative(middle_, newton_.jacobian);
     newton_.jacobian *= 0.5 * h_ * h_ + h_ * strain_.beta();
     MatrixXd& SN = Z_;
     SN = S_.asDiagonal() * N_matrix_;
@@ -499,13 +447,7 @@ class EnergyPreserving final : public Integrator {
   // which it may be used.
   double rate_ = 1.0;
   int trusted_steps_ = 0;
-  // V at the start of the step, if known; V at its end, if that was evaluated; and by how much the
-  // change of V is more than the work G . d of a G that was not evaluated, less the same of
-  // damping, J.
-  bool V_known_ = false;
-  bool V_at_end_ = false;
-  double V_ = 0.0;
-  double V_end_ = 0.0;
+  // By how much V1 - V0 is more than the work G . d, less the same of damping, J.
   double missed_work_ = 0.0;
   State z1_;    // of the last step that was made
   VectorXd D_;  // 1/s
@@ -513,30 +455,25 @@ class EnergyPreserving final : public Integrator {
   VectorXd S_;
   StrainDamping strain_;
   Filter N_;
-  PotentialWorkspace workspace_;
-  Evaluation at_end_;
+  StepEnds ends_;
   MatrixXd Z_;         // h^2 K/4, spent by N_.compute(); scratch of the exact solve
   MatrixXd N_matrix_;  // N in the model's coordinates, for the exact solve
   NewtonWorkspace newton_;
   VectorXd d_;
   VectorXd q1_;
   VectorXd G_;
-  VectorXd G_before_;      // of the last step that was made
-  VectorXd d_hat_before_;  // of the last step that succeeded
-  VectorXd G_predicted_;   // without G_missed_
-  VectorXd G_missed_;      // G less G_predicted_ at the step before
   VectorXd d_hat_;
   VectorXd dp_hat_;  // Dp
   VectorXd b_hat_;
   VectorXd g_hat_;
-  VectorXd x_;     // scratch
-  VectorXd move_;  // of d, in the model's coordinates
-  // Of strain_: rest(qm) d, its prediction before it is evaluated (without rest_missed_, the
-  // difference in the step before), and its work d.rest(qm) d/h, J.
+  VectorXd x_;        // scratch
+  VectorXd move_;     // of d
+  VectorXd missed_;   // d of the last step less what its first correction gave
+  VectorXd without_;  // d after the first correction
+  VectorXd bent_;     // scratch
+  // Of strain_: rest(qm) d, and its work d.rest(qm) d/h, J.
   VectorXd middle_;
   VectorXd rest_;
-  VectorXd rest_predicted_;
-  VectorXd rest_missed_;
   double rest_work_ = 0.0;
   std::array<VectorXd, kUpdates> moves_;
   const VectorXd* q0_ = nullptr;

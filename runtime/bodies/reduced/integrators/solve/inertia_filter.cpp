@@ -134,17 +134,6 @@ void RationalFilter::solve(Eigen::VectorXd& x) {
   resolvents_.apply(fractions_.of_inverse, 0.0, x);
 }
 
-void RationalFilter::multiply(Eigen::VectorXd& x) const {
-  double before = 0.0;  // the entry above, as it was
-  for (Eigen::Index i = 0; i < x.size(); ++i) {
-    double sum = tridiagonal_.diagonal()[i] * x[i];
-    if (i > 0) sum += tridiagonal_.off()[i - 1] * before;
-    if (i + 1 < x.size()) sum += tridiagonal_.off()[i] * x[i + 1];
-    before = x[i];
-    x[i] = sum;
-  }
-}
-
 namespace {
 
 using Eigen::Index;

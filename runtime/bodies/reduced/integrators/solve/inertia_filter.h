@@ -12,7 +12,6 @@
 //     to_basis(x)          x <- W^T x
 //     from_basis(x)        x <- W x
 //     apply(x), solve(x)   in the basis: x <- N x and x <- J^-1 x
-//     multiply(x)          in the basis: x <- Z x; only where N follows the state
 //     carry(stream)        saves or restores the results of compute()
 //
 // Nothing is allocated after construction.
@@ -78,10 +77,9 @@ class RationalFilter {
   void to_basis(Eigen::VectorXd& x) const { tridiagonal_.to_basis(x); }      // x <- W^T x
   void from_basis(Eigen::VectorXd& x) const { tridiagonal_.from_basis(x); }  // x <- W x
 
-  // In the basis: x <- N x, x <- (N^2 + T)^-1 x and x <- T x.
+  // In the basis: x <- N x and x <- (N^2 + T)^-1 x.
   void apply(Eigen::VectorXd& x);
   void solve(Eigen::VectorXd& x);
-  void multiply(Eigen::VectorXd& x) const;
 
   // Saves or restores the results of compute().
   void carry(StateStream& stream) { stream(tridiagonal_, resolvents_); }
@@ -155,6 +153,7 @@ class DiagonalFilter {
   void from_basis(Eigen::VectorXd&) const {}
   void apply(Eigen::VectorXd& x) const { x = n_.cwiseProduct(x); }
   void solve(Eigen::VectorXd& x) const { factor_.solve(x); }
+  void carry(StateStream& stream) { stream(factor_); }
 
  private:
   Eigen::VectorXd n_;
@@ -203,11 +202,6 @@ class DampedMatrixFilter {
     if (jacobian_.strong) return factor_.solve(x);
     filter_.to_basis(x);
     filter_.solve(x);
-    filter_.from_basis(x);
-  }
-  void multiply(Eigen::VectorXd& x) const {
-    filter_.to_basis(x);
-    filter_.multiply(x);
     filter_.from_basis(x);
   }
   void carry(StateStream& stream) { stream(filter_, factor_); }

@@ -1,0 +1,68 @@
+#include "runtime/bodies/reduced/integrators/solve/step_ends.h"
+
+#include <limits>
+#include <utility>
+
+namespace tremolo {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr unsigned kAll = kWantEnergy | kWantForce | kWantTangent;
+
+}  // namespace
+
+StepEnds::StepEnds(const Potential& potential)
+    : potential_(potential),
+      workspace_(potential.make_workspace(kUseTangent)),
+      start_(potential.make_evaluation()),
+      end_(start_),
+      middle_(start_),
+      start_q_(VectorXd::Constant(potential.size(), std::numeric_limits<double>::quiet_NaN())),
+      bend_(VectorXd::Zero(potential.size())),
+      image0_(bend_),
+      image1_(bend_) {}
+
+void StepEnds::start_at(const VectorXd& q0) {
+  if (start_q_ == q0) return;
+  potential_.evaluate(q0, kAll, workspace_, start_);
+  start_q_ = q0;
+}
+
+void StepEnds::end_at(const VectorXd& q1, const VectorXd& d, VectorXd& G) {
+  potential_.evaluate(q1, kAll, workspace_, end_);
+  bend_.setZero();
+  for (Index j = 0; j < d.size(); ++j)
+    bend_ += (d[j] / 12.0) * (end_.tangent.col(j) - start_.tangent.col(j));
+  G = 0.5 * (start_.force + end_.force) - bend_;
+}
+
+void StepEnds::mean_derivative(const VectorXd& middle, Eigen::MatrixXd& out) {
+  potential_.evaluate(middle, kWantTangent, workspace_, middle_);
+  out = middle_.tangent / 3.0 + end_.tangent / 6.0;
+}
+
+void StepEnds::move_end(const VectorXd& move, const VectorXd& q1, VectorXd& G, VectorXd& bent) {
+  image0_.noalias() = start_.tangent * move;
+  image1_.noalias() = end_.tangent * move;
+  bent = 0.5 * (image0_ + image1_);
+  G += image0_ / 6.0 + image1_ / 3.0;
+  end_.force += image1_;
+  potential_.evaluate(q1, kWantEnergy, workspace_, end_);
+}
+
+void StepEnds::accept(const VectorXd& q1) {
+  std::swap(start_, end_);
+  start_q_ = q1;
+}
+
+void StepEnds::forget() {
+  start_q_.setConstant(std::numeric_limits<double>::quiet_NaN());
+}
+
+void StepEnds::carry(StateStream& stream) {
+  stream(start_q_, start_.energy, start_.force, start_.tangent);
+}
+
+}  // namespace tremolo

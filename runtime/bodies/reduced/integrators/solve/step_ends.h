@@ -1,0 +1,69 @@
+// V, its gradient g and its tangent K at both ends of a step from q0 to q1 = q0 + d, for ep4.
+//
+// V is quartic, so that g is cubic on the segment. Its mean G, which ep4 needs, follows from the
+// ends alone, exactly (Hermite's formula), and so does the tangent near the middle m:
+//
+//     G = (g0 + g1)/2 - (K1 - K0) d/12,      (K0 + K1)/2 = K(m) + O(d^2),
+//     dG = (K0/6 + K1/3) dq1 + O(d^2 dq1).
+//
+// The end of a step is the start of the next. So a step costs one evaluation, of all three at an
+// end q1 near the solution. After a last small move of q1 only V is evaluated; g and G follow to
+// first order, and K stays.
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "common/state_stream.h"
+#include "runtime/math/kernels/potential.h"
+
+namespace tremolo {
+
+class StepEnds {
+ public:
+  explicit StepEnds(const Potential& potential);  // must outlive this
+
+  // Makes q0, r, the start. Evaluates nothing if the last accepted end is there.
+  void start_at(const Eigen::VectorXd& q0);
+  // At the start: energy V0, J; force g0, r; tangent K0, r x r.
+  const Evaluation& start() const { return start_; }
+
+  // Evaluates the end q1 and sets G, r.
+  void end_at(const Eigen::VectorXd& q1, const Eigen::VectorXd& d, Eigen::VectorXd& G);
+  void mean_tangent(Eigen::MatrixXd& K) const { K = 0.5 * (start_.tangent + end_.tangent); }
+
+  // The derivative of G with respect to q1, exact, r x r: Simpson's mean of s K, which takes an
+  // evaluation in the middle, (q0 + q1)/2.
+  void mean_derivative(const Eigen::VectorXd& middle, Eigen::MatrixXd& out);
+
+  // Moves the end by `move`, to q1, and G with it. bent: receives (K0 + K1)/2 move, r.
+  void move_end(const Eigen::VectorXd& move, const Eigen::VectorXd& q1, Eigen::VectorXd& G,
+                Eigen::VectorXd& bent);
+  // The error, of the order of `share`, that G of the next step has if the end is moved by this
+  // share of d: its K0 is not that of the moved end.
+  double lag(double share) const { return share * bend_.norm(); }
+
+  double work() const { return end_.energy - start_.energy; }  // V1 - V0, J
+  // V where the last accepted end is q; none elsewhere.
+  std::optional<double> known_energy(const Eigen::VectorXd& q) const {
+    return start_q_ == q ? std::optional(start_.energy) : std::nullopt;
+  }
+
+  // The step is done: its end q1 becomes the start of the next.
+  void accept(const Eigen::VectorXd& q1);
+  void forget();  // the start is not known
+
+  // Saves or restores what the next step begins with.
+  void carry(StateStream& stream);
+
+ private:
+  const Potential& potential_;
+  PotentialWorkspace workspace_;
+  Evaluation start_, end_, middle_;
+  Eigen::VectorXd start_q_;  // of start_, NaN if it is not known
+  Eigen::VectorXd bend_;     // (K1 - K0) d/12
+  Eigen::VectorXd image0_, image1_;
+};
+
+}  // namespace tremolo
