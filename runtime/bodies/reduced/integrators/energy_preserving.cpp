@@ -41,13 +41,13 @@
 //     g(d) = (h/2) N Dp(d) + (h^2/2) (G - f) + (h/2) D d = 0,      Jacobian about N^2 + (h^2/4) K
 //
 // in the basis W in which N is simplest (solve/inertia_filter.h): a hat is x_hat = W^T x. With
-// b = -p0 [+ (h/12) Df], (a) is Dp = S (N d/h + b). V, its gradient and its tangent are known at
-// the start of a step and give a first G, g0 + K0 d/2. With the frozen Jacobian and the N of the
-// step before, one correction follows, and then the move by which that correction missed in the
-// step before. V is evaluated there (solve/step_ends.h), which gives the exact G and K + O(h^2) for
-// N and for a new frozen Jacobian. Each further correction costs one evaluation and is sharpened by
-// Broyden's updates. Where that stalls the exact Jacobian and a line search take over
-// (runtime/bodies/reduced/integrators/solve/newton.h).
+// b = -p0 [+ (h/12) Df], (a) is Dp = S (N d/h + b). G of the step before and its K give a first G.
+// With that K in the frozen Jacobian and the N of the step before, one correction follows, and then
+// the move by which that correction missed in the step before. V, its gradient and its tangent are
+// evaluated at the end that this gives (solve/step_ends.h): hence the exact G, and K + O(h^2) for N
+// and for a new frozen Jacobian. Each further correction costs an evaluation of the gradient, and
+// is sharpened by Broyden's updates. Where that stalls the exact Jacobian and a line search take
+// over (runtime/bodies/reduced/integrators/solve/newton.h).
 //
 // The corrections shrink the residual by a rate that hardly changes from step to step. Where the
 // rate of a recent step, with a margin, says that a correction reaches the tolerance, nothing is
@@ -84,6 +84,7 @@ constexpr int kFilterFollows = 3;      // corrections at most, lest N and d chas
 constexpr double kFarthestFix = 0.1;  // of T(p1): no larger energy defect is given back (give_back)
 constexpr double kStrict = 1e-13;     // the solve's tolerance where the defect cannot be given back
 constexpr int kTrustedSteps = 8;      // steps for which a measured rate of correction is used
+constexpr double kMostLag = 0.25;     // of a residual's limit: StepEnds::lag
 constexpr double kRateMargin = 8.0;   // times below the limit must be what the rate predicts
 
 template <class Filter>
@@ -103,11 +104,12 @@ class EnergyPreserving final : public Integrator {
         strain_(*model_, options.beta, options.tolerance),
         N_(std::move(filter)),
         ends_(model_->potential()),
-        Z_(MatrixXd::Zero(D_.size(), D_.size())),
+        K_(MatrixXd::Zero(D_.size(), D_.size())),
+        Z_(K_),
         N_matrix_(Z_),
         newton_(D_.size()) {
-    for (VectorXd* v : {&d_, &q1_, &G_, &d_hat_, &dp_hat_, &b_hat_, &g_hat_, &x_, &move_, &missed_,
-                        &without_, &bent_, &middle_, &rest_})
+    for (VectorXd* v : {&d_, &q1_, &G_, &d_hat_, &dp_hat_, &b_hat_, &g_hat_, &x_, &move_,
+                        &d_before_, &G_before_, &missed_, &without_, &bent_, &middle_, &rest_})
       v->setZero(D_.size());
     for (VectorXd& v : moves_) v.setZero(D_.size());
     z1_ = {d_, d_};
@@ -140,6 +142,8 @@ class EnergyPreserving final : public Integrator {
     }
     ends_.accept(q1_);
     N_of_last_step_ = true;
+    d_before_ = d_;
+    G_before_ = G_;
     z1_ = state;
     if (predicted_)
       missed_ = d_ - without_;
@@ -155,7 +159,7 @@ class EnergyPreserving final : public Integrator {
   void carry(StateStream& stream) override {
     stream(N_of_last_step_);
     if (!N_of_last_step_ || !stream.good()) return;
-    stream(z1_, missed_, N_, ends_, rate_, trusted_steps_);
+    stream(z1_, d_before_, G_before_, missed_, K_, N_, ends_, rate_, trusted_steps_);
   }
   std::string_view name() const override { return name_; }
   std::optional<double> known_potential(const VectorXd& q) const override {
@@ -238,13 +242,18 @@ class EnergyPreserving final : public Integrator {
     return relative_residual(g_hat_.norm(), tolerance_, h, p0_->norm(), G_.norm(), f_norm);
   }
 
-  // G for the first correction, to first order in d, and rest(qm) d with K0 instead of J^T G J.
+  // G for the first correction, from the step before: with K near that step's midpoint m' and its
+  // mean force G' over d', grad V(q) = G' + K (q - m'), so G = G' + K (d' + d)/2. The frozen
+  // Jacobian has the same K. rest(qm) d has it instead of J^T G J.
   void predict_gradient() {
     enter_basis();
-    bent_.noalias() = ends_.start().tangent * d_;
-    G_ = ends_.start().force + 0.5 * bent_;
+    x_ = 0.5 * (d_before_ + d_);
+    bent_.noalias() = K_ * x_;
+    G_ = G_before_ + bent_;
     missed_work_ = 0.0;
-    if (strain_.present()) rest_ = strain_.beta() * (bent_ - model_->lambda().cwiseProduct(d_));
+    if (!strain_.present()) return;
+    bent_.noalias() = K_ * d_;
+    rest_ = strain_.beta() * (bent_ - model_->lambda().cwiseProduct(d_));
   }
 
   // After the first correction from predict_gradient().
@@ -256,9 +265,13 @@ class EnergyPreserving final : public Integrator {
     d_hat_ += x_;
   }
 
-  void evaluate_gradient() {
+  // G and what is known at the end. near: the end has moved little, by move_.
+  void evaluate_gradient(bool near = false) {
     q1_ = *q0_ + d_;
-    ends_.end_at(q1_, d_, G_);
+    if (near)
+      ends_.end_near(move_, q1_, d_, G_);
+    else
+      ends_.end_at(q1_, d_, G_);
     missed_work_ = ends_.work() - G_.dot(d_);
     if (!strain_.present()) return;
     middle_ = *q0_ + 0.5 * d_;
@@ -269,8 +282,8 @@ class EnergyPreserving final : public Integrator {
   // depend on them. False if that fails.
   bool make_filter() {
     N_of_last_step_ = false;
-    ends_.mean_tangent(Z_);
-    Z_ *= 0.25 * h_ * h_;
+    ends_.mean_tangent(K_);
+    Z_ = (0.25 * h_ * h_) * K_;
     const bool usable = Z_.allFinite() && N_.compute(Z_);
     enter_basis();
     return usable;
@@ -331,14 +344,15 @@ class EnergyPreserving final : public Integrator {
       N_.from_basis(move_);
       d_hat_ += move;
       d_ += move_;
-      if (settled && updates == 0 && is_last_move(ratio)) {
+      const bool small = settled && is_small_move(ratio);
+      if (small && updates == 0 && is_last_move(ratio)) {
         report.residual *= rate_;
         report.converged = follow_last_move();
         ++report.iterations;
         break;
       }
       if (predicted_ && report.iterations == 0) move_as_missed_before();
-      evaluate_gradient();
+      evaluate_gradient(small);
       if (settled)
         ++updates;
       else
@@ -354,12 +368,15 @@ class EnergyPreserving final : public Integrator {
     return report;
   }
 
-  // True: after this correction, move_, of a residual no other one will be needed, and G of the
-  // next step will be good enough.
+  // True: after this correction of a residual no other one will be needed.
   bool is_last_move(double ratio) const {
-    if (!predicted_ || trusted_steps_ == 0 || kRateMargin * rate_ * ratio > 1.0) return false;
-    const double lag = h_ * h_ * ends_.lag(move_.norm() / d_.norm());
-    return lag * ratio <= g_hat_.norm();
+    return predicted_ && trusted_steps_ > 0 && kRateMargin * rate_ * ratio <= 1.0;
+  }
+
+  // True: the end may move by move_ and keep its tangent.
+  bool is_small_move(double ratio) const {
+    const double lag = 0.5 * h_ * h_ * ends_.lag(move_, d_);
+    return lag * ratio <= kMostLag * g_hat_.norm();
   }
 
   // The residual's parts and the energy after the step's last move, without an evaluation of V's
@@ -456,6 +473,7 @@ class EnergyPreserving final : public Integrator {
   StrainDamping strain_;
   Filter N_;
   StepEnds ends_;
+  MatrixXd K_;         // near the midpoint, of N_ and the frozen Jacobian
   MatrixXd Z_;         // h^2 K/4, spent by N_.compute(); scratch of the exact solve
   MatrixXd N_matrix_;  // N in the model's coordinates, for the exact solve
   NewtonWorkspace newton_;
@@ -466,11 +484,12 @@ class EnergyPreserving final : public Integrator {
   VectorXd dp_hat_;  // Dp
   VectorXd b_hat_;
   VectorXd g_hat_;
-  VectorXd x_;        // scratch
-  VectorXd move_;     // of d
-  VectorXd missed_;   // d of the last step less what its first correction gave
-  VectorXd without_;  // d after the first correction
-  VectorXd bent_;     // scratch
+  VectorXd x_;                    // scratch
+  VectorXd move_;                 // of d
+  VectorXd d_before_, G_before_;  // of the last step that was made
+  VectorXd missed_;               // d of the last step less what its first correction gave
+  VectorXd without_;              // d after the first correction
+  VectorXd bent_;                 // scratch
   // Of strain_: rest(qm) d, and its work d.rest(qm) d/h, J.
   VectorXd middle_;
   VectorXd rest_;

@@ -22,19 +22,34 @@ StepEnds::StepEnds(const Potential& potential)
       start_q_(VectorXd::Constant(potential.size(), std::numeric_limits<double>::quiet_NaN())),
       bend_(VectorXd::Zero(potential.size())),
       image0_(bend_),
-      image1_(bend_) {}
+      image1_(bend_),
+      start_move_(bend_),
+      end_move_(bend_) {}
 
 void StepEnds::start_at(const VectorXd& q0) {
   if (start_q_ == q0) return;
   potential_.evaluate(q0, kAll, workspace_, start_);
   start_q_ = q0;
+  start_move_.setZero();
 }
 
 void StepEnds::end_at(const VectorXd& q1, const VectorXd& d, VectorXd& G) {
   potential_.evaluate(q1, kAll, workspace_, end_);
-  bend_.setZero();
-  for (Index j = 0; j < d.size(); ++j)
-    bend_ += (d[j] / 12.0) * (end_.tangent.col(j) - start_.tangent.col(j));
+  end_move_.setZero();
+  set_mean(d, G);
+}
+
+void StepEnds::end_near(const VectorXd& move, const VectorXd& q1, const VectorXd& d, VectorXd& G) {
+  potential_.evaluate(q1, kWantEnergy | kWantForce, workspace_, end_);
+  end_move_ += move;
+  set_mean(d, G);
+}
+
+void StepEnds::set_mean(const VectorXd& d, VectorXd& G) {
+  image1_ = d + end_move_ - start_move_;
+  bend_.noalias() = end_.tangent * image1_;
+  bend_.noalias() -= start_.tangent * image1_;
+  bend_ /= 12.0;
   G = 0.5 * (start_.force + end_.force) - bend_;
 }
 
@@ -49,12 +64,14 @@ void StepEnds::move_end(const VectorXd& move, const VectorXd& q1, VectorXd& G, V
   bent = 0.5 * (image0_ + image1_);
   G += image0_ / 6.0 + image1_ / 3.0;
   end_.force += image1_;
+  end_move_ += move;
   potential_.evaluate(q1, kWantEnergy, workspace_, end_);
 }
 
 void StepEnds::accept(const VectorXd& q1) {
   std::swap(start_, end_);
   start_q_ = q1;
+  start_move_ = end_move_;
 }
 
 void StepEnds::forget() {
@@ -62,7 +79,7 @@ void StepEnds::forget() {
 }
 
 void StepEnds::carry(StateStream& stream) {
-  stream(start_q_, start_.energy, start_.force, start_.tangent);
+  stream(start_q_, start_.energy, start_.force, start_.tangent, start_move_);
 }
 
 }  // namespace tremolo

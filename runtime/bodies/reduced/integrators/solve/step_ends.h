@@ -7,8 +7,14 @@
 //     dG = (K0/6 + K1/3) dq1 + O(d^2 dq1).
 //
 // The end of a step is the start of the next. So a step costs one evaluation, of all three at an
-// end q1 near the solution. After a last small move of q1 only V is evaluated; g and G follow to
-// first order, and K stays.
+// end q1 near the solution. After a small move x of q1 only V and g are evaluated again, or, after
+// the last move of all, V: then g and G follow to first order. K stays that of q1 - x. Since the
+// third derivative of V is symmetric, K'[x] d = K'[d] x, and near (K1 - K0) x. So with the moves x0
+// and x1 of the two ends since their tangents were evaluated
+//
+//     (K1 - K0) d  becomes  (K1 - K0) (d - x0 + x1),
+//
+// whose error is of second order in the moves, or first in them and second in d.
 #pragma once
 
 #include <optional>
@@ -31,6 +37,9 @@ class StepEnds {
 
   // Evaluates the end q1 and sets G, r.
   void end_at(const Eigen::VectorXd& q1, const Eigen::VectorXd& d, Eigen::VectorXd& G);
+  // Evaluates V and its gradient alone at the end after a move to q1 = q0 + d, and sets G.
+  void end_near(const Eigen::VectorXd& move, const Eigen::VectorXd& q1, const Eigen::VectorXd& d,
+                Eigen::VectorXd& G);
   void mean_tangent(Eigen::MatrixXd& K) const { K = 0.5 * (start_.tangent + end_.tangent); }
 
   // The derivative of G with respect to q1, exact, r x r: Simpson's mean of s K, which takes an
@@ -40,9 +49,11 @@ class StepEnds {
   // Moves the end by `move`, to q1, and G with it. bent: receives (K0 + K1)/2 move, r.
   void move_end(const Eigen::VectorXd& move, const Eigen::VectorXd& q1, Eigen::VectorXd& G,
                 Eigen::VectorXd& bent);
-  // The error, of the order of `share`, that G of the next step has if the end is moved by this
-  // share of d: its K0 is not that of the moved end.
-  double lag(double share) const { return share * bend_.norm(); }
+  // How much of G's second part the moves of the ends correct if the end moves by `move`; what
+  // they leave is some 40 times smaller.
+  double lag(const Eigen::VectorXd& move, const Eigen::VectorXd& d) const {
+    return (end_move_ + move).norm() / d.norm() * bend_.norm();
+  }
 
   double work() const { return end_.energy - start_.energy; }  // V1 - V0, J
   // V where the last accepted end is q; none elsewhere.
@@ -58,12 +69,15 @@ class StepEnds {
   void carry(StateStream& stream);
 
  private:
+  void set_mean(const Eigen::VectorXd& d, Eigen::VectorXd& G);
+
   const Potential& potential_;
   PotentialWorkspace workspace_;
   Evaluation start_, end_, middle_;
   Eigen::VectorXd start_q_;  // of start_, NaN if it is not known
   Eigen::VectorXd bend_;     // (K1 - K0) d/12
   Eigen::VectorXd image0_, image1_;
+  Eigen::VectorXd start_move_, end_move_;  // moves since K0 and K1 were evaluated
 };
 
 }  // namespace tremolo
