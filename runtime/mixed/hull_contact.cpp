@@ -171,18 +171,10 @@ void HullContact::settle(ContactAccount& first_account, ContactAccount& second_a
 
 void HullContact::remember() {
   for (const Touch& touch : touches_) {
-    if (!touch.near || !(touch.now.distance < 0.0)) continue;
-    const Matrix3d back = touch.axes.transpose();
     const double length = touch.held.normal.norm();
     const Vector3d normal =
         length > 0.0 ? Vector3d(touch.held.normal / length) : Vector3d(Vector3d::UnitZ());
-    points_->remember({.obstacle = obstacle_,
-                       .point = touch.point,
-                       .begins = std::min(0.0, std::max(touch.law.begins, touch.now.distance)),
-                       .limit = touch.now.limit,
-                       .slip = back * touch.now.slip,
-                       .normal = back * normal,
-                       .element = touch.end_element});
+    // A point that has left by the end of the step was pushed too.
     if (touch.now.acts && touch.now.pressure != 0.0)
       points_->note({.vertex = points_->number_of(touch.point),
                      .on_body = true,
@@ -190,6 +182,15 @@ void HullContact::remember() {
                      .position = touch.motion.end,
                      .normal = normal,
                      .impulse = h_ * touch.now.force});
+    if (!touch.near || !(touch.now.distance < 0.0)) continue;
+    const Matrix3d back = touch.axes.transpose();
+    points_->remember({.obstacle = obstacle_,
+                       .point = touch.point,
+                       .begins = std::min(0.0, std::max(touch.law.begins, touch.now.distance)),
+                       .limit = touch.now.limit,
+                       .slip = back * touch.now.slip,
+                       .normal = back * normal,
+                       .element = touch.end_element});
   }
 }
 

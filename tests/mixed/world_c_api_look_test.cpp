@@ -116,6 +116,38 @@ TEST_F(WorldCApiLook, EventsNameBothBodies) {
     }
 }
 
+// Also of a point that has left by the end of the step.
+TEST_F(WorldCApiLook, PointsOfTwoBodiesAddUpToTheirImpulse) {
+  for (const CubeKind below : kKinds)
+    for (const CubeKind above : kKinds) {
+      if (below == CubeKind::kCloth && above == CubeKind::kCloth) continue;  // they do not meet
+      SCOPED_TRACE(std::to_string(static_cast<int>(below)) +
+                   std::to_string(static_cast<int>(above)));
+      tremolo_world* world = make_world(false);
+      const tremolo_body_id other = add(world, below, at("below", {0.0, 0.0, 1.0}));
+      tremolo_scene_body place = at("above", {0.0, 0.0, 1.0 + 2.2 * kHalfEdge});
+      place.velocity[2] = -1.0;
+      const tremolo_body_id body = add(world, above, place);
+      const Eigen::Vector3d start = momentum(world, body);
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      constexpr int kSteps = 60;
+      for (int k = 0; k < kSteps; ++k) {
+        advance(world, 1);
+        std::array<tremolo_contact_point, 400> points;
+        std::size_t count = 0;
+        ASSERT_EQ(tremolo_world_contact_points(world, body, other, 0, points.data(), points.size(),
+                                               &count),
+                  TREMOLO_OK);
+        for (std::size_t i = 0; i < count; ++i)
+          sum += Eigen::Map<const Eigen::Vector3d>(points[i].impulse);
+      }
+      Eigen::Vector3d change = momentum(world, body) - start;
+      change.z() += mass(above) * kFall * kSteps * kWorldStep;
+      EXPECT_GT(sum.z(), 0.02 * mass(above));
+      EXPECT_LT((sum - change).norm(), 1e-6 * sum.norm());
+    }
+}
+
 // A ray from above hits each kind; its site is there and moves as the body does.
 TEST_F(WorldCApiLook, RaysHitSitesOfEachKind) {
   for (const CubeKind kind : kKinds) {
