@@ -681,7 +681,8 @@ typedef struct tremolo_curve_options {
                              * TREMOLO_ANY_VERTEX */
   int32_t mode;             /* whose backbone it is, and in which a chosen probe moves; from 1; 1 */
   int32_t harmonics;        /* of the motion at the start, 1 to 99; 5 */
-  int32_t most_harmonics;   /* more are added up to this number, to 99; 15 */
+  int32_t most_harmonics;   /* more are added up to this number, to 99; 0: 25 of a response, 15 of
+                             * a backbone, or `harmonics` if that is more; 0 */
   int32_t most_points;      /* a curve ends after so many, from 2 on; 4000 */
   int32_t stability;        /* nonzero: stability and bifurcations are computed; 1 */
   int32_t reserved;         /* 0 */

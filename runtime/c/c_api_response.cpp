@@ -50,8 +50,9 @@ Status check(const tremolo_curve_options& given, const Model& model) {
                          std::to_string(model.modes()));
   if (given.harmonics < 1 || given.harmonics > kMost)
     return content_error("harmonics must be from 1 to 99");
-  if (given.most_harmonics < given.harmonics || given.most_harmonics > kMost)
-    return content_error("most_harmonics must be from harmonics to 99");
+  if (given.most_harmonics != 0 &&
+      (given.most_harmonics < given.harmonics || given.most_harmonics > kMost))
+    return content_error("most_harmonics must be from harmonics to 99, or 0");
   if (given.most_points < 2) return content_error("most_points must be at least 2");
   if (!(given.harmonic_share > 0.0)) return content_error("harmonic_share must be positive");
   if (!(given.longest_step > 0.0) || given.longest_step > 1.0)
@@ -141,7 +142,8 @@ Result<Eigen::VectorXd> constant_of(const tremolo_curve_options& given, const Mo
   return constant;
 }
 
-Result<Vibration> vibration_of(const Model& model, const tremolo_curve_options& given) {
+Result<Vibration> vibration_of(const Model& model, const tremolo_curve_options& given,
+                               Eigen::Index usual_most) {
   if (Status s = check(given, model); !s) return s.error();
   Result<Probe> probe = probe_of(given, model);
   if (!probe) return probe.error();
@@ -153,7 +155,9 @@ Result<Vibration> vibration_of(const Model& model, const tremolo_curve_options& 
   if (!constant) return constant.error();
   CurveOptions options;
   options.harmonics = given.harmonics;
-  options.most_harmonics = given.most_harmonics;
+  options.most_harmonics = given.most_harmonics == 0
+                               ? std::max<Eigen::Index>(usual_most, given.harmonics)
+                               : given.most_harmonics;
   options.harmonic_share = given.harmonic_share;
   options.stability = given.stability != 0;
   options.most_points = given.most_points;
@@ -294,7 +298,7 @@ void tremolo_curve_options_init(tremolo_curve_options* options) {
               .probe = TREMOLO_ANY_VERTEX,
               .mode = 1,
               .harmonics = static_cast<int32_t>(defaults.harmonics),
-              .most_harmonics = static_cast<int32_t>(defaults.most_harmonics),
+              .most_harmonics = 0,
               .most_points = defaults.most_points,
               .stability = 1,
               .reserved = 0,
@@ -316,23 +320,23 @@ void tremolo_curve_options_init(tremolo_curve_options* options) {
 
 tremolo_status tremolo_response(const tremolo_model* model, const tremolo_curve_options* options,
                                 double from_hz, double to_hz, tremolo_curve** curve) {
-  return make_curve(model, options, curve,
-                    [&](const Model::Pointer& known, const tremolo_curve_options& full) -> Status {
-                      Result<Vibration> made = vibration_of(*known, full);
-                      if (!made) return made.error();
-                      if (Status s = need_load(*made, full); !s) return s;
-                      const Result<FourierSeries> course = course_of(full);
-                      if (!course) return course.error();
-                      if (Status s = show_response(*known, full, *course, *made); !s) return s;
-                      if (!made->system.damped()) limit_undamped(made->options);
-                      ResponseRequest request{made->load * *course, kTurn * from_hz, kTurn * to_hz};
-                      request.force.col(0) = made->constant;
-                      Result<MotionCurve> found =
-                          response_curve(made->system, request, made->options);
-                      tremolo_curve begun = begin_curve(known, *made, full.load_scale);
-                      begun.request = std::move(request);
-                      return store(std::move(begun), std::move(found), curve);
-                    });
+  return make_curve(
+      model, options, curve,
+      [&](const Model::Pointer& known, const tremolo_curve_options& full) -> Status {
+        Result<Vibration> made = vibration_of(*known, full, tremolo::kMostHarmonicsOfResponse);
+        if (!made) return made.error();
+        if (Status s = need_load(*made, full); !s) return s;
+        const Result<FourierSeries> course = course_of(full);
+        if (!course) return course.error();
+        if (Status s = show_response(*known, full, *course, *made); !s) return s;
+        if (!made->system.damped()) limit_undamped(made->options);
+        ResponseRequest request{made->load * *course, kTurn * from_hz, kTurn * to_hz};
+        request.force.col(0) = made->constant;
+        Result<MotionCurve> found = response_curve(made->system, request, made->options);
+        tremolo_curve begun = begin_curve(known, *made, full.load_scale);
+        begun.request = std::move(request);
+        return store(std::move(begun), std::move(found), curve);
+      });
 }
 
 tremolo_status tremolo_backbone(const tremolo_model* model, const tremolo_curve_options* options,
@@ -345,7 +349,7 @@ tremolo_status tremolo_backbone(const tremolo_model* model, const tremolo_curve_
               "a backbone is the free motion without damping: leave it out, or use "
               "tremolo_damped_backbone");
         if (Status s = check_amplitude(to_amplitude); !s) return s;
-        Result<Vibration> made = vibration_of(*known, full);
+        Result<Vibration> made = vibration_of(*known, full, tremolo::kMostHarmonicsOfBackbone);
         if (!made) return made.error();
         if (Status s = show_response(*known, full, FourierSeries::Zero(1, 3), *made); !s) return s;
         made->options.largest_amplitude =
@@ -366,7 +370,7 @@ tremolo_status tremolo_damped_backbone(const tremolo_model* model,
         if (full.load_harmonics != nullptr)
           return usage_error("a damped backbone has a load of one harmonic: no load_harmonics");
         if (Status s = check_amplitude(to_amplitude); !s) return s;
-        Result<Vibration> made = vibration_of(*known, full);
+        Result<Vibration> made = vibration_of(*known, full, tremolo::kMostHarmonicsOfBackbone);
         if (!made) return made.error();
         if (!made->system.damped())
           return content_error("a damped backbone needs a damping, such as damping_ratio \"2%\"");

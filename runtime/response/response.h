@@ -16,6 +16,11 @@
 
 namespace tremolo {
 
+// H grows up to this where a program, C or Python does not say otherwise. A response beyond its
+// first fold may need many harmonics; with few, its folds are some percent too high. A backbone
+// enters internal resonances with each harmonic.
+inline constexpr Eigen::Index kMostHarmonicsOfResponse = 25, kMostHarmonicsOfBackbone = 15;
+
 // Options of response curves and backbones.
 struct CurveOptions {
   Eigen::Index harmonics = 5;        // H at the start

@@ -181,10 +181,10 @@ int tremolo_c_load_refusals(const tremolo_model* model) {
   REQUIRE(refused(tremolo_response(model, &options, 0.5, 1.0, &curve), TREMOLO_CONTENT, "no load"));
   harmonic.scale = NAN;
   REQUIRE(refused(tremolo_response(model, &options, 0.5, 1.0, &curve), TREMOLO_CONTENT, "finite"));
-  harmonic.number = 16;
+  harmonic.number = 26;
   harmonic.scale = 1.0;
   REQUIRE(
-      refused(tremolo_response(model, &options, 0.5, 1.0, &curve), TREMOLO_CONTENT, "harmonic 16"));
+      refused(tremolo_response(model, &options, 0.5, 1.0, &curve), TREMOLO_CONTENT, "harmonic 26"));
   REQUIRE(refused(tremolo_fold_curve(NULL, 0, 2.0, &curve), TREMOLO_USAGE, "response"));
 
 done:

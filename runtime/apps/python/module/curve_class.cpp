@@ -55,11 +55,12 @@ ProbeResponse probe_response_of(const Model& model, const Probe& probe, py::hand
       model, probe.vertex, load_scale * place_forces_of(model, model.default_load()), course, 0.0));
 }
 
-CurveOptions options_of(int harmonics, bool stability, const Probe& probe, double largest) {
+CurveOptions options_of(int harmonics, Eigen::Index usual_most, bool stability, const Probe& probe,
+                        double largest) {
   if (harmonics < 1 || harmonics > 99) raise(content_error("harmonics must be from 1 to 99"));
   CurveOptions options;
   options.harmonics = harmonics;
-  options.most_harmonics = std::max<Eigen::Index>(harmonics, options.most_harmonics);
+  options.most_harmonics = std::max<Eigen::Index>(harmonics, usual_most);
   options.stability = stability;
   options.largest_amplitude = largest;
   options.amplitude = amplitude_of(probe);
@@ -164,7 +165,8 @@ py::dict response(const PyModel& self, const std::pair<double, double>& frequenc
   if (!(factor > 0.0) || !std::isfinite(factor))
     raise(content_error("folds_to must be finite, not zero, and have the sign of load_scale"));
   const Probe seen = probe_of(probe, model, 0);
-  CurveOptions options = options_of(harmonics, stability, seen, extent_of(model));
+  CurveOptions options =
+      options_of(harmonics, kMostHarmonicsOfResponse, stability, seen, extent_of(model));
   options.loaded_amplitude =
       loaded_amplitude_of(seen, probe_response_of(model, seen, load, load_scale, course));
   const MotionCurve curve = traced([&] { return response_curve(system, request, options); });
@@ -195,8 +197,9 @@ py::dict backbone(const PyModel& self, int mode, double to_amplitude, py::handle
   check_mode(mode, model);
   const VibratingSystem system = system_of(model, 0.0, 0.0, py::none());
   const BackboneRequest request{mode - 1, force_of(constant, model, "constant"), to_amplitude};
-  const CurveOptions options = options_of(harmonics, stability, probe_of(probe, model, mode - 1),
-                                          std::max(2.0 * to_amplitude, extent_of(model)));
+  const CurveOptions options =
+      options_of(harmonics, kMostHarmonicsOfBackbone, stability, probe_of(probe, model, mode - 1),
+                 std::max(2.0 * to_amplitude, extent_of(model)));
   return dict_of(traced([&] { return backbone_curve(system, request, options); }), system, 0.0);
 }
 
@@ -211,8 +214,8 @@ py::dict damped_backbone(const PyModel& self, int mode, double to_amplitude, py:
   const DampedBackboneRequest request{mode - 1, force_of(constant, model, "constant"),
                                       load_of(load, load_scale, model), to_amplitude};
   const Probe seen = probe_of(probe, model, mode - 1);
-  CurveOptions options =
-      options_of(harmonics, stability, seen, std::max(2.0 * to_amplitude, extent_of(model)));
+  CurveOptions options = options_of(harmonics, kMostHarmonicsOfBackbone, stability, seen,
+                                    std::max(2.0 * to_amplitude, extent_of(model)));
   FourierSeries cosine = FourierSeries::Zero(1, 3);
   cosine(0, cosine_column(1)) = 1.0;
   options.loaded_amplitude =

@@ -418,7 +418,7 @@ int response_command(const ResponseOptions& options) {
   const GuardedInputs guard(inputs);
   const Result<PeriodicModel> made = periodic_model(options, true, 0);
   if (!made) return report_error(made.error());
-  Result<CurveOptions> curve = curve_options(options, *made);
+  Result<CurveOptions> curve = curve_options(options, *made, kMostHarmonicsOfResponse);
   if (!curve) return report_error(curve.error());
   Result<VibratingSystem> system = system_of(options, *made->model);
   if (!system) return report_error(system.error());
@@ -489,7 +489,7 @@ int backbone_command(const BackboneOptions& options) {
   if (!made) return report_error(made.error());
   const Result<double> amplitude = end_amplitude(options.to_amplitude, made->size);
   if (!amplitude) return report_error(amplitude.error());
-  Result<CurveOptions> curve = curve_options(options, *made);
+  Result<CurveOptions> curve = curve_options(options, *made, kMostHarmonicsOfBackbone);
   if (!curve) return report_error(curve.error());
   curve->largest_amplitude = std::max(curve->largest_amplitude, 1.01 * *amplitude);
   const Result<VibratingSystem> system =

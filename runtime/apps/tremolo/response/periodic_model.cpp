@@ -107,13 +107,15 @@ Result<PeriodicModel> periodic_model(const PeriodicOptions& options, bool needs_
   return made;
 }
 
-Result<CurveOptions> curve_options(const PeriodicOptions& options, const PeriodicModel& made) {
-  constexpr int kUsualMost = 15, kMost = 99;
+Result<CurveOptions> curve_options(const PeriodicOptions& options, const PeriodicModel& made,
+                                   Eigen::Index usual_most) {
+  constexpr int kMost = 99;
   constexpr double kLargestAmplitude = 1.0;  // relative to the size: no model is valid beyond
   if (options.harmonics < 1 || options.harmonics > kMost)
     return content_error(fmt::format("--harmonics must be from 1 to {}", kMost));
-  const int most = options.most_harmonics == 0 ? std::max(kUsualMost, options.harmonics)
-                                               : options.most_harmonics;
+  const int most = options.most_harmonics == 0
+                       ? std::max(static_cast<int>(usual_most), options.harmonics)
+                       : options.most_harmonics;
   if (most < options.harmonics || most > kMost)
     return content_error(fmt::format("--most-harmonics must be from --harmonics, {}, to {}",
                                      options.harmonics, kMost));

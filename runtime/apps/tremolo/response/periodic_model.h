@@ -34,7 +34,9 @@ struct PeriodicModel {
 Result<PeriodicModel> periodic_model(const PeriodicOptions& options, bool needs_load,
                                      Eigen::Index mode);
 
-// The options of the curve, with the probe's displacement as amplitude. Errors: kContent.
-Result<CurveOptions> curve_options(const PeriodicOptions& options, const PeriodicModel& made);
+// The options of the curve, with the probe's displacement as amplitude. usual_most: its most
+// harmonics if the flags do not say. Errors: kContent.
+Result<CurveOptions> curve_options(const PeriodicOptions& options, const PeriodicModel& made,
+                                   Eigen::Index usual_most);
 
 }  // namespace tremolo

@@ -14,7 +14,7 @@ struct PeriodicOptions : LoadedModelOptions {
   double static_scale = 0.0;  // the load's constant part
   std::string gravity;        // "X,Y,Z", m/s^2; empty: none
   int harmonics = 5;
-  int most_harmonics = 0;  // 0: 15, or `harmonics` if that is more
+  int most_harmonics = 0;  // 0: the usual ones, or `harmonics` if that is more
   double harmonic_share = 1e-3;
   double longest_step = 0.1;  // along the curve
   int most_points = 4000;

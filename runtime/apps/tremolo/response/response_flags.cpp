@@ -16,7 +16,8 @@ void add_common_flags(CLI::App& app, PeriodicOptions& o) {
   app.add_option("--harmonics", o.harmonics, "harmonics of the motion at the start")
       ->capture_default_str();
   app.add_option("--most-harmonics", o.most_harmonics,
-                 "harmonics are added up to this number (default: 15)");
+                 "harmonics are added up to this number (default: 25 of a response, 15 of a "
+                 "backbone)");
   app.add_option("--harmonic-share", o.harmonic_share,
                  "harmonics are added where the two highest hold more than this share")
       ->capture_default_str();
