@@ -1,6 +1,7 @@
 #include "runtime/response/static_state.h"
 
 #include <algorithm>
+#include <limits>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -11,15 +12,21 @@
 namespace tremolo {
 namespace {
 
-// Newton's method at one load, from q on. False: it did not converge.
+// Newton's method at one load, from q on. False: it did not converge. Where the body is soft its
+// rounding keeps the corrections above the first limit: they end where they fall no more.
 bool settle(const Potential& potential, const Eigen::VectorXd& force, PotentialWorkspace& workspace,
             Evaluation& at, Eigen::VectorXd& q) {
+  constexpr double kExact = 1e-13, kRounded = 1e-9;  // of q
+  double before = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 20; ++i) {
     potential.evaluate(q, kWantForce | kWantTangent, workspace, at);
     const Eigen::VectorXd correction = at.tangent.partialPivLu().solve(force - at.force);
     q += correction;
     if (!q.allFinite()) return false;
-    if (correction.norm() <= 1e-13 * q.norm()) {
+    const double size = correction.norm(), whole = q.norm();
+    const bool rounded = size <= kRounded * whole && size > 0.5 * before;
+    before = size;
+    if (size <= kExact * whole || rounded) {
       potential.evaluate(q, kWantForce | kWantTangent, workspace, at);
       return true;
     }
@@ -30,7 +37,7 @@ bool settle(const Potential& potential, const Eigen::VectorXd& force, PotentialW
 // True if the step from q to `trial` is near the one that the tangent at q predicts: the state did
 // not jump to another branch.
 bool is_near(const Eigen::VectorXd& predicted, const Eigen::VectorXd& made) {
-  return (made - predicted).norm() <= 0.5 * predicted.norm();
+  return (made - predicted).norm() <= 0.1 * predicted.norm();
 }
 
 // The message for a force of which the part `done` has the last state that was found, q.
