@@ -381,7 +381,8 @@ tremolo_status tremolo_world_site(const tremolo_world* world, const tremolo_site
  * file or grid. A spring stiffer than mass and step allow is replaced, as there. It also holds a
  * body that nothing can touch. Saved states have the hand. TREMOLO_USAGE: a stiffness or damping
  * that is negative or not finite, a particle that a pin holds, a driven body whose method is not
- * avf, ep2 or ep4. TREMOLO_CONTENT: no such vertex, or it is inside. */
+ * avf, ep2 or ep4, a reduced or rigid body without such a vertex. TREMOLO_CONTENT: another body
+ * without such a vertex, or with it inside. */
 tremolo_status tremolo_world_grab(tremolo_world* world, tremolo_body_id body, uint32_t vertex,
                                   double stiffness, double damping, uint64_t* hand);
 /* The same at a site; tetrahedra and cloth are held at the point of contact next to its corner with
