@@ -339,13 +339,14 @@ TEST_F(WorldCApiRefusals, JobsThatBreakARuleAreAnErrorOfACompleteStep) {
   EXPECT_EQ(tremolo_world_set_jobs(undisturbed, 4000000000U, rules[0].run, nullptr), TREMOLO_USAGE);
 }
 
-// Two threads with one worker, and jobs that run on when run has returned.
+// Two threads with one worker: its memory is of one island at a time.
 TEST_F(WorldCApiRefusals, JobsOfThreadsThatShareAWorkerChangeNoBit) {
   std::array<tremolo_world*, 2> worlds{};
   for (tremolo_world*& world : worlds) {
     world = make_world(true);
-    for (int k = 0; k < 8; ++k)
-      add(world, CubeKind::kReduced, at(std::to_string(k).c_str(), {0.3 * k, 0.0, 0.06}));
+    for (int k = 0; k < 16; ++k)
+      add(world, CubeKind::kReduced,
+          at(std::to_string(k).c_str(), {0.3 * (k / 2), 0.0, k % 2 == 0 ? 0.06 : 0.17}));
   }
   const tremolo_run_jobs run = [](void* user, std::size_t count, tremolo_job job, void* data) {
     std::atomic<std::size_t> next{0};
