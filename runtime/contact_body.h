@@ -86,6 +86,12 @@ class ContactBody : public Body {
   ContactAccount contact_account() const;
   const ContactSums& contact_sums() const { return touched_; }
   const ContactStep* contact() const { return contact_.get(); }
+  // Replaces the contact by that of an earlier call, or by none, and returns the one until now: for
+  // a world that takes a change back.
+  std::shared_ptr<ContactStep> exchange_contact(std::shared_ptr<ContactStep> other = nullptr) {
+    contact_.swap(other);
+    return other;
+  }
   // Reserves memory for steps among these colliders with this number of grabs; call set_contact()
   // first.
   void reserve_contact(std::span<const PlacedCollider> colliders, std::size_t hands);

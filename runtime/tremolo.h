@@ -72,7 +72,8 @@ const char* tremolo_version(void);
 
 /* Receives messages of the whole library, UTF-8, from the thread that they concern: the reason of
  * each call that fails, and warnings of calls that do not do all that was asked. It must not call
- * the library. NULL: nobody does, as at first. Set it while no other call is under way. */
+ * the library. If it throws, its message is lost and the call continues. NULL: nobody does, as at
+ * first. Set it while no other call is under way. */
 typedef enum tremolo_log_level { TREMOLO_LOG_ERROR = 0, TREMOLO_LOG_WARNING = 1 } tremolo_log_level;
 typedef void (*tremolo_log)(void* user, tremolo_log_level level, const char* message);
 void tremolo_set_log(tremolo_log log, void* user);

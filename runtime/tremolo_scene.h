@@ -90,9 +90,9 @@ typedef struct tremolo_scene_body {
 
 void tremolo_scene_body_init(tremolo_scene_body* place);
 
-/* Add a body of one kind. Values are checked when the world is made; here TREMOLO_USAGE: no name,
- * or a quaternion of another length; and the errors of the options. tremolo_world_add_* do the same
- * while a world runs. */
+/* Add a body of one kind. Values are checked when the world is made; here TREMOLO_USAGE: no name, a
+ * position, velocity or spin that is not finite, a quaternion of another length; and the errors of
+ * the options. tremolo_world_add_* do the same while a world runs. */
 
 /* A reduced body. method: integrator, frame and damping; NULL: the defaults, TREMOLO_FIXED. Its
  * step is the scene's. shape: with which points of other bodies collide, in the mesh's frame;
@@ -145,8 +145,8 @@ typedef struct tremolo_joint {
 
 void tremolo_joint_init(tremolo_joint* joint);
 
-/* TREMOLO_USAGE: no body or place. The rest is checked when the world is made. The n-th joint is
- * number n - 1 of the world. */
+/* TREMOLO_USAGE: no body or place, or a value that is not finite. The rest is checked when the
+ * world is made. The n-th joint is number n - 1 of the world. */
 tremolo_status tremolo_scene_add_joint(tremolo_scene* scene, const tremolo_joint* joint);
 
 /* ---- the world ---- */
@@ -214,8 +214,9 @@ tremolo_status tremolo_world_find_collider(const tremolo_world* world, const cha
                                            uint32_t* collider);
 size_t tremolo_world_colliders(const tremolo_world* world); /* those removed included; 0 for NULL */
 
-/* Joints are numbered from 0, those of the scene first. TREMOLO_CONTENT: a place that is not of the
- * body, or ends that are apart. */
+/* Joints are numbered from 0, those of the scene first. Errors of tremolo_scene_add_joint;
+ * TREMOLO_CONTENT: a place that is not of the body, or ends that are apart. The world is then
+ * unchanged. */
 tremolo_status tremolo_world_add_joint(tremolo_world* world, const tremolo_joint* joint,
                                        uint32_t* number);
 tremolo_status tremolo_world_remove_joint(tremolo_world* world, uint32_t joint);
@@ -256,7 +257,8 @@ typedef struct tremolo_load {
 void tremolo_load_init(tremolo_load* load);
 
 /* TREMOLO_CONTENT: `at` names no vertex, of tetrahedra none on the surface, or only fixed ones.
- * Clocks of bodies that sleep stand still; a load wakes them. */
+ * TREMOLO_USAGE: a value that is not finite, or a force so large that numbers overflow. Clocks of
+ * bodies that sleep stand still; a load wakes them. */
 tremolo_status tremolo_world_add_load(tremolo_world* world, tremolo_body_id body,
                                       const tremolo_load* load);
 
@@ -376,9 +378,11 @@ tremolo_status tremolo_world_site(const tremolo_world* world, const tremolo_site
 /* Grabs a vertex of a body of any kind by a spring (N/m) and a damper (N s/m) to a point that is at
  * the vertex until it is moved. hand: its number among those of the body. vertex: as in
  * tremolo_body_grab; of tetrahedra a vertex of the mesh on its surface, of a cloth a vertex of its
- * file or grid. A spring stiffer than mass and step allow is replaced, as there. Saved states have
- * the hand. TREMOLO_USAGE: a stiffness or damping that is negative or not finite, a particle that a
- * pin holds, a body without contact. TREMOLO_CONTENT: no such vertex, or it is inside. */
+ * file or grid. A spring stiffer than mass and step allow is replaced, as there. It also holds a
+ * body that nothing can touch. Saved states have the hand. TREMOLO_USAGE: a stiffness or damping
+ * that is negative or not finite, a particle that a pin holds, a driven body whose method is not
+ * avf, ep2 or ep4, a reduced or rigid body without such a vertex. TREMOLO_CONTENT: another body
+ * without such a vertex, or with it inside. */
 tremolo_status tremolo_world_grab(tremolo_world* world, tremolo_body_id body, uint32_t vertex,
                                   double stiffness, double damping, uint64_t* hand);
 /* The same at a site; tetrahedra and cloth are held at the point of contact next to its corner with
@@ -405,8 +409,9 @@ typedef struct tremolo_event {
   int32_t begins;        /* 1, or 0: it ended */
   double impulse;        /* sum of |F| h, N s */
   double push[3];        /* sum of F h on `body`, N s, world */
-  double position[3];    /* of the last step: mean of its points, m, world */
-  double normal[3];      /* the same, out of the other thing, length 1; 0 if they cancel */
+  /* Mean of its points, weighted by their impulses, of the last step with a contact; m, world. */
+  double position[3];
+  double normal[3]; /* the same mean, out of the other thing, length 1; 0 if they cancel */
 } tremolo_event;
 
 /* Events of all steps of the last call of tremolo_world_step, in the order of time; 0 for NULL. */
@@ -434,8 +439,13 @@ tremolo_status tremolo_world_set_threads(tremolo_world* world, uint32_t threads)
 
 /* The caller's own threads. run must call job(data, index, worker) once for each index below count,
  * on any threads, and return when all are done; worker < workers is another one for each call at a
- * time. No bit depends on it. run: NULL: the world's own threads again. TREMOLO_USAGE: 0 workers.
- */
+ * time. No bit depends on it. run: NULL: the world's own threads again. TREMOLO_USAGE: 0 workers,
+ * or more than 1024.
+ *
+ * A call of job with another index or worker, a second one with the same index, and one with a
+ * worker that is in use do nothing. Jobs that were not run when run returns, or throws, are run by
+ * the thread that steps the world. The step is then complete, and tremolo_world_step ends after it
+ * with TREMOLO_USAGE and a message that says what was wrong. */
 typedef void (*tremolo_job)(void* data, size_t index, uint32_t worker);
 typedef void (*tremolo_run_jobs)(void* user, size_t count, tremolo_job job, void* data);
 tremolo_status tremolo_world_set_jobs(tremolo_world* world, uint32_t workers, tremolo_run_jobs run,

@@ -20,7 +20,12 @@ tremolo_status fail(tremolo_status status, const char* message) noexcept {
 }
 
 void log(tremolo_log_level level, const char* message) noexcept {
-  if (log_to != nullptr) log_to(log_user, level, message);
+  if (log_to == nullptr) return;
+  try {
+    log_to(log_user, level, message);
+  } catch (...) {
+    // The log has no message for a log that throws; the call goes on.
+  }
 }
 
 tremolo_status to_status(ErrorKind kind) noexcept {

@@ -24,6 +24,11 @@ Result<tremolo_scene_body> complete_place(const tremolo_scene_body* place) {
   if (!full) return full.error();
   if (full->name == nullptr || *full->name == '\0')
     return usage_error("a body of a scene needs a name");
+  for (const auto& [what, values] :
+       {std::pair{"position", full->position}, std::pair{"velocity", full->velocity},
+        std::pair{"spin", full->spin}})
+    if (!Vector3d(values).allFinite())
+      return usage_error("body '" + std::string(full->name) + "': its " + what + " is not finite");
   return full;
 }
 
@@ -194,6 +199,8 @@ Result<SceneJoint> scene_joint(const tremolo_joint& given) {
   if (full->point != nullptr) joint.point = Vector3d(full->point);
   if (joint.point && !joint.to.empty())
     return usage_error("a joint's point is of the world: `to` must be NULL");
+  if (joint.point && !joint.point->allFinite())
+    return usage_error("the joint of body '" + joint.body + "': its point is not finite");
   for (const double value : {full->stiffness, full->damping, full->length, full->gap})
     if (!(value >= 0.0) || !std::isfinite(value))
       return usage_error("a joint's values must be finite and not negative");

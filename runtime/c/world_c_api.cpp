@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/processor.h"
 #include "runtime/c/nodal_c_api.h"
 
 namespace {
@@ -239,6 +240,9 @@ tremolo_status tremolo_world_set_jobs(tremolo_world* world, uint32_t workers, tr
       return Success{};
     }
     if (workers == 0) return usage_error("there must be a worker at least");
+    if (workers > tremolo::kMostThreads)
+      return usage_error(std::to_string(workers) + " workers: at most " +
+                         std::to_string(tremolo::kMostThreads));
     all.set_jobs(tremolo::BodyGroup::Jobs{
         workers, [run, user](std::size_t count, tremolo_job job, void* data) {
           run(user, count, job, data);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/text.h"
 #include "runtime/mixed/mixed_guests.h"
 
 namespace tremolo {
@@ -170,7 +171,8 @@ void MixedGuests::carry_links(StateStream& stream) {
   for (Link& link : joined_) stream(link.used, link.joint.joint);
 }
 
-Status MixedGuests::check_load(const GuestLoad& load) const {
+// of_fixed: the kind of the error for a load on fixed points alone.
+Status MixedGuests::check_load(const GuestLoad& load, ErrorKind of_fixed) const {
   const GuestStep& step = *guests_[load.guest]->step;
   const std::string& of = guests_[load.guest]->name;
   bool any = false;
@@ -178,14 +180,19 @@ Status MixedGuests::check_load(const GuestLoad& load) const {
     if (push.point >= step.points())
       return refused(of, "there is no point " + std::to_string(push.point));
     if (!push.force.allFinite()) return refused(of, "the force is not finite");
-    any = any || !step.is_fixed(push.point);
+    if (step.is_fixed(push.point)) continue;
+    any = true;
+    if (!std::isfinite((push.force / step.mass_at(push.point)).squaredNorm()))
+      return refused(of, "the force of " + number_text(push.force.lpNorm<Eigen::Infinity>()) +
+                             " N is so large that numbers overflow: make it smaller");
   }
-  return any ? Status(Success{})
-             : refused(of, "the force acts on fixed points alone, which do not move");
+  if (any) return Success{};
+  return Error{of_fixed,
+               refused(of, "the force acts on fixed points alone, which do not move").message};
 }
 
 Status MixedGuests::add_load(GuestLoad load) {
-  if (Status s = check_load(load); !s) return s;
+  if (Status s = check_load(load, ErrorKind::kContent); !s) return s;
   load.steps = 0;
   load.signal.table = load.table.get();
   loads_.push_back({true, std::move(load), {}});
@@ -197,7 +204,7 @@ Status MixedGuests::apply_force(std::size_t i, std::size_t point, const Vector3d
   if (steps < 1)
     return usage_error("a force acts for at least one step, got " + std::to_string(steps));
   GuestLoad load{.guest = i, .pushes = {{point, force}}, .signal = {}, .steps = steps};
-  if (Status s = check_load(load); !s) return s;
+  if (Status s = check_load(load, ErrorKind::kUsage); !s) return s;
   const auto free =
       std::find_if(applied_.begin(), applied_.end(), [](const Loaded& one) { return !one.used; });
   if (free == applied_.end())

@@ -99,6 +99,15 @@ void MixedGuests::remove(std::size_t i) {
   guest.cloth_body.reset();
 }
 
+void MixedGuests::take_back(std::size_t i, std::size_t count) {
+  remove(i);
+  // A number that was free before may be used again at once.
+  if (i < count)
+    guests_[i]->old = true;
+  else
+    guests_.pop_back();
+}
+
 void MixedGuests::replay_step() {
   for (const auto& guest : guests_) guest->old = guest->removed;
 }

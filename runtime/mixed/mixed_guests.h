@@ -53,6 +53,9 @@ class MixedGuests final : public IslandGuests {
   // the next step; until then no function but removed() may be called with it.
   void remove(std::size_t i);
   bool removed(std::size_t i) const { return guests_[i]->removed; }
+  // Removes a guest that add() has just added. count: size() before. The numbers of the guests that
+  // follow are those that they would have without it.
+  void take_back(std::size_t i, std::size_t count);
   void replay_step();  // as SceneWorld::replay_step()
   // As BodyGroup::set_filter().
   void set_filter(PairFilter filter) { filter_ = std::move(filter); }
@@ -86,11 +89,12 @@ class MixedGuests final : public IslandGuests {
   const GuestHand* hand(std::size_t hand) const;
   Eigen::Vector3d hands_force(std::size_t i) const;  // of all hands in the last step, N
 
-  // Adds a load in time. Its work is part of load_work(). Errors (kUsage): a point that does not
-  // exist; a force that is not finite; all its points are fixed.
+  // Adds a load in time. Its work is part of load_work(). Errors: kUsage: a point that does not
+  // exist; a force that is not finite, or so large that numbers overflow; kContent: all its points
+  // are fixed.
   Status add_load(GuestLoad load);
   // Adds a force on a contact point, constant over the next `steps` steps, N. Errors as for
-  // add_load(); kUsage also for less than one step.
+  // add_load(), but all kUsage; also less than one step.
   Status apply_force(std::size_t i, std::size_t point, const Eigen::Vector3d& force, int steps);
   bool has_load(std::size_t i) const;  // in time, over or not, or a force that still acts
   double load_work(std::size_t i) const { return guests_[i]->load_work; }  // since the start, J
@@ -206,7 +210,7 @@ class MixedGuests final : public IslandGuests {
   void meet(std::span<const std::size_t> guests, std::span<ContactStep* const> contacts);
   double pull_of(std::size_t guest) const;
   void meet_hands(std::size_t guest);
-  Status check_load(const GuestLoad& load) const;
+  Status check_load(const GuestLoad& load, ErrorKind of_fixed) const;
   double average_of(const GuestLoad& load) const;
   template <class Visit>
   void for_loads_of(std::size_t guest, const Visit& visit);

@@ -242,6 +242,8 @@ Status check_world_end(const SceneJoint& joint) {
   return Success{};
 }
 
+}  // namespace
+
 Status check_joint(const SceneJoint& joint, const std::set<std::string>& bodies) {
   const bool to_world = joint.to.empty();
   for (const auto& [key, name] : {std::pair{"body", &joint.body}, std::pair{"to", &joint.to}})
@@ -264,8 +266,6 @@ Status check_joint(const SceneJoint& joint, const std::set<std::string>& bodies)
   if (!(joint.until > 0.0)) return content_error("until must be positive (s)");
   return Success{};
 }
-
-}  // namespace
 
 FrameKind frame_kind(const SceneBody& body) {
   const bool at_origin = body.pose.position.isZero(0.0) && body.pose.rotation.vec().isZero(0.0);

@@ -181,6 +181,9 @@ struct Scene {
   std::set<std::string> guests;
 };
 
+// The check of a joint of check_scene(). bodies: the names of those that there are.
+Status check_joint(const SceneJoint& joint, const std::set<std::string>& bodies);
+
 // True if bodies of the scene may be in contact with each other.
 bool bodies_touch(const Scene& scene);
 

@@ -9,8 +9,9 @@
 
 namespace tremolo {
 
-// Gives a guest its loads: they begin at its time 0. Errors (kContent), of the load: those of
-// guest_pushes(); without `at`, since the guest's file has no load of its own.
+// Gives a guest its loads: they begin at its time 0. Errors, with the body's name: those of
+// guest_pushes() and MixedGuests::add_load(); kContent: without `at`, since the guest's file has no
+// load of its own.
 Status add_guest_loads(MixedGuests& guests, std::size_t guest, std::span<const SceneLoad> loads);
 
 }  // namespace tremolo

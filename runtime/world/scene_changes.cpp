@@ -1,6 +1,7 @@
 // SceneWorld: bodies, colliders and joints that come, go and are moved by calls between steps.
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -40,6 +41,39 @@ std::size_t SceneWorld::new_number(std::size_t body) {
   order_[number] = body;
   group_->make_room(stepped_.size());
   return number;
+}
+
+// Removes the last number again.
+void SceneWorld::drop_number() {
+  stepped_.pop_back();
+  reports_.resize(stepped_.size());
+  order_.resize(stepped_.size());
+  group_->make_room(stepped_.size());
+}
+
+SceneWorld::BeforeChange SceneWorld::before_change() const {
+  BeforeChange before{{}, touching_.size(), anchors_.size(), guests_ != nullptr};
+  for (const Actor& actor : actors_) before.contact.push_back(actor.body.contact() != nullptr);
+  return before;
+}
+
+void SceneWorld::take_back(const BeforeChange& before) {
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (i < before.contact.size() && before.contact[i] != 0) continue;
+    (void)actors_[i].body.exchange_contact();
+    actors_[i].size = actors_[i].begins_within = 0.0;
+  }
+  touching_.resize(before.touching);
+  while (anchors_.size() > before.anchors) {
+    anchors_.pop_back();
+    anchor_numbers_.pop_back();
+    drop_number();
+  }
+  if (before.guests || !guests_) return;
+  group_->set_guests(nullptr);
+  links_.reset();
+  guests_.reset();
+  guest_identity_.clear();
 }
 
 void SceneWorld::replay_step() {
@@ -102,25 +136,40 @@ Result<std::size_t> SceneWorld::add_body(const SceneBody& given, const ModelSour
     if (Status s = take_rig(wanted, **model); !s) return of_body(wanted.name, s.error());
   Result<Actor> actor = make(wanted, std::move(*model));
   if (!actor) return of_body(wanted.name, actor.error());
+  const BeforeChange before = before_change();
   const auto free = std::find_if(actors_.begin(), actors_.end(),
                                  [](const Actor& one) { return one.removed && one.old; });
   const auto i = static_cast<std::size_t>(free - actors_.begin());
-  if (free == actors_.end()) {
+  const bool is_new = free == actors_.end();
+  if (is_new) {
     actors_.push_back(std::move(*actor));
     scene_.bodies.push_back(wanted);
     place_.push_back(new_number(i));
     failures_.reserve(actors_.size());
   } else {
-    *free = std::move(*actor);
-    scene_.bodies[i] = wanted;
-    group_->wake(place_[i]);
+    std::swap(*free, *actor);
+    std::swap(scene_.bodies[i], wanted);
   }
-  numbers_[wanted.name] = i;
+  numbers_[name(i)] = i;
   const Status begun = begin_added(i);
   shapes_.clear();
-  if (begun) return i;
-  remove_body(i);
-  return of_body(wanted.name, begun.error());
+  if (begun) {
+    group_->wake(place_[i]);
+    return i;
+  }
+  Error error = of_body(name(i), begun.error());
+  numbers_.erase(name(i));
+  if (is_new) {
+    actors_.pop_back();
+    scene_.bodies.pop_back();
+    place_.pop_back();
+    drop_number();
+  } else {
+    std::swap(*free, *actor);
+    std::swap(scene_.bodies[i], wanted);
+  }
+  take_back(before);
+  return error;
 }
 
 void SceneWorld::remove_body(std::size_t i) {
@@ -186,27 +235,31 @@ Result<std::size_t> SceneWorld::add_collider(const SceneCollider& wanted) {
       return content_error("collider '" + wanted.name + "': body '" + name(i) + "' is " +
                            number_text(deepest.depth) + " m inside it, more than its margin");
   }
-  colliders_ = std::move(more);
-  scene_.colliders.push_back(wanted);
   // The table has a row for each body.
   std::vector<Touching> table(size() * (before + 1));
   for (std::size_t i = 0; i < size() && before > 0; ++i)
     for (std::size_t c = 0; c < before; ++c)
       if (i * before + c < touching_.size())
         table[i * (before + 1) + c] = touching_[i * before + c];
-  touching_ = std::move(table);
+  const BeforeChange kept = before_change();
+  std::swap(colliders_, more);
+  std::swap(touching_, table);
+  scene_.colliders.push_back(wanted);
   events_.reserve(touching_.size());
   const ContactNeeds needs(scene_);
   for (std::size_t i = 0; i < size(); ++i) {
-    if (removed(i)) continue;
-    ContactBody& body = actors_[i].body;
-    if (body.contact() == nullptr) {
-      if (Status s = begin_contact(i, needs.of(scene_.bodies[i])); !s)
-        return of_body(name(i), s.error());
-    } else {
-      body.reserve_contact(felt_by(i), 0);
+    if (removed(i) || actors_[i].body.contact() != nullptr) continue;
+    if (const Status s = begin_contact(i, needs.of(scene_.bodies[i])); !s) {
+      scene_.colliders.pop_back();
+      std::swap(colliders_, more);
+      std::swap(touching_, table);
+      take_back(kept);
+      shapes_.clear();
+      return of_body(name(i), s.error());
     }
   }
+  for (std::size_t i = 0; i < size(); ++i)
+    if (!removed(i)) actors_[i].body.reserve_contact(felt_by(i), 0);
   shapes_.clear();
   wake_all();
   return before;
@@ -233,19 +286,22 @@ void SceneWorld::remove_collider(std::size_t c) {
 }
 
 Result<std::size_t> SceneWorld::add_joint(const SceneJoint& wanted) {
+  std::set<std::string> names;
   for (const std::string* end : {&wanted.body, &wanted.to})
-    if (!has_name(*end) && !(end == &wanted.to && end->empty()))
-      return content_error("a joint: there is no body '" + *end + "'");
+    if (has_name(*end)) names.insert(*end);
   const std::size_t i = scene_.joints.size();
+  if (const Status s = check_joint(wanted, names); !s)
+    return error_of_listed("joint", i, wanted, s.error());
   const std::optional<std::size_t> a = find(wanted.body), b = find(wanted.to);
-  for (const auto& end : {a, b}) {
-    if (!end || actors_[*end].body.contact() != nullptr) continue;
-    if (Status s = begin_contact(*end, true); !s) return of_body(name(*end), s.error());
-  }
+  const BeforeChange before = before_change();
   scene_.joints.push_back(wanted);
   own_joints_.emplace_back();
   anchor_of_.emplace_back();
   const auto join = [&]() -> Status {
+    for (const auto& end : {a, b}) {
+      if (!end || actors_[*end].body.contact() != nullptr) continue;
+      if (Status s = begin_contact(*end, true); !s) return of_body(name(*end), s.error());
+    }
     if (wanted.to.empty()) {
       anchor_of_[i] = anchors_.size();
       if (Status s = add_anchor(); !s) return s;
@@ -255,12 +311,14 @@ Result<std::size_t> SceneWorld::add_joint(const SceneJoint& wanted) {
     if (a && anchor_of_[i]) return begin_joint(i, load, *a, anchor(i), anchor_number(i));
     return links_->join(*this, i);
   };
-  if (const Status s = join(); !s) {
-    // An anchor that was added is of no joint, and rests.
+  const Status joined = join();
+  shapes_.clear();
+  if (!joined) {
     scene_.joints.pop_back();
     own_joints_.pop_back();
     anchor_of_.pop_back();
-    return s.error();
+    take_back(before);
+    return joined.error();
   }
   if (!wanted.options.touch && a && b) passing_.insert(std::minmax(*a, *b));
   return i;
@@ -294,6 +352,17 @@ void SceneWorld::forget_guest(std::size_t guest, const std::string& name) {
 void SceneWorld::note_guest_load(const std::string& name, const SceneLoad& load) {
   for (SavedPart& part : guest_identity_)
     if (part.name == "body '" + name + "'") part.hash = with_load(part.hash, load);
+}
+
+// A body without contact gets it.
+Status SceneWorld::expect_hand(std::size_t i) {
+  if (actors_[i].body.contact() != nullptr) return Success{};
+  const BeforeChange before = before_change();
+  const Status begun = begin_contact(i, true);
+  shapes_.clear();
+  if (begun) return begun;
+  take_back(before);
+  return usage_error("body '" + name(i) + "': no hand can hold it: " + begun.error().message);
 }
 
 Status SceneWorld::expect_guests() {

@@ -11,6 +11,20 @@
 #include "runtime/world/scene_world.h"
 
 namespace tremolo {
+namespace {
+
+std::string grabbed(const std::string& name) {
+  return "body '" + name + "', grabbed by calls";
+}
+
+}  // namespace
+
+// True if the body, which is there, would have no contact without the hands of calls.
+bool SceneWorld::has_contact_for_hands(std::size_t i, const ContactNeeds& needs) const {
+  const SceneBody& body = scene_.bodies[i];
+  return actors_[i].body.contact() != nullptr && !needs.of(body) &&
+         !(guests_ && body.feels_contact);
+}
 
 SavedState SceneWorld::saved_parts() const {
   std::vector<const Model*> models;
@@ -33,6 +47,9 @@ SavedState SceneWorld::saved_parts() const {
   for (std::size_t c = 0; c < scene_.colliders.size(); ++c)
     if (colliders_.is_given(c) && !collider_removed(c))
       parts.push_back({"collider '" + scene_.colliders[c].name + "', moved by calls", 0});
+  const ContactNeeds needs(scene_);
+  for (std::size_t i = 0; i < size(); ++i)
+    if (!removed(i) && has_contact_for_hands(i, needs)) parts.push_back({grabbed(name(i)), 0});
   parts.insert(parts.end(), guest_identity_.begin(), guest_identity_.end());
   return {"a world", TREMOLO_VERSION, std::move(parts), {}};
 }
@@ -51,14 +68,39 @@ Status SceneWorld::save(const std::string& path) const {
   return write_saved(path, saved_state());
 }
 
+// Gives contact to the bodies that have it for hands in the saved state, and takes it from those
+// that have it for hands here alone.
+Status SceneWorld::match_hands(const SavedState& saved, std::vector<HandContact>& changed) {
+  const ContactNeeds needs(scene_);
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (removed(i)) continue;
+    const bool is = has_contact_for_hands(i, needs);
+    const bool was =
+        std::any_of(saved.parts.begin(), saved.parts.end(),
+                    [&](const SavedPart& part) { return part.name == grabbed(name(i)); });
+    if (is && !was) changed.push_back({i, actors_[i].body.exchange_contact()});
+    if (was && actors_[i].body.contact() == nullptr) {
+      if (Status s = expect_hand(i); !s) return s;
+      changed.push_back({i, nullptr});
+    }
+  }
+  return Success{};
+}
+
 Status SceneWorld::restore_from(const Result<SavedState>& saved, const std::string& name) {
   if (!saved) return saved.error();
-  if (Status s = check_belongs(*saved, saved_parts()); !s) return error_of_file(name, s.error());
-  if (!restore_state(*this, saved->state))
-    return content_error(name +
-                         ": it does not fit this world: its bodies have other loads, or it was "
-                         "made by hand");
-  return Success{};
+  const std::string before = state_bytes(*this);
+  std::vector<HandContact> changed;
+  Status restored = match_hands(*saved, changed);
+  if (restored) restored = check_belongs(*saved, saved_parts());
+  if (restored && restore_state(*this, saved->state)) return Success{};
+  for (HandContact& one : changed)
+    (void)actors_[one.body].body.exchange_contact(std::move(one.before));
+  if (!changed.empty()) (void)restore_state(*this, before);
+  if (!restored) return error_of_file(name, restored.error());
+  return content_error(name +
+                       ": it does not fit this world: its bodies have other loads, or it was "
+                       "made by hand");
 }
 
 Status SceneWorld::restore(std::span<const std::byte> bytes) {

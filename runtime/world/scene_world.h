@@ -170,7 +170,8 @@ class SceneWorld {
   Status start_at(std::size_t i, const State& state);
 
   // Changes of the scene between two steps (scene_changes.cpp). A state of a world that was changed
-  // fits a world that was changed in the same way.
+  // fits a world that was changed in the same way. A change that is refused leaves the world as it
+  // was.
   //
   // Adds a body: its number is that of a body that was removed before the last step, or the next.
   // Sums take bodies that were added in the order of their numbers, after those of create().
@@ -212,6 +213,27 @@ class SceneWorld {
   void set_jobs(std::optional<BodyGroup::Jobs> jobs) { group_->set_jobs(std::move(jobs)); }
   // Prepares all bodies that can be in contact for guests. Errors as for create().
   Status expect_guests();
+  // Holds a body by a hand, also one without contact, which gets it: hold(ContactBody) ->
+  // Result<std::size_t>, the hand's number. A saved state tells which bodies have contact for such
+  // hands alone; restore() gives it to these, and to no others. Errors of `hold`; kUsage: those of
+  // ContactBody::set_contact().
+  template <class Hold>
+  Result<std::size_t> hold_body(std::size_t i, const Hold& hold) {
+    const BeforeChange before = before_change();
+    if (Status s = expect_hand(i); !s) return s.error();
+    Result<std::size_t> hand = hold(actors_[i].body);
+    if (!hand) take_back(before);
+    return hand;
+  }
+  // The parts of the world that a change may add to, as they are before it.
+  struct BeforeChange {
+    std::vector<char> contact;  // the body has contact
+    std::size_t touching = 0, anchors = 0;
+    bool guests = false;
+  };
+  BeforeChange before_change() const;
+  // Removes the contact of bodies, the anchors and the guests that the change has added.
+  void take_back(const BeforeChange& before);
   // True if a body of any kind has the name.
   bool has_name(const std::string& name) const {
     return find(name).has_value() || scene_.guests.contains(name);
@@ -388,7 +410,10 @@ class SceneWorld {
                      std::size_t there);
   Result<Model::Pointer> model_of(const SceneBody& wanted, const ModelSource& source) const;
   std::size_t new_number(std::size_t body);
+  void drop_number();
+  Status expect_hand(std::size_t i);
   Status begin_added(std::size_t i);
+  bool has_contact_for_hands(std::size_t i, const ContactNeeds& needs) const;
   Status check_apart_from_all(std::size_t i) const;
   void wake_all();
   Status damp(std::size_t i);
@@ -407,6 +432,11 @@ class SceneWorld {
   SavedState saved_parts() const;
   SavedState saved_state() const;
   Status restore_from(const Result<SavedState>& saved, const std::string& name);
+  struct HandContact {
+    std::size_t body;
+    std::shared_ptr<ContactStep> before;
+  };
+  Status match_hands(const SavedState& saved, std::vector<HandContact>& changed);
   void carry_contacts(StateStream& stream);
 
   Scene scene_;

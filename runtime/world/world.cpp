@@ -264,13 +264,23 @@ Status World::step(std::int64_t count, std::int64_t* done) {
   const Stepping stepping(stepping_);
   events_.clear();
   thrown_ = nullptr;
+  if (jobs_) jobs_->forget_problem();
   for (std::int64_t k = 0; k < count; ++k) {
     const Status made = take_step();
     if (done != nullptr) *done = k + 1;
     if (thrown_) return usage_error("the filter threw: " + message_of(thrown_));
-    if (!made) return made;
+    const std::string broken = jobs_ ? jobs_->problem() : std::string();
+    if (!made)
+      return Error{made.error().kind, made.error().message + (broken.empty() ? "" : "; " + broken)};
+    if (!broken.empty()) return usage_error(broken);
   }
   return Success{};
+}
+
+void World::set_jobs(std::optional<BodyGroup::Jobs> jobs) {
+  own_.set_jobs(std::nullopt);
+  jobs_ = jobs ? std::make_unique<WatchedJobs>(std::move(*jobs)) : nullptr;
+  if (jobs_) own_.set_jobs(jobs_->watched());
 }
 
 void World::set_filter(Filter filter) {

@@ -29,6 +29,7 @@
 #include "runtime/mixed/mixed_guests.h"
 #include "runtime/world/guest_bound.h"
 #include "runtime/world/scene_world.h"
+#include "runtime/world/watched_jobs.h"
 #include "runtime/world/world_guests.h"
 
 namespace tremolo {
@@ -112,7 +113,8 @@ class World {
   // Advances by `count` steps, or until bodies fail. done: receives the number of steps taken, that
   // in which bodies failed included. Error kSolver or kBound: it names the bodies that failed. They
   // keep their state and are not stepped again; the others have taken their step and continue in
-  // the next call. kUsage: a filter threw an exception.
+  // the next call. kUsage: a filter threw an exception, or threads of set_jobs() broke a rule; the
+  // step is complete.
   Status step(std::int64_t count = 1, std::int64_t* done = nullptr);
   bool is_stepping() const { return stepping_; }  // a callback must not call the world then
 
@@ -177,12 +179,14 @@ class World {
   Status move(WorldBody body, const Pose& next);  // as SceneWorld::move_body(); kUsage: a guest
   // A force that is constant over the next `steps` steps, and one in time, which begins at the
   // body's time. Errors of Body::apply_force() and Body::add_load(); for guests those of
-  // MixedGuests::apply_force() and add_guest_loads().
+  // MixedGuests::apply_force() and add_guest_loads(); kUsage: a force that is not finite, or so
+  // large that numbers overflow.
   Status apply_force(WorldBody body, VertexId vertex, const Eigen::Vector3d& force, int steps);
   Status add_load(WorldBody body, const SceneLoad& load);
 
   // Hands, as ContactBody::grab() and MixedGuests::hold(). vertex: of tetrahedra one of the mesh on
-  // its surface, of a cloth one of its file or grid. Returns the hand's number on the body.
+  // its surface, of a cloth one of its file or grid. Returns the hand's number on the body. A body
+  // needs no contact for it, but a method that supports contact.
   Result<std::size_t> grab(WorldBody body, VertexId vertex, double stiffness, double damping);
   // The same at a point of the surface; a guest is held at the corner with the largest weight.
   Result<std::size_t> grab(const WorldSite& site, double stiffness, double damping);
@@ -214,7 +218,8 @@ class World {
   using Filter = std::function<bool(WorldBody, WorldBody)>;
   void set_filter(Filter filter);
   Status set_threads(unsigned threads) { return own_.set_threads(threads); }
-  void set_jobs(std::optional<BodyGroup::Jobs> jobs) { own_.set_jobs(std::move(jobs)); }
+  // As BodyGroup::set_jobs(); what breaks its rules is an error of step().
+  void set_jobs(std::optional<BodyGroup::Jobs> jobs);
 
   // As SceneWorld::save() and restore(). A state of a world that was changed fits one of the same
   // scene that was changed in the same way: between begin_replay() and end_replay() the changes are
@@ -265,6 +270,8 @@ class World {
   const TetStep* tets(WorldBody body) const;
   Status need_own(WorldBody body, const char* what) const;
   Status check_hand(WorldBody body, std::size_t hand) const;
+  Status check_force(WorldBody body, const Eigen::Vector3d& force) const;
+  Status check_spring(WorldBody body, double stiffness, double damping) const;
   Status check_collider(std::size_t collider) const;
   template <class Real>
   void place_guest(WorldBody body, bool velocities, Real* out) const;
@@ -288,7 +295,8 @@ class World {
   std::vector<Touch> touches_;
   std::vector<WorldEvent> events_;
   Filter filter_;
-  std::exception_ptr thrown_;  // by the filter
+  std::exception_ptr thrown_;          // by the filter
+  std::unique_ptr<WatchedJobs> jobs_;  // null: the world's own threads
   bool stepping_ = false;
   // Buffers of a call.
   mutable std::vector<Eigen::Vector3d> vertices_;

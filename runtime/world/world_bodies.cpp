@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/text.h"
 #include "runtime/bodies/reduced/surface_velocity.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/world/guest_loads.h"
@@ -199,6 +200,7 @@ Status World::move(WorldBody body, const Pose& next) {
 }
 
 Status World::apply_force(WorldBody body, VertexId vertex, const Vector3d& force, int steps) {
+  if (Status s = check_force(body, force); !s) return s;
   if (!is_guest(body)) return own_.body(index(body)).apply_force(vertex, force, steps);
   MixedGuests& all = all_guests();
   const Result<std::size_t> point = all.point_of_vertex(index(body), vertex);
@@ -206,16 +208,38 @@ Status World::apply_force(WorldBody body, VertexId vertex, const Vector3d& force
   return all.apply_force(index(body), *point, force, steps);
 }
 
+// A rigid body has no coordinates that overflow, but an energy.
+Status World::check_force(WorldBody body, const Vector3d& force) const {
+  if (!force.allFinite()) return usage_error("body '" + name(body) + "': the force is not finite");
+  if (std::isfinite(force.squaredNorm())) return Success{};
+  return usage_error("body '" + name(body) + "': the force of " +
+                     number_text(force.lpNorm<Eigen::Infinity>()) +
+                     " N is so large that numbers overflow: make it smaller");
+}
+
 Status World::add_load(WorldBody body, const SceneLoad& load) {
+  if (Status s = check_force(body, load.scale * load.force); !s) return s;
   if (!is_guest(body)) return own_.add_load(index(body), load);
   const Status added = add_guest_loads(all_guests(), index(body), std::span(&load, 1));
-  if (!added) return content_error("body '" + name(body) + "': " + added.error().message);
+  if (!added) return added.error();
   own_.note_guest_load(name(body), load);
   return Success{};
 }
 
+Status World::check_spring(WorldBody body, double stiffness, double damping) const {
+  for (const double value : {stiffness, damping})
+    if (!(value >= 0.0) || !std::isfinite(value))
+      return usage_error("body '" + name(body) +
+                         "': the stiffness and the damping of a hand must be finite and not "
+                         "negative");
+  return Success{};
+}
+
 Result<std::size_t> World::grab(WorldBody body, VertexId vertex, double stiffness, double damping) {
-  if (!is_guest(body)) return own_.body(index(body)).grab(vertex, stiffness, damping);
+  if (Status s = check_spring(body, stiffness, damping); !s) return s.error();
+  if (!is_guest(body))
+    return own_.hold_body(index(body),
+                          [&](ContactBody& own) { return own.grab(vertex, stiffness, damping); });
   MixedGuests& all = all_guests();
   const Result<std::size_t> point = all.point_of_vertex(index(body), vertex);
   if (!point) return point.error();
@@ -225,13 +249,16 @@ Result<std::size_t> World::grab(WorldBody body, VertexId vertex, double stiffnes
 }
 
 Result<std::size_t> World::grab(const WorldSite& site, double stiffness, double damping) {
+  if (Status s = check_spring(site.body, stiffness, damping); !s) return s.error();
   const std::span<const Triangle> all = triangles(site.body);
   if (site.triangle >= all.size())
     return usage_error("body '" + name(site.body) + "' has no triangle " +
                        std::to_string(site.triangle));
   if (!is_guest(site.body))
-    return own_.body(index(site.body))
-        .grab(SurfacePlace{SurfaceKind::kDrawn, site.triangle, site.weights}, stiffness, damping);
+    return own_.hold_body(index(site.body), [&](ContactBody& own) {
+      return own.grab(SurfacePlace{SurfaceKind::kDrawn, site.triangle, site.weights}, stiffness,
+                      damping);
+    });
   Eigen::Index corner = 0;
   site.weights.maxCoeff(&corner);
   const auto drawn = static_cast<std::size_t>(all[site.triangle][static_cast<std::size_t>(corner)]);

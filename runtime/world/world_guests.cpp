@@ -71,16 +71,40 @@ Status begin_adding(const std::string& name, SceneWorld& world) {
   return Success{};
 }
 
+// An error of a load is one of the scene, which has it.
 Status take_loads(MixedGuests& guests, std::size_t guest, std::span<const SceneLoad> loads) {
   const Status taken = add_guest_loads(guests, guest, loads);
-  if (taken) return taken;
-  return content_error("body '" + guests.name(guest) + "': " + taken.error().message);
+  return taken ? taken : Status(content_error(taken.error().message));
 }
 
 // A value out of range is an error of the scene, which has it.
 Error of_scene(Error error) {
   if (error.kind == ErrorKind::kUsage) error.kind = ErrorKind::kContent;
   return error;
+}
+
+// Runs add(MixedGuests) -> Result<AddedGuest>. If it fails, the world is as it was before.
+template <class Add>
+Result<AddedGuest> add_or_take_back(const std::string& name, const std::string& path,
+                                    SceneWorld& world, const Add& add) {
+  const SceneWorld::BeforeChange before = world.before_change();
+  const auto added = [&]() -> Result<AddedGuest> {
+    if (Status s = begin_adding(name, world); !s) return of_file(path, s.error());
+    return add(*guests_of(world));
+  }();
+  if (!added) world.take_back(before);
+  return added;
+}
+
+// The rest of adding a body that is among the guests already. count: their number before. If the
+// body cannot stay, it is not among them afterwards.
+Status begin_guest(MixedGuests& guests, std::size_t guest, std::size_t count,
+                   const SceneWorld& world, const char* margin_name,
+                   std::span<const SceneLoad> loads) {
+  Status good = check_apart(guests, guest, solids_of(world), margin_name);
+  if (good) good = take_loads(guests, guest, loads);
+  if (!good) guests.take_back(guest, count);
+  return good;
 }
 
 }  // namespace
@@ -135,39 +159,35 @@ MixedGuests* guests_of(const SceneWorld& world) {
 }
 
 Result<AddedGuest> add_guest(const TetSceneBody& body, const std::string& path, SceneWorld& world) {
-  if (Status s = begin_adding(body.name, world); !s) return of_file(path, s.error());
-  Result<PlacedTets> placed = place_tets(std::span(&body, 1), path);
-  if (!placed) return placed.error();
-  MixedGuests& guests = *guests_of(world);
-  const auto added =
-      guests.add(body.name, std::move(placed->bodies[0]), body.contact, placed->kinds[0].hull);
-  if (!added) return of_file(path, added.error());
-  Status good = check_apart(guests, *added, solids_of(world), "contact-margin");
-  if (good) good = take_loads(guests, *added, body.loads);
-  if (!good) {
-    guests.remove(*added);
-    return of_file(path, good.error());
-  }
-  world.note_guest(body.name, guest_parts(std::span(&body, 1), *placed, {}, guests)[0]);
-  return AddedGuest{*added, std::move(placed->kinds[0])};
+  const auto add = [&](MixedGuests& guests) -> Result<AddedGuest> {
+    Result<PlacedTets> placed = place_tets(std::span(&body, 1), path);
+    if (!placed) return placed.error();
+    const std::size_t count = guests.size();
+    const auto added =
+        guests.add(body.name, std::move(placed->bodies[0]), body.contact, placed->kinds[0].hull);
+    if (!added) return of_file(path, added.error());
+    if (Status s = begin_guest(guests, *added, count, world, "contact-margin", body.loads); !s)
+      return of_file(path, s.error());
+    world.note_guest(body.name, guest_parts(std::span(&body, 1), *placed, {}, guests)[0]);
+    return AddedGuest{*added, std::move(placed->kinds[0])};
+  };
+  return add_or_take_back(body.name, path, world, add);
 }
 
 Result<AddedGuest> add_guest(const ClothSceneBody& body, const std::string& path,
                              SceneWorld& world) {
-  if (Status s = begin_adding(body.name(), world); !s) return of_file(path, s.error());
-  Result<ClothBody> cloth = ClothBody::create(body.scene, body.velocity);
-  if (!cloth) return of_file(path, of_scene(cloth.error()));
-  MixedGuests& guests = *guests_of(world);
-  const Result<std::size_t> added = guests.add(std::move(*cloth), body.contact);
-  if (!added) return of_file(path, of_scene(added.error()));
-  Status good = check_apart(guests, *added, solids_of(world), "thickness");
-  if (good) good = take_loads(guests, *added, body.loads);
-  if (!good) {
-    guests.remove(*added);
-    return of_file(path, good.error());
-  }
-  world.note_guest(body.name(), cloth_part(body, *guests.cloth(*added)));
-  return AddedGuest{*added, std::nullopt};
+  const auto add = [&](MixedGuests& guests) -> Result<AddedGuest> {
+    Result<ClothBody> cloth = ClothBody::create(body.scene, body.velocity);
+    if (!cloth) return of_file(path, of_scene(cloth.error()));
+    const std::size_t count = guests.size();
+    const Result<std::size_t> added = guests.add(std::move(*cloth), body.contact);
+    if (!added) return of_file(path, of_scene(added.error()));
+    if (Status s = begin_guest(guests, *added, count, world, "thickness", body.loads); !s)
+      return of_file(path, s.error());
+    world.note_guest(body.name(), cloth_part(body, *guests.cloth(*added)));
+    return AddedGuest{*added, std::nullopt};
+  };
+  return add_or_take_back(body.name(), path, world, add);
 }
 
 }  // namespace tremolo

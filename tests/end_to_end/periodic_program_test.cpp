@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -230,6 +231,11 @@ TEST_F(PeriodicProgram, WrongOrbitsAreNamed) {
   refused(kResponse + " --orbit o.glb --orbit-seconds -1", 3, "--orbit-seconds");
   refused(kResponse + " --orbit o.glb --orbit-at 9Hz", 3, "0.6 to 1.5");
   refused(kResponse + " --orbit o.glb --orbit-at 90%", 3, "largest");
+  // A motion that is not on the curve leaves no file of the command.
+  refused(kResponse + " --out off --csv off.csv --page off.html --orbit o.glb --orbit-at 90%", 3,
+          "largest");
+  for (const char* name : {"off", "off.csv", "off.html", "o.glb"})
+    EXPECT_FALSE(std::filesystem::exists(folder_ + "/" + name)) << name;
   refused(kResponse + " --orbit nowhere/o.glb", 1, "nowhere");
   refused(kResponse + " --by-stepping --no-stability", 2, "--no-stability");
   refused(kResponse + " --by-stepping --load-harmonic 2:1", 2, "--load-harmonic");

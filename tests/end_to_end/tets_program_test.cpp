@@ -225,6 +225,16 @@ TEST_F(TetsProgram, WhatASceneGetsWrongIsRefusedByItsKey) {
     EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
     EXPECT_NE(result.err.find("scene.toml"), std::string::npos) << result.err;
   }
+  // The step is of the scene, as with bodies of other kinds.
+  for (const char* step : {"0", "-1", "inf"}) {
+    const ProgramResult result = run("step = " + std::string(step) +
+                                     "\nduration = 1\n[[bodies]]\nname = \"one\"\nkind = "
+                                     "\"tets\"\nmodel = \"cube.tets\"\n");
+    EXPECT_EQ(result.code, 3) << result.err;
+    EXPECT_NE(result.err.find("scene.toml: step must be positive and finite (s)"),
+              std::string::npos)
+        << result.err;
+  }
   // A collider's friction and restitution; a run of no step.
   for (const auto& [keys, words] : {std::pair{"friction = -1.0\n", "friction"},
                                     {"restitution = 1.5\n", "restitution"},

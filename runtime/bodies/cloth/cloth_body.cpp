@@ -47,6 +47,7 @@ Result<ClothBody> ClothBody::create(const ClothScene& scene, const Vector3d& vel
   const auto of_cloth = [&cloth](const Error& error) {
     return Error{error.kind, "cloth '" + cloth.name + "': " + error.message};
   };
+  if (!velocity.allFinite()) return of_cloth(content_error("its velocity is not finite"));
   Result<ClothModel> model = make_cloth_model(cloth);
   if (!model) return of_cloth(model.error());
   body.model_ = std::make_unique<ClothModel>(std::move(*model));

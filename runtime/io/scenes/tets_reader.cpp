@@ -108,6 +108,9 @@ Result<TetSceneBody> read_tets_body(const toml::table& table, std::size_t number
   if (Status s = keys.finish(); !s) return s.error();
   body.options.step = scene.step;
   body.options.gravity = scene.gravity;
+  // The step is the scene's.
+  if (!(scene.step > 0.0 && std::isfinite(scene.step)))
+    return content_error(scene.path + ": step must be positive and finite (s)");
   if (Status s = check(body.options); !s)
     return content_error(scene.path + ": " + what + ": " + s.error().message);
   return body;
@@ -133,7 +136,7 @@ Status check_tets_scene(const TetScene& scene) {
   };
   for (const auto& [name, value] : {std::pair{"step", scene.step}, {"duration", scene.duration}})
     if (!(value > 0.0 && std::isfinite(value)))
-      return problem(std::string("'") + name + "' must be positive and finite (s)");
+      return problem(std::string(name) + " must be positive and finite (s)");
   if (Status s = check(scene.group); !s) return problem(s.error().message);
   std::set<std::string> names;
   for (const TetSceneBody& body : scene.bodies)

@@ -4,6 +4,8 @@
 #include <cstring>
 #include <utility>
 
+#include "runtime/apps/python/module/world_parts.h"
+
 namespace tremolo::python {
 
 BodyHandle::BodyHandle(PyModelPointer model, BodyOptions options, ContactBody body)
@@ -80,9 +82,20 @@ void BodyHandle::clear_loads() {
   loads_.clear();
 }
 
+std::size_t BodyHandle::grab(const Grab& grab) {
+  if (!in_world()) {
+    enable_grabs();
+    return unwrap(grab(body()));
+  }
+  SceneWorld& world = static_cast<WorldParts*>(world_.get())->world;
+  std::size_t i = 0;
+  while (&world.body(i) != &body()) ++i;
+  return unwrap(world.hold_body(i, grab));
+}
+
 // A body alone meets no colliders; grabs need its contact all the same.
 void BodyHandle::enable_grabs() {
-  if (grabs_ || in_world()) return;
+  if (grabs_) return;
   ContactOptions options;
   options.colliders = false;
   check(body_->set_contact(options));

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -78,6 +79,9 @@ class BodyHandle {
   void add_load(const BodyLoad& load);
   void clear_loads();
   const std::vector<BodyLoad>& loads() const { return loads_; }
+  // Runs grab(ContactBody) -> Result of the grab's number; a body without contact gets it.
+  using Grab = std::function<Result<std::size_t>(ContactBody&)>;
+  std::size_t grab(const Grab& grab);
   void enable_grabs();
   bool has_grabs_enabled() const { return grabs_; }
 

@@ -100,14 +100,14 @@ VertexId vertex_at(py::handle at, const Model& model) {
 
 std::size_t grab(BodyHandle& self, py::handle at, double stiffness, double damping) {
   const BodyHandle::Call call(self);
-  self.enable_grabs();
-  return unwrap(self.body().grab(vertex_at(at, self.body().model()), stiffness, damping));
+  const VertexId vertex = vertex_at(at, self.body().model());
+  return self.grab([&](ContactBody& body) { return body.grab(vertex, stiffness, damping); });
 }
 
 std::size_t pin(BodyHandle& self, py::handle at) {
   const BodyHandle::Call call(self);
-  self.enable_grabs();
-  return unwrap(self.body().pin(vertex_at(at, self.body().model())));
+  const VertexId vertex = vertex_at(at, self.body().model());
+  return self.grab([&](ContactBody& body) { return body.pin(vertex); });
 }
 
 void move_grab(BodyHandle& self, std::size_t number, py::handle position) {

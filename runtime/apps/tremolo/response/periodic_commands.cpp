@@ -125,6 +125,8 @@ int finish(const PeriodicOptions& options, const PeriodicFiles& files, const std
            const CurveContext& context, const Json& head) {
   const Result<Json> orbit = write_orbit(options, results, context);
   int code = orbit ? 0 : report_error(orbit.error());
+  // The motion is not on the curve: no file of the command is there.
+  if (!orbit && orbit.error().kind == ErrorKind::kContent) return code;
   Json report = report_of(head, results, context, files.all());
   if (orbit && !orbit->is_null()) report["orbit"] = *orbit;
   if (!options.out.empty()) {

@@ -50,9 +50,10 @@ std::optional<BlockCholesky> slender_factor(const BlockPatternPointer& pattern) 
 }  // namespace
 
 Status check(const TetBodyOptions& options) {
+  if (!(options.step > 0.0) || !std::isfinite(options.step))
+    return content_error("step must be positive and finite (s)");
   for (const Status& status :
-       {check_range("step", options.step, 0.0, true),
-        check_range("alpha", options.alpha, 0.0, false),
+       {check_range("alpha", options.alpha, 0.0, false),
         check_range("beta", options.beta, 0.0, false),
         check_range("drag", options.drag, 0.0, false),
         check_range("tolerance", options.tolerance, 0.0, true),
