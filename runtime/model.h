@@ -15,6 +15,7 @@
 #include "common/result.h"
 #include "formats/basis/basis_data.h"
 #include "runtime/bodies/reduced/surface/surface_tree.h"
+#include "runtime/contact/collider.h"
 #include "runtime/math/kernels/potential.h"
 #include "runtime/math/state.h"
 
@@ -53,7 +54,9 @@ class Model : public std::enable_shared_from_this<Model> {
 
   // Errors: kContent if a shape does not fit, lambda is not positive and ascending, ids do not
   // ascend or a value is not finite; kUsage if options.modes is negative or above r.
-  static Result<Pointer> from_data(const BasisData& data, ModelOptions options = {});
+  // solid: what the data is a rigid body of; solid() returns it.
+  static Result<Pointer> from_data(const BasisData& data, ModelOptions options = {},
+                                   std::optional<Collider> solid = std::nullopt);
 
   // Loads a basis file. Interior rows stay in the file, which is kept mapped, until a vertex inside
   // is requested. Errors as in formats/basis/basis_reader.h and from_data.
@@ -93,6 +96,9 @@ class Model : public std::enable_shared_from_this<Model> {
     return {render_->surface.vertices, render_->rows, response_.render, render_->surface.triangles,
             render_->anchors};
   }
+  // The exact shape of a rigid body that was made of one, else nullptr. Pictures and exports show
+  // it by finer triangles than those of drawn(), whose vertices are the body's points.
+  const Collider* solid() const { return solid_ ? &*solid_ : nullptr; }
   // Integrals of the r coordinates. nullptr: the file has none (an imported model, or one of an
   // older version).
   const InertiaIntegrals* inertia() const { return inertia_ ? &*inertia_ : nullptr; }
@@ -161,6 +167,7 @@ class Model : public std::enable_shared_from_this<Model> {
   VertexBlock surface_;
   std::vector<Triangle> triangles_;
   std::optional<RenderBlock> render_;
+  std::optional<Collider> solid_;
   std::optional<InertiaIntegrals> inertia_;
   MassElements elements_;
   LocalResponse response_;  // without the vertices inside

@@ -109,5 +109,24 @@ TEST(Creases, ABoxIsSplitAtItsEdgesAndABentSheetIsNot) {
   EXPECT_EQ(split_at_creases(steep, gentle).vertex_of.size(), 6U);
 }
 
+// Two faces at a right angle with a seam through one of them, where its vertices are double.
+TEST(Creases, ASeamSplitsNoNormalAndASharpEdgeDoes) {
+  const std::vector<Eigen::Vector3d> vertices = {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0},
+                                                 {1, 0, 0}, {1, 1, 0}, {2, 0, 0}, {0, 0, -1}};
+  const std::vector<Triangle> triangles = {{0, 2, 1}, {1, 2, 3}, {4, 6, 5}, {0, 1, 7}};
+  const std::vector<std::uint32_t> points = {0, 1, 2, 3, 2, 3, 4, 5};
+  const CreasedSurface creased = split_at_creases(vertices, triangles, points);
+  // The two of the edge between the faces have copies.
+  ASSERT_EQ(creased.vertex_of.size(), vertices.size() + 2);
+  EXPECT_EQ(creased.side_of[2], creased.side_of[4]);
+  EXPECT_EQ(creased.side_of[3], creased.side_of[5]);
+  EXPECT_EQ(creased.sharp[creased.side_of[2]], 0);
+  for (const std::size_t v : {0U, 1U, 8U, 9U}) EXPECT_EQ(creased.sharp[creased.side_of[v]], 1) << v;
+  EXPECT_NE(creased.side_of[0], creased.side_of[8]);
+  // Without the points each vertex has its own.
+  const CreasedSurface apart = split_at_creases(vertices, triangles);
+  EXPECT_NE(apart.side_of[2], apart.side_of[4]);
+}
+
 }  // namespace
 }  // namespace tremolo

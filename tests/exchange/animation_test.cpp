@@ -225,6 +225,33 @@ TEST(Recording, ARigidBoxHasSharpEdges) {
     EXPECT_NEAR(normal.cwiseAbs().maxCoeff(), 1.0, 1e-12) << normal.transpose();
 }
 
+TEST(Recording, RigidBallsAreRoundAndThoseOfOneSizeShareTheirSurface) {
+  Recording recording;
+  const std::vector<double> radii = {0.1, 0.1, 0.2};
+  for (std::size_t k = 0; k < radii.size(); ++k) {
+    RigidSolid solid;
+    solid.shape = SphereShape{radii[k]};
+    const Result<Model::Pointer> ball = make_rigid_model(solid);
+    ASSERT_TRUE(ball) << ball.error().message;
+    ASSERT_TRUE(recording.add(*ball, "ball-" + std::to_string(k)));
+  }
+  ASSERT_TRUE(recording.begin_frame(0.0));
+  for (std::size_t k = 0; k < radii.size(); ++k)
+    ASSERT_TRUE(recording.record(k, {}, std::vector<Pose>(1)));
+  const Result<Animation> animation = recording.animation();
+  ASSERT_TRUE(animation) << animation.error().message;
+  ASSERT_EQ(animation->shapes.size(), 2U);
+  EXPECT_EQ(animation->bodies[0].shape, animation->bodies[1].shape);
+  for (std::size_t k = 0; k < radii.size(); ++k) {
+    const RenderSurface& surface = animation->shape_of(animation->bodies[k]).surface;
+    for (const Triangle& t : surface.triangles) {
+      const Eigen::Vector3d middle =
+          (surface.vertices[t[0]] + surface.vertices[t[1]] + surface.vertices[t[2]]) / 3.0;
+      EXPECT_NEAR(middle.norm(), radii[k], 0.003 * radii[k]);
+    }
+  }
+}
+
 // Six times the volume.
 double six_volumes(const RenderSurface& surface) {
   double sum = 0.0;

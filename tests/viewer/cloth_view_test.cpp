@@ -236,11 +236,36 @@ TEST(ClothView, FlagsThatAreOfBodiesAreRefused) {
   std::ofstream(folder + "/square.toml") << kSquare;
   for (const char* flags :
        {"--colour stress --offscreen --out a", "--record-hand a.toml --offscreen --out a",
-        "--record-hand a.toml --beside square.toml", "--texture a.png", "--offscreen",
-        "--video a.mp4", "--beside square.toml --step 0 --offscreen --out a"}) {
+        "--record-hand a.toml --beside square.toml", "--texture a.png --offscreen --out a",
+        "--colour degree --offscreen --out a", "--offscreen", "--video a.mp4",
+        "--beside square.toml --step 0 --offscreen --out a"}) {
     const ProgramResult result = run_program(folder, testing::kView + "square.toml " + flags);
     EXPECT_TRUE(result.code == 2 || result.code == 3) << flags << result.err;
   }
+}
+
+TEST(ClothView, DisplacementIsColoured) {
+  if (const std::string why = testing::no_pictures(); !why.empty()) GTEST_SKIP() << why;
+  const std::string folder = fresh_folder();
+  std::ofstream(folder + "/square.toml") << kSquare;
+  const auto red_and_blue = [&](const std::string& flags) {
+    const testing::Shots shots = testing::shoot(
+        folder, "square.toml",
+        "--size 200x150 --background white --lights 2 --camera 0,60 --colour moved " + flags);
+    EXPECT_EQ(shots.result.code, 0) << shots.result.err;
+    const auto picture = read_png(shots.json["frames"][0]["file"]);
+    EXPECT_TRUE(picture);
+    std::pair<int, int> count{0, 0};
+    for (std::size_t i = 0; picture && i < picture->pixels.size(); i += 3) {
+      count.first += picture->pixels[i] > picture->pixels[i + 2] + 60 ? 1 : 0;
+      count.second += picture->pixels[i + 2] > picture->pixels[i] + 60 ? 1 : 0;
+    }
+    return count;
+  };
+  EXPECT_EQ(red_and_blue("").first, 0);
+  const auto [moved, still] = red_and_blue("--from 0.3");
+  EXPECT_GT(moved, 100);
+  EXPECT_GT(still, 100);
 }
 
 TEST(ClothView, ADragInTheWindowPullsAParticleAndTheRecordDoesItAgain) {

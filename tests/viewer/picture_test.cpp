@@ -1,5 +1,7 @@
 // Off-screen pictures show the states: silhouettes against the test's own rasteriser.
 #include <cmath>
+#include <fstream>
+#include <numbers>
 #include <set>
 #include <vector>
 
@@ -155,6 +157,51 @@ TEST(ViewerPicture, ASceneOfBodiesAndCollidersIsDrawn) {
     colours.insert((first.pixels[i] >> 5) << 6 | (first.pixels[i + 1] >> 5) << 3 |
                    first.pixels[i + 2] >> 5);
   EXPECT_GT(colours.size(), 20U);
+}
+
+// The outline of a rigid ball is off a circle by less than a pixel.
+TEST(ViewerPicture, ARigidBallIsRound) {
+  if (const std::string why = testing::no_pictures(); !why.empty()) GTEST_SKIP() << why;
+  const std::string folder = fresh_folder();
+  std::ofstream(folder + "/ball.toml")
+      << "step = 0.01\nduration = 1\ngravity = [0, 0, 0]\n[[bodies]]\nname = \"ball\"\n"
+         "kind = \"rigid\"\nshape = \"sphere\"\nradius = 0.1\n";
+  const Shots shots = shoot(folder, "ball.toml", kFlat + "--size 600x600 --camera 20,30,0.8");
+  ASSERT_EQ(shots.result.code, 0) << shots.result.err;
+  const Mask seen = seen_mask(picture_of(shots, 0));
+  const Eigen::Vector2d centre = seen.centroid();
+  const double radius = std::sqrt(seen.area() / std::numbers::pi);
+  EXPECT_GT(radius, 150.0);
+  for (int k = 0; k < 360; ++k) {
+    const double angle = std::numbers::pi * k / 180.0;
+    const Eigen::Vector2d out(std::cos(angle), std::sin(angle));
+    double length = 0.0;  // the covered part of a ray from the centre
+    for (double r = 0.0; r < 1.2 * radius; r += 0.1) {
+      const Eigen::Vector2d p = centre + r * out;
+      const auto pixel = static_cast<std::size_t>(p.y()) * 600 + static_cast<std::size_t>(p.x());
+      length += 0.1 * seen.cover[pixel];
+    }
+    EXPECT_NEAR(length, radius, 0.75) << k;
+  }
+}
+
+// A face that is seen from its front has one shade up to its edges.
+TEST(ViewerPicture, ABlockHasSharpEdges) {
+  if (const std::string why = testing::no_pictures(); !why.empty()) GTEST_SKIP() << why;
+  const Shots shots = shoot(fresh_folder(), testing::sample_model("finger"),
+                            "--size 300x300 --background white --lights 2 --camera 0,0");
+  ASSERT_EQ(shots.result.code, 0) << shots.result.err;
+  const Picture picture = picture_of(shots, 0);
+  int left = 300, right = 0;
+  const auto row = [&](int x) { return picture.pixels.data() + 3 * (150 * 300 + x); };
+  for (int x = 0; x < 300; ++x)
+    if (row(x)[2] < 200) {
+      left = std::min(left, x);
+      right = std::max(right, x);
+    }
+  ASSERT_GT(right - left, 20);
+  const int middle = row((left + right) / 2)[0];
+  for (const int x : {left + 2, right - 2}) EXPECT_NEAR(row(x)[0], middle, 6) << x;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include <Eigen/Geometry>
@@ -199,6 +200,44 @@ TEST(SurfaceStress, OfABeamThatBendsIsItsMomentOverItsSection) {
     // is rounded.
     EXPECT_NEAR(mean, moment * 0.5 * section.h / section.second_moment(), 0.04 * mean) << axis;
   }
+}
+
+// The positions are rounded to single precision, far from the origin more coarsely.
+TEST(SurfaceStress, OfAnUnloadedBodyIsZeroAndSmallLoadsAreSeen) {
+  const std::vector<Vector3d> rest = {{0, 0, 0}, {0.013, 0.001, 0}, {0.002, 0.011, 0.003}};
+  const Material rubber{.young = 1e6, .poisson = 0.45};
+  const SurfaceStress stress(rest, kOne, rubber);
+  const auto look = [&](const Vector3d& aside, double stretch) {
+    std::vector<float> positions, out;
+    for (const Vector3d& x : rest) {
+      const Vector3d place = stretch * x + aside;
+      for (const double coordinate : place) positions.push_back(static_cast<float>(coordinate));
+    }
+    const float most = stress.look(positions, out);
+    EXPECT_EQ(*std::max_element(out.begin(), out.end()), most);
+    return static_cast<double>(most);
+  };
+  for (const double aside : {0.0, 0.1, 1.0, 10.0})
+    EXPECT_EQ(look(Vector3d(aside, 0.3 * aside, -0.7 * aside), 1.0), 0.0) << aside;
+  // Plane stress E e / (1 - nu), equal along both axes.
+  EXPECT_NEAR(look(Vector3d::Zero(), 1.0 + 1e-5), 1e6 * 1e-5 / 0.55, 1.0);
+}
+
+TEST(SurfaceStress, EachTriangleHasItsOwnMaterial) {
+  const std::vector<Vector3d> rest = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0}, {6, 0, 0},
+                                      {5, 1, 0}, {9, 0, 0}, {9, 1, 0}, {8, 1, 0}};
+  const std::vector<Triangle> three = {{0, 1, 2}, {3, 4, 5}, {6, 7, 8}};
+  const std::vector<std::optional<Material>> materials = {
+      Material{.young = 1e5, .poisson = 0.3}, Material{.young = 3e5, .poisson = 0.3}, std::nullopt};
+  const SurfaceStress stress(rest, three, materials);
+  std::vector<float> positions, out;
+  for (const Vector3d& x : rest)
+    for (const double coordinate : x) positions.push_back(static_cast<float>(1.01 * coordinate));
+  const float most = stress.look(positions, out);
+  EXPECT_EQ(most, out[3]);
+  EXPECT_NEAR(out[3] / out[0], 3.0, 1e-3);
+  EXPECT_EQ(out[6], 0.0f);
+  EXPECT_TRUE(SurfaceStress(rest, three, std::vector<std::optional<Material>>(3)).empty());
 }
 
 }  // namespace

@@ -209,12 +209,12 @@ TEST(WorldView, WhatNoBodyHasIsRefused) {
     EXPECT_EQ(result.code, code) << flags << result.err;
     EXPECT_NE(result.err.find(word), std::string::npos) << flags << result.err;
   };
-  expect_refused("mixed.toml --colour stress --offscreen --out a", 3, "material");
   expect_refused("mixed.toml --orbit 1:5% --offscreen --out a", 2, "--orbit");
   expect_refused("mixed.toml --integrator ep2 --offscreen --out a", 2, "--integrator");
   expect_refused("mixed.toml --paint nobody=#ffffff --offscreen --out a", 3, "no body");
   std::ofstream(folder + "/plain.toml") << "[[bodies]]\nname = \"ball\"\nkind = \"rigid\"\n"
                                            "shape = \"sphere\"\nradius = 0.05\nmass = 0.1\n";
+  expect_refused("plain.toml --colour stress --offscreen --out a", 3, "material");
   expect_refused("plain.toml --colour degree --offscreen --out a", 2, "tets");
 }
 

@@ -227,11 +227,13 @@ Result<std::shared_ptr<Model>> Model::assemble(const BasisData& data, Eigen::Ind
   return model;
 }
 
-Result<Model::Pointer> Model::from_data(const BasisData& data, ModelOptions options) {
+Result<Model::Pointer> Model::from_data(const BasisData& data, ModelOptions options,
+                                        std::optional<Collider> solid) {
   const Result<Eigen::Index> modes = kept_modes(data.lambda.size(), options.modes);
   if (!modes) return modes.error();
   Result<std::shared_ptr<Model>> model = assemble(data, *modes, options);
   if (!model) return model.error();
+  (*model)->solid_ = std::move(solid);
   Result<VertexBlock> interior = leading_columns(data.interior, *modes, "interior");
   if (!interior) return interior.error();
   const BasisRows& inside = data.response.interior;

@@ -1,8 +1,10 @@
 #include "runtime/io/exchange/recording.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
+#include <variant>
 
 #include <Eigen/Eigenvalues>
 
@@ -11,7 +13,28 @@
 
 namespace tremolo {
 
+namespace {
+
+// The sizes of the shape of a rigid body, and its kind.
+std::array<double, 4> sizes_of(const Collider& solid) {
+  const auto kind = static_cast<double>(solid.index());
+  if (const auto* sphere = std::get_if<SphereShape>(&solid)) return {kind, sphere->radius};
+  if (const auto* box = std::get_if<BoxShape>(&solid))
+    return {kind, box->half_extents[0], box->half_extents[1], box->half_extents[2]};
+  if (const auto* capsule = std::get_if<CapsuleShape>(&solid))
+    return {kind, capsule->radius, capsule->half_length};
+  const auto& cylinder = std::get<CylinderShape>(solid);
+  return {kind, cylinder.radius, cylinder.half_length};
+}
+
+}  // namespace
+
 AnimatedShape animated_shape(const Model& model, std::string name) {
+  if (model.solid() != nullptr)
+    if (std::optional<AnimatedShape> exact = collider_shape(*model.solid(), name, 1.0)) {
+      exact->modes.resize(3 * std::ssize(exact->surface.vertices), 0);
+      return std::move(*exact);
+    }
   AnimatedShape shape;
   shape.name = std::move(name);
   const DrawnSurface drawn = model.drawn();
@@ -70,15 +93,20 @@ Result<std::size_t> Recording::add(const Model::Pointer& model, std::string name
   if (body.weights.cols() > 0 &&
       std::cmp_not_equal(body.weights.rows(), model->drawn().rest.size()))
     return usage_error("body '" + name + "': its skin is of another model");
-  const auto [place, is_new] = shapes_.try_emplace(model.get(), animation_.shapes.size());
+  auto [place, is_new] = shapes_.try_emplace(model.get(), animation_.shapes.size());
+  // Rigid bodies of one shape are drawn alike, although each has a model of its own.
+  for (std::size_t k = 0; is_new && model->solid() != nullptr && k < models_.size(); ++k)
+    if (models_[k]->solid() != nullptr &&
+        sizes_of(*models_[k]->solid()) == sizes_of(*model->solid()))
+      place->second = shapes_.at(models_[k].get());
   body.shape = place->second;
   body.name = name;
   if (Status s = add_body(std::move(body)); !s) {
     if (is_new) shapes_.erase(place);
     return s.error();
   }
-  if (is_new) {
-    models_.push_back(model);
+  if (is_new) models_.push_back(model);
+  if (place->second == animation_.shapes.size()) {
     animation_.shapes.push_back(animated_shape(*model, std::move(name)));
   }
   return frames_.size() - 1;

@@ -88,8 +88,11 @@ std::vector<ShownSheet> ClothScenes::sheets() const {
   std::vector<ShownSheet> sheets;
   for (const Part& part : sheets_) {
     const Shown& shown = shown_[part.scene];
-    sheets.push_back({shown.file.scene.cloths[part.number].name, shown.world.triangles(part.number),
-                      shown.world.particles(part.number)});
+    ShownSheet sheet{shown.file.scene.cloths[part.number].name, shown.world.triangles(part.number),
+                     shown.world.particles(part.number)};
+    const Eigen::VectorXd& x = shown.world.model(part.number).parts().x;
+    for (Eigen::Index k = 0; k + 2 < x.size(); k += 3) sheet.rest.emplace_back(x.segment<3>(k));
+    sheets.push_back(std::move(sheet));
   }
   return sheets;
 }
@@ -247,9 +250,13 @@ namespace {
 
 Result<int> view_cloth(const ViewerOptions& options, const GivenFlags& flags) {
   if (Status s = refuse_body_flags(options, "cloth"); !s) return s.error();
-  if (options.colour != "body")
+  if (!options.textures.empty())
+    return usage_error(
+        "--texture does not apply to cloth: it is drawn by its particles, which have no texture "
+        "coordinates");
+  if (options.colour == "stress" || options.colour == "degree")
     return usage_error("--colour " + options.colour +
-                       " is not of cloth, which has its own colours");
+                       " does not apply to cloth, which consists of springs: use body or moved");
   std::vector<ClothFile> files;
   std::vector<NamedFile> inputs;
   for (const std::string& path : {options.file, options.beside}) {

@@ -64,6 +64,32 @@ std::span<const float> numbers_in(const std::vector<Eigen::Vector3f>& vectors) {
 
 }  // namespace
 
+GlHandle make_image(const Picture& picture) {
+  GlHandle image = GlHandle::make(GlKind::kTexture);
+  glBindTexture(GL_TEXTURE_2D, image.name());
+  std::vector<std::uint8_t> rows;
+  const std::size_t row = 3 * static_cast<std::size_t>(picture.width);
+  for (int y = picture.height; y-- > 0;) {
+    const auto begin = picture.pixels.begin() + static_cast<std::ptrdiff_t>(row) * y;
+    rows.insert(rows.end(), begin, begin + static_cast<std::ptrdiff_t>(row));
+  }
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_SRGB8, picture.width, picture.height, 0, GL_RGB,
+               GL_UNSIGNED_BYTE, rows.data());
+  glGenerateMipmap(GL_TEXTURE_2D);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  return image;
+}
+
+bool repeats_image(std::span<const std::uint32_t> triangles, std::span<const float> uvs) {
+  constexpr float kMargin = 1e-4f;
+  const auto outside = [&uvs](std::uint32_t v) {
+    const float u = uvs[2 * std::size_t{v}], w = uvs[2 * std::size_t{v} + 1];
+    return std::min(u, w) < -kMargin || std::max(u, w) > 1.0f + kMargin;
+  };
+  return std::any_of(triangles.begin(), triangles.end(), outside);
+}
+
 GpuMesh::GpuMesh(std::span<const std::uint32_t> triangles, std::span<const float> rest)
     : array_(GlHandle::make(GlKind::kVertexArray)), triangles_(triangles.size() / 3) {
   glBindVertexArray(array_.name());

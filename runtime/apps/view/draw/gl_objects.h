@@ -10,6 +10,7 @@
 
 #include "common/result.h"
 #include "runtime/apps/view/camera/camera.h"
+#include "runtime/apps/view/picture/png_file.h"
 #include "runtime/apps/view/shape/collider_shape.h"
 
 namespace tremolo {
@@ -42,6 +43,15 @@ class GlHandle {
   GlKind kind_ = GlKind::kBuffer;
   GLuint name_ = 0;
 };
+
+// A texture of the picture, with its first row at v = 1 since texture coordinates count from below.
+// A context must be current.
+GlHandle make_image(const Picture& picture);
+
+// True if a texture coordinate is outside 0 to 1, with a margin for rounding: the image is then
+// repeated; otherwise its edges are clamped, so that the opposite edge is not mixed in. uvs: of all
+// vertices, u v ...; triangles: three indices each.
+bool repeats_image(std::span<const std::uint32_t> triangles, std::span<const float> uvs);
 
 // Triangles in the graphics card's memory. A context must be current in every call, the same one.
 class GpuMesh {

@@ -174,7 +174,12 @@ void Renderer::draw_things(std::span<const DrawnThing> things, const Matrix4f& c
     surface_.set("gloss", thing.gloss);
     surface_.set("glass", thing.glass);
     surface_.set("lifted", thing.lifted);
-    if (thing.paint == Paint::kImage) glBindTexture(GL_TEXTURE_2D, thing.image);
+    if (thing.paint == Paint::kImage) {
+      glBindTexture(GL_TEXTURE_2D, thing.image);
+      const GLint wrap = thing.tiled ? GL_REPEAT : GL_CLAMP_TO_EDGE;
+      glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrap);
+      glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrap);
+    }
     if (thing.glass < 1.0f) {
       glEnable(GL_BLEND);
       glDepthMask(GL_FALSE);

@@ -27,6 +27,7 @@ struct DrawnThing {
   Paint paint = Paint::kOne;
   Eigen::Vector3f colour = Eigen::Vector3f::Constant(0.6f);  // linear light, r g b in 0 to 1
   GLuint image = 0;                                          // a texture's name
+  bool tiled = false;                                        // the image is repeated beyond 0 to 1
   float gloss = 1.0f;                                        // 0 to 1
   // Opacity; below 1 it hides nothing behind it, casts no shadow and shows none, because shadows of
   // something that is hardly visible would be noticed more than the thing.

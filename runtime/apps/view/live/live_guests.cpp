@@ -40,6 +40,32 @@ std::vector<Vector3d> LiveGuests::rest(std::size_t i) const {
   return rest;
 }
 
+std::vector<std::optional<Material>> materials_of(const TetsKind& kind) {
+  const TetsSurface& drawn = kind.surface->rest();
+  const std::span<const TetModelElement> elements = kind.model->elements();
+  std::vector<std::optional<Material>> materials(drawn.triangles.size());
+  for (std::size_t t = 0; t < materials.size(); ++t) {
+    const auto corner = static_cast<std::size_t>(drawn.triangles[t][0]);
+    const Elasticity& elasticity = kind.model->elasticity(elements[drawn.tetrahedra[corner]]);
+    if (!elasticity.isotropic) continue;
+    const double lambda = elasticity.lambda, mu = elasticity.mu;
+    materials[t].emplace();
+    materials[t]->young = mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
+    materials[t]->poisson = 0.5 * lambda / (lambda + mu);
+  }
+  return materials;
+}
+
+std::span<const Eigen::Vector2f> LiveGuests::uvs(std::size_t i) const {
+  if (is_cloth(i)) return {};
+  return guests_.kind(i).surface->rest().uvs;
+}
+
+std::vector<std::optional<Material>> LiveGuests::materials(std::size_t i) const {
+  if (is_cloth(i)) return {};
+  return materials_of(guests_.kind(i));
+}
+
 void LiveGuests::look(std::size_t i, BodyMoment& moment) const {
   if (is_cloth(i)) {
     const Eigen::VectorXd& x = cloth(i).state().x;

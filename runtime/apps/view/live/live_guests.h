@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include "common/material.h"
 #include "common/mesh/tet_mesh.h"
 #include "common/result.h"
 #include "runtime/apps/view/camera/camera.h"
@@ -22,6 +23,10 @@ namespace tremolo {
 // The fraction of an element's six edges that are quadratic. degrees: of all edges of the body.
 float quadratic_share(const TetModel& model, const TetModelElement& element,
                       std::span<const std::uint8_t> degrees);
+
+// Of each triangle of the drawn surface: the isotropic material of the tetrahedron that carries its
+// first corner; none if that is orthotropic.
+std::vector<std::optional<Material>> materials_of(const TetsKind& kind);
 
 class LiveGuests {
  public:
@@ -42,6 +47,11 @@ class LiveGuests {
   std::span<const Triangle> triangles(std::size_t i) const;
   // At rest, m: of a cloth as it is cut, of tetrahedra in their file's frame.
   std::vector<Eigen::Vector3d> rest(std::size_t i) const;
+  // Texture coordinates of the surface's vertices; empty: there are none. A cloth is drawn by its
+  // particles, which have none.
+  std::span<const Eigen::Vector2f> uvs(std::size_t i) const;
+  // Of each triangle; empty for a cloth.
+  std::vector<std::optional<Material>> materials(std::size_t i) const;
   // Overwrites positions and normals of the surface, in the world, and of tetrahedra the degrees.
   void look(std::size_t i, BodyMoment& moment) const;
 

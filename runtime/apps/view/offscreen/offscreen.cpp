@@ -44,7 +44,8 @@ struct Studio {
   std::optional<PictureTarget> target;
 };
 
-Result<Studio> open_studio(const ViewSetup& setup, const LiveWorld& live) {
+Result<Studio> open_studio(const ViewerOptions& options, const ViewSetup& setup,
+                           const LiveWorld& live) {
   Studio studio;
   if (Status s = take(studio.context, EglContext::create()); !s) return s.error();
   if (Status s = take(studio.renderer, Renderer::create()); !s) return s.error();
@@ -52,6 +53,7 @@ Result<Studio> open_studio(const ViewSetup& setup, const LiveWorld& live) {
                       Stage::create(live, setup.up, setup.paints, setup.images, setup.solids));
       !s)
     return s.error();
+  if (Status s = check_stage(options, *studio.stage); !s) return s.error();
   Result<PictureTarget> target = PictureTarget::create(setup.size);
   if (!target) return target.error();
   studio.target.emplace(std::move(*target));
@@ -214,12 +216,12 @@ Result<CurvePoint> orbit_of(const ViewerOptions& options, const SceneWorld& worl
 Result<int> photograph(const ViewerOptions& options, const ViewedScene& viewed) {
   if (options.out.empty() && options.video.empty())
     return usage_error("--offscreen needs --out DIR, --video FILE.mp4|.webm, or both");
-  const Result<ViewSetup> setup = make_setup(options, shown_scene(viewed));
+  const Result<ViewSetup> setup = make_setup(options, shown_scene(viewed), !viewed.tets.empty());
   if (!setup) return setup.error();
   ModelCache models;
   Result<LiveWorld> live = LiveWorld::create(viewed, models);
   if (!live) return live.error();
-  Result<Studio> studio = open_studio(*setup, *live);
+  Result<Studio> studio = open_studio(options, *setup, *live);
   if (!studio) return studio.error();
   Result<PictureSeries> series = PictureSeries::create(options.out, options.video, options.rate,
                                                        setup->size.width, setup->size.height);

@@ -88,18 +88,23 @@ Result<std::vector<StageImage>> images_of(const std::vector<std::string>& texts)
   return images;
 }
 
+Error no_stress() {
+  return {
+      ErrorKind::kContent,
+      "--colour stress: no body's material is known: a model's file must name one isotropic "
+      "material, and its body must not be on bones; tetrahedra must have an isotropic material; "
+      "rigid bodies and cloths have no stress"};
+}
+
 // A body on bones has none: its shape does not depend on strain alone.
-Result<std::vector<std::optional<Material>>> solids_of(const Scene& scene, bool needed) {
+Result<std::vector<std::optional<Material>>> solids_of(const Scene& scene, bool needed,
+                                                       bool known) {
   std::vector<std::optional<Material>> solids;
-  bool known = false;
   for (const SceneBody& body : scene.bodies) {
     solids.push_back(body.bones.empty() ? material_of_model(body.model) : std::nullopt);
     known = known || solids.back().has_value();
   }
-  if (needed && !known)
-    return content_error(
-        "--colour stress: no body's material is known: its model's file must name one isotropic "
-        "material, and it must not be on bones; bodies of kind \"tets\" and \"cloth\" have none");
+  if (needed && !known) return no_stress();
   return solids;
 }
 
@@ -134,7 +139,7 @@ Status check_numbers(const ViewerOptions& options, double step) {
 
 }  // namespace
 
-Result<ViewSetup> make_setup(const ViewerOptions& options, const Scene& scene) {
+Result<ViewSetup> make_setup(const ViewerOptions& options, const Scene& scene, bool knows_stress) {
   ViewSetup setup;
   if (Status s = check_numbers(options, scene.step); !s) return s.error();
   if (Status s = take(setup.size, parse_size(options.size)); !s) return s.error();
@@ -147,7 +152,7 @@ Result<ViewSetup> make_setup(const ViewerOptions& options, const Scene& scene) {
   setup.background = *background;
   if (Status s = take(setup.paints, paints_of(options.paints, scene)); !s) return s.error();
   if (Status s = take(setup.images, images_of(options.textures)); !s) return s.error();
-  if (Status s = take(setup.solids, solids_of(scene, options.colour == "stress")); !s)
+  if (Status s = take(setup.solids, solids_of(scene, options.colour == "stress", knows_stress)); !s)
     return s.error();
   return setup;
 }
@@ -157,6 +162,15 @@ ColourBy colour_by(const std::string& name) {
          : name == "stress" ? ColourBy::kStress
          : name == "degree" ? ColourBy::kDegree
                             : ColourBy::kBody;
+}
+
+Status check_stage(const ViewerOptions& options, const Stage& stage) {
+  if (options.colour == "stress" && !stage.knows_stress()) return no_stress();
+  std::string names;
+  for (const std::string& name : stage.without_image()) names += (names.empty() ? "" : ", ") + name;
+  if (!names.empty())
+    tell("--texture: these bodies have no texture coordinates and keep their colour: {}\n", names);
+  return Success{};
 }
 
 Camera first_camera(const ViewSetup& setup, const Stage& stage) {

@@ -26,10 +26,16 @@ struct ViewSetup {
       solids;  // of each body; empty if its model's file does not name it
 };
 
-// scene: as of shown_scene(): its gravity gives the up axis unless the options do. Errors: kUsage,
-// kContent, also for
-// --colour stress if no model names its material; kSystem for an image that cannot be read.
-Result<ViewSetup> make_setup(const ViewerOptions& options, const Scene& scene);
+// scene: as of shown_scene(): its gravity gives the up axis unless the options do. knows_stress:
+// the stress of a body can be shown that is not among the scene's. Errors: kUsage, kContent, also
+// for --colour stress if there is no body with a known material; kSystem for an image that cannot
+// be read.
+Result<ViewSetup> make_setup(const ViewerOptions& options, const Scene& scene,
+                             bool knows_stress = false);
+
+// Error kContent: --colour stress, and the stress of no body on the stage is known. Prints the
+// names of bodies that keep their colour because they have no texture coordinates.
+Status check_stage(const ViewerOptions& options, const Stage& stage);
 
 // The camera that frames the stage's last pose.
 Camera first_camera(const ViewSetup& setup, const Stage& stage);

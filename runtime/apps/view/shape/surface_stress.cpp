@@ -34,17 +34,33 @@ Eigen::Matrix2d plane_edges(const Vector3d& a, const Vector3d& b) {
 
 SurfaceStress::SurfaceStress(const std::vector<Vector3d>& rest, std::span<const Triangle> triangles,
                              const Material& material)
-    : young_(static_cast<float>(material.young)),
-      poisson_(static_cast<float>(material.poisson)),
-      vertices_(rest.size()),
-      area_(rest.size(), 0.0f) {
-  for (const Triangle& t : triangles) {
-    const Eigen::Matrix2d edges = plane_edges(rest[t[1]] - rest[t[0]], rest[t[2]] - rest[t[0]]);
-    if (edges.isZero(0.0)) continue;
-    const auto area = static_cast<float>(0.5 * edges.determinant());
-    patches_.push_back({t, edges.inverse().cast<float>(), area});
-    for (const VertexId v : t) area_[v] += area;
-  }
+    : vertices_(rest.size()), area_(rest.size(), 0.0f) {
+  for (const Triangle& t : triangles) add(rest, t, material);
+}
+
+SurfaceStress::SurfaceStress(const std::vector<Vector3d>& rest, std::span<const Triangle> triangles,
+                             std::span<const std::optional<Material>> materials)
+    : vertices_(rest.size()), area_(rest.size(), 0.0f) {
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    if (materials[t]) add(rest, triangles[t], *materials[t]);
+}
+
+void SurfaceStress::add(const std::vector<Vector3d>& rest, const Triangle& t,
+                        const Material& material) {
+  const Vector3d a = rest[t[1]] - rest[t[0]], b = rest[t[2]] - rest[t[0]];
+  const Eigen::Matrix2d edges = plane_edges(a, b);
+  if (edges.isZero(0.0)) return;
+  const double twice = edges.determinant();
+  const double longest = std::max({a.norm(), b.norm(), (b - a).norm()});
+  StressPatch patch;
+  patch.corners = t;
+  patch.inverse = edges.inverse().cast<float>();
+  patch.area = static_cast<float>(0.5 * twice);
+  patch.height = static_cast<float>(twice / longest);
+  patch.young = static_cast<float>(material.young);
+  patch.poisson = static_cast<float>(material.poisson);
+  for (const VertexId v : t) area_[v] += patch.area;
+  patches_.push_back(patch);
 }
 
 float SurfaceStress::of_patch(const StressPatch& patch, std::span<const float> positions) const {
@@ -57,9 +73,9 @@ float SurfaceStress::of_patch(const StressPatch& patch, std::span<const float> p
   const Eigen::Matrix<float, 3, 2> f = moved * patch.inverse;
   const Matrix2f c = f.transpose() * f;
   const Matrix2f strain = 0.5f * (c - Matrix2f::Identity());
-  const float nu = poisson_, trace = strain.trace();
+  const float nu = patch.poisson, trace = strain.trace();
   const Matrix2f s =
-      young_ / (1.0f - nu * nu) * ((1.0f - nu) * strain + nu * trace * Matrix2f::Identity());
+      patch.young / (1.0f - nu * nu) * ((1.0f - nu) * strain + nu * trace * Matrix2f::Identity());
   const float thickness = std::max(1.0f - 2.0f * nu / (1.0f - nu) * trace, kThinnest);
   const float j = std::sqrt(std::max(c.determinant() * thickness, 1e-12f));
   // Traces of sigma and of its square, without sigma itself.
@@ -70,9 +86,17 @@ float SurfaceStress::of_patch(const StressPatch& patch, std::span<const float> p
 
 float SurfaceStress::look(std::span<const float> positions, std::vector<float>& out) const {
   out.assign(vertices_, 0.0f);
+  float reach = 0.0f;  // the largest coordinate, m
+  for (const float x : positions) reach = std::max(reach, std::abs(x));
+  bool loaded = false;
   for (const StressPatch& patch : patches_) {
-    const float share = patch.area * of_patch(patch, positions);
-    for (const VertexId v : patch.corners) out[v] += share;
+    const float stress = of_patch(patch, positions);
+    loaded = loaded || stress > patch.young * (kLeastStress + kRounding * reach / patch.height);
+    for (const VertexId v : patch.corners) out[v] += patch.area * stress;
+  }
+  if (!loaded) {
+    out.assign(vertices_, 0.0f);
+    return 0.0f;
   }
   float most = 0.0f;
   for (std::size_t v = 0; v < vertices_; ++v) {

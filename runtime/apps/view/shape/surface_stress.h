@@ -9,6 +9,10 @@
 // S and E33 follow from it (St. Venant-Kirchhoff, Young's modulus Y, Poisson's ratio nu). The
 // result is von Mises' stress, sqrt(3/2 dev(sigma) : dev(sigma)), Pa. It is not valid where a force
 // acts on the surface: at constraints, loads and contacts.
+//
+// A stress below kLeastStress of Young's modulus, or below the one that the rounding of positions
+// to single precision makes (kRounding times the largest coordinate over the triangle's height), is
+// not told from zero: a body with no larger one counts as unloaded.
 #pragma once
 
 #include <optional>
@@ -24,28 +28,38 @@
 
 namespace tremolo {
 
+inline constexpr float kLeastStress = 1e-6f;  // of Young's modulus
+inline constexpr float kRounding = 2.4e-7f;   // 2^-22: of two positions, and their difference
+
 class SurfaceStress {
  public:
   SurfaceStress() = default;
   // rest: s, m. Triangles without area have no stress.
   SurfaceStress(const std::vector<Eigen::Vector3d>& rest, std::span<const Triangle> triangles,
                 const Material& material);
+  // The same with a material for each triangle; none: it has no stress.
+  SurfaceStress(const std::vector<Eigen::Vector3d>& rest, std::span<const Triangle> triangles,
+                std::span<const std::optional<Material>> materials);
+
+  bool empty() const { return patches_.empty(); }  // no triangle has a stress
 
   // positions: x y z ... of the s vertices, m. out: s numbers, Pa: for each vertex the mean of its
-  // triangles, weighted by their area at rest. Returns the largest. If a surface is stretched so
-  // far that the material's thickness would vanish (tr E near (1 - nu)/(2 nu)), a tenth of the
-  // thickness is kept.
+  // triangles, weighted by their area at rest; all zero for an unloaded body. Returns the largest.
+  // If a surface is stretched so far that the material's thickness would vanish (tr E near (1 -
+  // nu)/(2 nu)), a tenth of the thickness is kept.
   float look(std::span<const float> positions, std::vector<float>& out) const;
 
  private:
   struct StressPatch {
     Triangle corners;
     Eigen::Matrix2f inverse;
-    float area;
+    float area = 0.0f, height = 0.0f;    // m^2, m: the least, at rest
+    float young = 0.0f, poisson = 0.0f;  // Pa
   };
+  void add(const std::vector<Eigen::Vector3d>& rest, const Triangle& triangle,
+           const Material& material);
   float of_patch(const StressPatch& patch, std::span<const float> positions) const;
 
-  float young_ = 0.0f, poisson_ = 0.0f;
   std::size_t vertices_ = 0;
   std::vector<StressPatch> patches_;
   std::vector<float> area_;  // of each vertex's triangles, m^2

@@ -11,6 +11,7 @@
 
 #include "runtime/apps/view/shape/collider_shape.h"
 #include "runtime/apps/view/shape/creased_shape.h"
+#include "runtime/apps/view/shape/moved_by.h"
 #include "runtime/apps/view/shape/sheet_geometry.h"
 
 namespace tremolo {
@@ -74,24 +75,6 @@ std::vector<float> vertex_paint(const std::vector<Colour>& colours, const Vector
   return paint;
 }
 
-GlHandle upload_image(const Picture& picture) {
-  GlHandle image = GlHandle::make(GlKind::kTexture);
-  glBindTexture(GL_TEXTURE_2D, image.name());
-  // Texture coordinates count from below.
-  std::vector<std::uint8_t> rows;
-  const std::size_t row = 3 * picture.width;
-  for (int y = picture.height; y-- > 0;) {
-    const auto begin = picture.pixels.begin() + static_cast<std::ptrdiff_t>(row) * y;
-    rows.insert(rows.end(), begin, begin + static_cast<std::ptrdiff_t>(row));
-  }
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_SRGB8, picture.width, picture.height, 0, GL_RGB,
-               GL_UNSIGNED_BYTE, rows.data());
-  glGenerateMipmap(GL_TEXTURE_2D);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
-  return image;
-}
-
 bool is_level_plane(const Collider& shape, const Pose& pose, UpAxis up) {
   return std::holds_alternative<PlaneShape>(shape) &&
          (pose.rotation * Vector3d::UnitZ()).dot(up_direction(up)) > kLevel;
@@ -120,7 +103,7 @@ Result<std::unique_ptr<Stage>> Stage::create(const LiveWorld& live, UpAxis up,
     if (world.body(i).model().drawn().triangles.empty())
       return content_error("body '" + world.name(i) +
                            "': its model has no surface, there is nothing to show");
-    stage->add_body(world.body(i), paints[i], solids[i]);
+    stage->add_body(world.name(i), world.body(i), paints[i], solids[i]);
   }
   if (Status s = stage->add_guests(live.guests(), paints); !s) return s.error();
   if (Status s = stage->add_images(images); !s) return s.error();
@@ -128,7 +111,8 @@ Result<std::unique_ptr<Stage>> Stage::create(const LiveWorld& live, UpAxis up,
   stage->pose_bodies(start);
   for (const StagedBody& body : stage->bodies_)
     if (!body.rest.empty())
-      stage->edge_ = std::max(stage->edge_, mean_edge(body.triangles, body.positions));
+      stage->edge_ =
+          std::max(stage->edge_, mean_edge(body.sheet.triangles(), body.sheet.positions()));
   GrownBox box;
   for (const StagedBody& body : stage->bodies_) add_vertices(body.positions, body.pose, box);
   if (!box.empty()) stage->size_ = std::max((box.high - box.low).norm(), 1e-9);
@@ -139,67 +123,106 @@ Result<std::unique_ptr<Stage>> Stage::create(const LiveWorld& live, UpAxis up,
   return stage;
 }
 
-void Stage::add_body(const Body& body, const Vector3f& colour,
+// A rigid body of an exact shape is drawn by that, not by the points that feel contact.
+void Stage::add_rigid(StagedBody& body) {
+  const Model& model = *body.model;
+  const TriangleShape shape = model.solid() != nullptr
+                                  ? collider_shape(*model.solid(), 1.0)
+                                  : creased_shape(model.drawn().rest, model.drawn().triangles);
+  for (const Vector3f& x : shape.positions)
+    body.positions.insert(body.positions.end(), x.begin(), x.end());
+  body.is_rigid = true;
+  body.mesh = GpuMesh(shape);
+  body.ranges = {{0, body.mesh.triangles(), 0}};
+}
+
+// A range for each material. order: the triangles as they are drawn.
+void Stage::add_ranges(StagedBody& body, const std::vector<std::size_t>& order) {
+  const std::vector<std::uint32_t>& materials = body.model->render()->surface.material_of;
+  body.ranges.clear();
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const std::size_t material = materials[order[k]];
+    if (body.ranges.empty() || body.ranges.back().material != material)
+      body.ranges.push_back({k, 0, material});
+    ++body.ranges.back().count;
+  }
+}
+
+// The mesh of a body that deforms. uvs: of the given vertices, or none.
+void Stage::add_mesh(StagedBody& body, const std::vector<Vector3d>& rest,
+                     std::span<const Eigen::Vector2f> uvs) {
+  std::vector<std::uint32_t> triangles;
+  for (const Triangle& triangle : body.sheet.triangles())
+    for (const VertexId v : triangle) triangles.push_back(static_cast<std::uint32_t>(v));
+  std::vector<float> numbers;
+  for (const Vector3d& x : rest)
+    for (int k = 0; k < 3; ++k) numbers.push_back(static_cast<float>(x[k]));
+  body.mesh = GpuMesh(triangles, body.sheet.spread(numbers, 3));
+  body.positions = std::move(numbers);
+  body.normals.resize(body.positions.size());
+  body.has_uvs = !uvs.empty();
+  if (!body.has_uvs) return;
+  const std::vector<float> own = body.sheet.spread({uvs.front().data(), 2 * uvs.size()}, 2);
+  body.mesh.unfold(own);
+  for (MaterialRange& range : body.ranges)
+    range.tiled =
+        repeats_image(std::span(triangles).subspan(3 * range.first, 3 * range.count), own);
+}
+
+void Stage::add_body(const std::string& name, const Body& body, const Vector3f& colour,
                      const std::optional<Material>& solid) {
   const DrawnSurface drawn = body.model().drawn();
   const RenderBlock* render = body.model().render();
-  StagedBody staged;
+  StagedBody& staged = bodies_.emplace_back();
+  staged.name = name;
   staged.model = body.model().shared_from_this();
   staged.colour = colour;
   staged.own_frame = body.bones() == 0;
-  // Sorts the triangles by material.
-  std::vector<std::size_t> order(drawn.triangles.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto material = [render](std::size_t t) {
-    return render == nullptr || render->surface.material_of.empty()
-               ? std::size_t{0}
-               : render->surface.material_of[t];
-  };
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return material(a) < material(b); });
-  std::vector<std::uint32_t> triangles;
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const Triangle& triangle = drawn.triangles[order[k]];
-    for (const VertexId v : triangle) triangles.push_back(static_cast<std::uint32_t>(v));
-    if (staged.ranges.empty() || staged.ranges.back().material != material(order[k]))
-      staged.ranges.push_back({k, 0, material(order[k])});
-    ++staged.ranges.back().count;
-  }
-  staged.images.resize(staged.ranges.size());
-  std::vector<float> rest;
-  for (const Vector3d& x : drawn.rest)
-    for (int k = 0; k < 3; ++k) rest.push_back(static_cast<float>(x[k]));
-  if (body.model().modes() == 0 && render == nullptr) {
-    staged.creased = true;
-    staged.mesh = GpuMesh(creased_shape(drawn.rest, drawn.triangles));
+  if (body.model().modes() == 0 && render == nullptr) return add_rigid(staged);
+  staged.ranges = {{0, drawn.triangles.size(), 0}};
+  if (render == nullptr) {
+    staged.sheet = CreasedSheet(drawn.rest, drawn.triangles);
   } else {
-    staged.mesh = GpuMesh(triangles, rest);
+    const RenderSurface& surface = render->surface;
+    // Sorts the triangles by material.
+    std::vector<std::size_t> order(drawn.triangles.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    if (!surface.material_of.empty())
+      std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return surface.material_of[a] < surface.material_of[b];
+      });
+    std::vector<Triangle> triangles;
+    for (const std::size_t t : order) triangles.push_back(drawn.triangles[t]);
+    if (!surface.material_of.empty()) add_ranges(staged, order);
+    if (surface.normals.empty())
+      staged.sheet = CreasedSheet(drawn.rest, triangles, find_smooth_patches(surface).group_of);
+    else
+      staged.sheet = CreasedSheet::as_given(drawn.rest.size(), triangles);
   }
-  staged.positions = rest;
-  staged.normals.resize(rest.size());
+  add_mesh(staged, drawn.rest,
+           render != nullptr ? std::span<const Eigen::Vector2f>(render->surface.uvs)
+                             : std::span<const Eigen::Vector2f>());
   if (render != nullptr && !render->surface.colours.empty()) {
     staged.paint = Paint::kVertices;
-    staged.own_paint = vertex_paint(render->surface.colours, colour);
+    staged.own_paint = staged.sheet.spread(vertex_paint(render->surface.colours, colour), 4);
     staged.mesh.paint(staged.own_paint);
   }
-  if (solid && staged.own_frame && !staged.creased)
-    staged.stress.emplace(drawn.rest, drawn.triangles, *solid);
-  if (render != nullptr && !render->surface.uvs.empty())
-    staged.mesh.unfold({render->surface.uvs.front().data(), 2 * render->surface.uvs.size()});
-  bodies_.push_back(std::move(staged));
+  if (solid && staged.own_frame) staged.stress.emplace(drawn.rest, drawn.triangles, *solid);
 }
 
 Status Stage::add_images(const std::vector<StageImage>& images) {
   for (const StageImage& image : images) {
-    images_.push_back(upload_image(image.picture));
+    images_.push_back(make_image(image.picture));
     bool used = false;
     for (StagedBody& body : bodies_) {
-      const RenderBlock* render = body.model ? body.model->render() : nullptr;
-      if (render == nullptr || render->surface.uvs.empty()) continue;
-      for (std::size_t k = 0; k < body.ranges.size(); ++k) {
-        const std::string& name = render->surface.materials[body.ranges[k].material];
-        if (!image.material.empty() && image.material != name) continue;
-        body.images[k] = images_.back().name();
+      if (!body.has_uvs) continue;
+      for (MaterialRange& range : body.ranges) {
+        // The materials of tetrahedra have no names.
+        if (!image.material.empty() &&
+            (!body.model ||
+             image.material != body.model->render()->surface.materials[range.material]))
+          continue;
+        range.image = images_.back().name();
         used = true;
       }
     }
@@ -211,6 +234,13 @@ Status Stage::add_images(const std::vector<StageImage>& images) {
                                      "material of that name");
   }
   return Success{};
+}
+
+std::vector<std::string> Stage::without_image() const {
+  std::vector<std::string> names;
+  for (const StagedBody& body : bodies_)
+    if (!images_.empty() && !body.has_uvs && !body.is_rigid) names.push_back(body.name);
+  return names;
 }
 
 void Stage::add_colliders(const SceneWorld& world) {
@@ -257,15 +287,19 @@ void Stage::pose_bodies(const WorldMoment& moment) {
     StagedBody& body = bodies_[i];
     const BodyMoment& seen = moment.bodies[i];
     body.pose = seen.pose;
+    if (body.is_rigid) continue;
     if (!body.own_frame) {
       body.positions = seen.positions;
       body.normals = seen.normals;
       body.degrees = seen.degrees;
-      if (!body.rest.empty()) measure_guest(body);
+      body.sheet.pose(body.positions, body.normals);
+      if (!body.rest.empty())
+        most_moved_ = std::max(most_moved_, moved_by(body.rest, body.positions, body.distances));
       continue;
     }
     surface_with_normals(body.model->surface_basis(), body.model->drawn().triangles, seen.q,
                          workspace_, body.positions, body.normals);
+    body.sheet.pose(body.positions, body.normals);
     const std::vector<Vector3d>& rest = body.model->drawn().rest;
     float most = 0.0f;
     for (std::size_t v = 0; v < rest.size(); ++v)
@@ -316,8 +350,9 @@ bool Stage::knows_stress() const {
 }
 
 void Stage::upload_numbers(StagedBody& body, const std::vector<float>& numbers) {
-  body.number_paint.assign(4 * numbers.size(), 0.0f);
-  for (std::size_t v = 0; v < numbers.size(); ++v) body.number_paint[4 * v] = numbers[v];
+  const std::vector<float> own = body.sheet.spread(numbers, 1);
+  body.number_paint.assign(4 * own.size(), 0.0f);
+  for (std::size_t v = 0; v < own.size(); ++v) body.number_paint[4 * v] = own[v];
   body.mesh.paint(body.number_paint);
 }
 
@@ -329,7 +364,7 @@ void Stage::upload_stress(StagedBody& body) {
 void Stage::upload(const StageLook& look) {
   most_stressed_ = 0.0f;
   for (StagedBody& body : bodies_) {
-    if (!body.creased) body.mesh.move(body.positions, body.normals);
+    if (!body.is_rigid) body.mesh.move(body.sheet.positions(), body.sheet.normals());
     if (look.colour == ColourBy::kStress && body.stress)
       upload_stress(body);
     else if (const std::vector<float>* numbers = numbers_of(body, look.colour))
@@ -381,8 +416,7 @@ bool Stage::hides_a_body(const StagedCollider& collider, const Vector3d& eye) co
 }
 
 void Stage::add_body_things(const StagedBody& body, const StageLook& look) {
-  for (std::size_t k = 0; k < body.ranges.size(); ++k) {
-    const MaterialRange& range = body.ranges[k];
+  for (const MaterialRange& range : body.ranges) {
     DrawnThing thing;
     thing.mesh = &body.mesh;
     thing.pose = matrix_of(body.pose);
@@ -393,7 +427,8 @@ void Stage::add_body_things(const StagedBody& body, const StageLook& look) {
     if (body.ranges.size() > 1)
       thing.colour *= kMaterialShades[range.material % kMaterialShades.size()];
     thing.paint = body.paint;
-    thing.image = body.images[k];
+    thing.image = range.image;
+    thing.tiled = range.tiled;
     if (thing.image != 0) thing.paint = Paint::kImage;
     if (look.colour == ColourBy::kMoved && body.own_frame) thing.paint = Paint::kMoved;
     if (look.colour == ColourBy::kStress && body.stress) thing.paint = Paint::kNumber;

@@ -12,6 +12,8 @@
 #include "runtime/apps/view/draw/renderer.h"
 #include "runtime/apps/view/live/live_world.h"
 #include "runtime/apps/view/picture/png_file.h"
+#include "runtime/apps/view/setup/colour_by.h"
+#include "runtime/apps/view/shape/creased_shape.h"
 #include "runtime/apps/view/shape/surface_stress.h"
 #include "runtime/bodies/reduced/surface/surface.h"
 #include "runtime/contact/collider.h"
@@ -24,13 +26,6 @@ struct StageImage {
   std::string material;
   Picture picture;
 };
-
-// The colours of bodies: their own, the distance of each vertex from its rest position in the
-// body's frame, von Mises' stress (runtime/apps/view/shape/surface_stress.h), or the fraction of
-// quadratic edges of tetrahedra. The frame of a guest is the pose nearest to all of its vertices.
-// Bodies on bones keep their own colours, as do those without a known material with kStress, and
-// all but bodies of tetrahedra with kDegree.
-enum class ColourBy { kBody, kMoved, kStress, kDegree };
 
 struct StageLook {
   ColourBy colour = ColourBy::kBody;
@@ -70,6 +65,9 @@ class Stage {
   float most_moved() const { return most_moved_; }
   // The largest stress of a vertex, Pa, in the last upload() that computed it.
   float most_stressed() const { return most_stressed_; }
+  // The names of bodies without texture coordinates, if others have an image; not those of rigid
+  // bodies, which never have any.
+  std::vector<std::string> without_image() const;
   // True if the stress of at least one body can be computed; if there are bodies of tetrahedra.
   bool knows_stress() const;
   bool knows_degrees() const;
@@ -77,25 +75,28 @@ class Stage {
  private:
   struct MaterialRange {
     std::size_t first, count, material;
+    GLuint image = 0;  // 0: none
+    bool tiled = false;
   };
   // A body of the world, or a guest, which has no model.
   struct StagedBody {
+    std::string name;
     Model::Pointer model;
+    CreasedSheet sheet;  // of the positions and normals below; not of a rigid body
     GpuMesh mesh;
     std::vector<MaterialRange> ranges;
     Paint paint = Paint::kOne;
     Eigen::Vector3f colour;
     Pose pose;
     std::vector<float> positions, normals;
-    bool creased = false;  // of a rigid body: `mesh` has vertices of its own and stays as it is
+    bool is_rigid = false;  // `mesh` and `positions` are of a shape that stays as it is
+    bool has_uvs = false;
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // of its box, m, world
-    std::vector<GLuint> images;                        // one a range; 0: none
     bool own_frame = true;
     std::optional<SurfaceStress> stress;
     std::vector<float> stresses, number_paint, own_paint;  // of vertices; the paints r g b a
     // Of a guest: at rest, m; distances from there in its frame, m; degrees of tetrahedra.
     std::vector<Eigen::Vector3d> rest;
-    std::vector<Triangle> triangles;
     std::vector<float> distances, degrees;
     bool is_cloth = false;
   };
@@ -109,13 +110,16 @@ class Stage {
   };
 
   Stage() = default;
-  void add_body(const Body& body, const Eigen::Vector3f& colour,
+  void add_body(const std::string& name, const Body& body, const Eigen::Vector3f& colour,
                 const std::optional<Material>& solid);
+  static void add_rigid(StagedBody& body);
+  static void add_ranges(StagedBody& body, const std::vector<std::size_t>& order);
+  static void add_mesh(StagedBody& body, const std::vector<Eigen::Vector3d>& rest,
+                       std::span<const Eigen::Vector2f> uvs);
   Status add_guests(const LiveGuests& guests, const std::vector<Eigen::Vector3f>& paints);
   void upload_stress(StagedBody& body);
   static void upload_numbers(StagedBody& body, const std::vector<float>& numbers);
   static const std::vector<float>* numbers_of(const StagedBody& body, ColourBy colour);
-  void measure_guest(StagedBody& body);
   Status add_images(const std::vector<StageImage>& images);
   void add_colliders(const SceneWorld& world);
   void find_ground(const LiveWorld& live);
@@ -134,7 +138,6 @@ class Stage {
   std::vector<GlHandle> images_;
   GpuMesh hand_mesh_;
   SurfaceWorkspace workspace_;
-  std::vector<Eigen::Vector3d> places_;  // of a guest that is measured, m
   std::vector<DrawnThing> things_;
   ShownBall ball_;
   bool posed_ = false;

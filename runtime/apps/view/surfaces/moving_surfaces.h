@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include "common/material.h"
 #include "common/mesh/tet_mesh.h"
 #include "common/result.h"
 #include "runtime/apps/view/camera/camera.h"
@@ -24,7 +25,11 @@ struct ShownSheet {
   std::string name;
   std::span<const Triangle> triangles;  // valid until the scenes restart
   std::size_t vertices = 0;
-  bool numbered = false;  // each vertex has a number, 0 to 1, shown as its colour
+  bool has_degrees = false;              // its degrees are known: SheetNow
+  std::vector<Eigen::Vector3d> rest;     // of each vertex, m, in any pose
+  std::span<const Eigen::Vector2f> uvs;  // of each vertex; empty: no texture coordinates
+  // Of each triangle, for its stress; none: it has no stress. Empty: the sheet has none.
+  std::vector<std::optional<Material>> materials;
 };
 
 // A rigid ball, or a collider: then `collider` is set and radius is 0.
@@ -38,7 +43,8 @@ struct ShownSolid {
 struct SheetNow {
   std::vector<double> positions;  // x y z of each vertex, m
   std::vector<float> normals;     // of unit length; empty: those of the triangles are used
-  std::vector<float> numbers;     // of each vertex; empty unless the sheet is numbered
+  // Of each vertex, 0 to 1: the fraction of quadratic edges of its element; empty for cloth.
+  std::vector<float> degrees;
 };
 
 class MovingSurfaces {

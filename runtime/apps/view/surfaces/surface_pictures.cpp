@@ -28,7 +28,8 @@ Result<SurfaceStudio> open_surface_studio(const ViewerOptions& options, const Vi
   SurfaceStudio studio;
   if (Status s = take(studio.context, EglContext::create()); !s) return s.error();
   if (Status s = take(studio.renderer, Renderer::create()); !s) return s.error();
-  studio.stage = std::make_unique<SurfaceStage>(scenes, setup.paints, !options.no_colliders);
+  if (Status s = take(studio.stage, SurfaceStage::create(scenes, setup, options)); !s)
+    return s.error();
   Result<PictureTarget> target = PictureTarget::create(setup.size);
   if (!target) return target.error();
   studio.target.emplace(std::move(*target));
@@ -55,10 +56,11 @@ Status shoot_all(const ViewerOptions& options, const ViewSetup& setup, MovingSur
     if (shots.signal != 0) break;
     shots.times.begin();
     stage.pose(scenes);
-    const PictureLook look = look_of(options, setup, stage, kSurfaceLights);
+    PictureLook look = look_of(options, setup, stage, kSurfaceLights);
     if (k == 0) camera = camera_of_points(setup, stage.points());
     shots.times.prepared();
     stage.upload();
+    look.full = stage.full();
     if (Status s = studio.renderer->draw(stage.things(), stage.ball(), camera, setup.size, look,
                                          studio.target->framebuffer());
         !s)
@@ -86,6 +88,13 @@ Scene names_of(const MovingSurfaces& scenes) {
   return names;
 }
 
+bool has_materials(const MovingSurfaces& scenes) {
+  for (const ShownSheet& sheet : scenes.sheets())
+    for (const std::optional<Material>& material : sheet.materials)
+      if (material) return true;
+  return false;
+}
+
 Camera camera_of_points(const ViewSetup& setup, const std::vector<double>& points) {
   Camera camera;
   camera.up = setup.up;
@@ -99,7 +108,7 @@ Camera camera_of_points(const ViewSetup& setup, const std::vector<double>& point
 Result<int> photograph_surfaces(const ViewerOptions& options, MovingSurfaces& scenes) {
   if (options.out.empty() && options.video.empty())
     return usage_error("--offscreen needs --out DIR, --video FILE.mp4|.webm, or both");
-  const Result<ViewSetup> setup = make_setup(options, names_of(scenes));
+  const Result<ViewSetup> setup = make_setup(options, names_of(scenes), has_materials(scenes));
   if (!setup) return setup.error();
   Result<SurfaceStudio> studio = open_surface_studio(options, *setup, scenes);
   if (!studio) return studio.error();
@@ -115,15 +124,19 @@ Result<int> photograph_surfaces(const ViewerOptions& options, MovingSurfaces& sc
        shots.times.prepare_ms(), shots.times.draw_ms(),
        studio->renderer->is_software() ? " (by software)" : "");
   if (!options.json) return code;
-  const nlohmann::ordered_json json{{"file", options.file},
-                                    {"width", setup->size.width},
-                                    {"height", setup->size.height},
-                                    {"prepare_ms", shots.times.prepare_ms()},
-                                    {"draw_ms", shots.times.draw_ms()},
-                                    {"software", studio->renderer->is_software()},
-                                    {"steps", scenes.steps()},
-                                    {"frames", shots.frames},
-                                    {"exit_code", code}};
+  const nlohmann::ordered_json json{
+      {"file", options.file},
+      {"width", setup->size.width},
+      {"height", setup->size.height},
+      {"prepare_ms", shots.times.prepare_ms()},
+      {"draw_ms", shots.times.draw_ms()},
+      {"software", studio->renderer->is_software()},
+      {"steps", scenes.steps()},
+      {"largest_stress", options.colour == "stress"
+                             ? nlohmann::ordered_json(studio->stage->most_stressed())
+                             : nlohmann::ordered_json()},
+      {"frames", shots.frames},
+      {"exit_code", code}};
   print_json(json);
   return code;
 }

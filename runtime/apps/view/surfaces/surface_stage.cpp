@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "runtime/apps/view/shape/collider_shape.h"
+#include "runtime/apps/view/shape/moved_by.h"
 #include "runtime/apps/view/shape/sheet_geometry.h"
 #include "runtime/apps/view/stage/stage.h"
 
@@ -40,29 +41,64 @@ bool is_level(const SceneCollider& collider, const Pose& pose) {
 
 }  // namespace
 
-SurfaceStage::SurfaceStage(const MovingSurfaces& scenes, const std::vector<Vector3f>& paints,
-                           bool colliders) {
+Result<std::unique_ptr<SurfaceStage>> SurfaceStage::create(const MovingSurfaces& scenes,
+                                                           const ViewSetup& setup,
+                                                           const ViewerOptions& options) {
+  std::unique_ptr<SurfaceStage> stage(new SurfaceStage());
+  stage->colour_ = colour_by(options.colour);
+  stage->asked_ = static_cast<float>(stage->colour_ == ColourBy::kStress ? options.stress_full
+                                                                         : options.moved_full);
   std::size_t next = 0;
-  for (const ShownSheet& shown : scenes.sheets()) {
-    Sheet sheet;
-    sheet.colour = paints[next++];
-    std::vector<std::uint32_t> triangles;
-    for (const Triangle& t : shown.triangles)
-      for (const VertexId v : t) triangles.push_back(static_cast<std::uint32_t>(v));
-    sheet.mesh = GpuMesh(triangles, std::vector<float>(3 * shown.vertices, 0.0F));
-    sheet.triangles.assign(shown.triangles.begin(), shown.triangles.end());
-    sheet.numbered = shown.numbered;
-    sheets_.push_back(std::move(sheet));
-  }
+  for (const ShownSheet& shown : scenes.sheets()) stage->add_sheet(shown, setup.paints[next++]);
+  if (Status s = stage->add_images(setup.images); !s) return s.error();
   const std::vector<ShownSolid> solids = scenes.solids();
   for (std::size_t i = 0; i < solids.size(); ++i)
-    add_solid(solids[i], i, scenes.pose(i), colliders, paints, next);
-  hand_mesh_ = GpuMesh(ball_shape(kTakenRadius));
-  pose(scenes);
-  edge_ = coarsest_edge();
-  if (has_ground_) return;
-  ground_ = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 2; i < points_.size(); i += 3) ground_ = std::min(ground_, points_[i]);
+    stage->add_solid(solids[i], i, scenes.pose(i), !options.no_colliders, setup.paints, next);
+  stage->hand_mesh_ = GpuMesh(ball_shape(kTakenRadius));
+  stage->pose(scenes);
+  stage->edge_ = stage->coarsest_edge();
+  if (stage->has_ground_) return stage;
+  stage->ground_ = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 2; i < stage->points_.size(); i += 3)
+    stage->ground_ = std::min(stage->ground_, stage->points_[i]);
+  return stage;
+}
+
+void SurfaceStage::add_sheet(const ShownSheet& shown, const Vector3f& paint) {
+  Sheet& sheet = sheets_.emplace_back();
+  sheet.colour = paint;
+  sheet.rest = shown.rest;
+  sheet.triangles.assign(shown.triangles.begin(), shown.triangles.end());
+  sheet.has_degrees = shown.has_degrees;
+  sheet.sheet = CreasedSheet(shown.rest, shown.triangles);
+  std::vector<std::uint32_t> triangles;
+  for (const Triangle& t : sheet.sheet.triangles())
+    for (const VertexId v : t) triangles.push_back(static_cast<std::uint32_t>(v));
+  sheet.mesh = GpuMesh(triangles, std::vector<float>(3 * sheet.sheet.vertices(), 0.0F));
+  if (!shown.materials.empty()) {
+    sheet.stress.emplace(shown.rest, shown.triangles, shown.materials);
+    if (sheet.stress->empty()) sheet.stress.reset();
+  }
+  sheet.has_uvs = !shown.uvs.empty();
+  if (!sheet.has_uvs) return;
+  const std::vector<float> uvs =
+      sheet.sheet.spread({shown.uvs.front().data(), 2 * shown.uvs.size()}, 2);
+  sheet.mesh.unfold(uvs);
+  sheet.tiled = repeats_image(triangles, uvs);
+}
+
+// The last image is shown.
+Status SurfaceStage::add_images(const std::vector<StageImage>& images) {
+  const bool any =
+      std::any_of(sheets_.begin(), sheets_.end(), [](const Sheet& sheet) { return sheet.has_uvs; });
+  for (const StageImage& image : images) {
+    if (!any) return content_error("--texture: no body has texture coordinates");
+    if (!image.material.empty())
+      return content_error("--texture " + image.material +
+                           "=...: the materials of tetrahedra have no names: leave it out");
+    images_.push_back(make_image(image.picture));
+  }
+  return Success{};
 }
 
 void SurfaceStage::add_solid(const ShownSolid& shown, std::size_t number, const Pose& pose,
@@ -94,7 +130,7 @@ void SurfaceStage::add_solid(const ShownSolid& shown, std::size_t number, const 
 double SurfaceStage::coarsest_edge() const {
   double coarsest = 0.0;
   for (const Sheet& sheet : sheets_)
-    coarsest = std::max(coarsest, mean_edge(sheet.triangles, sheet.positions));
+    coarsest = std::max(coarsest, mean_edge(sheet.sheet.triangles(), sheet.sheet.positions()));
   return coarsest;
 }
 
@@ -107,9 +143,31 @@ void SurfaceStage::pose_sheet(const MovingSurfaces& scenes, std::size_t number) 
     mean_normals(sheet.triangles, sheet.positions, sheet.normals);
   else
     sheet.normals = sheet.now.normals;
-  sheet.colours.assign(4 * sheet.now.numbers.size(), 1.0F);
-  for (std::size_t v = 0; v < sheet.now.numbers.size(); ++v)
-    sheet.colours[4 * v] = sheet.now.numbers[v];
+  sheet.sheet.pose(sheet.positions, sheet.normals);
+}
+
+bool SurfaceStage::is_numbered(const Sheet& sheet) const {
+  return colour_ == ColourBy::kMoved || (colour_ == ColourBy::kStress && sheet.stress) ||
+         (colour_ == ColourBy::kDegree && sheet.has_degrees);
+}
+
+// The numbers of a sheet that are its colours.
+void SurfaceStage::number(Sheet& sheet) {
+  if (colour_ == ColourBy::kMoved)
+    most_ = std::max(most_, moved_by(sheet.rest, sheet.positions, sheet.numbers));
+  else if (colour_ == ColourBy::kStress)
+    most_ = std::max(most_, sheet.stress->look(sheet.positions, sheet.numbers));
+  else
+    sheet.numbers = sheet.now.degrees;
+  const std::vector<float> own = sheet.sheet.spread(sheet.numbers, 1);
+  sheet.colours.assign(4 * own.size(), 1.0F);
+  for (std::size_t v = 0; v < own.size(); ++v) sheet.colours[4 * v] = own[v];
+  sheet.mesh.paint(sheet.colours);
+}
+
+float SurfaceStage::full() const {
+  if (colour_ == ColourBy::kDegree) return 1.0F;
+  return asked_ > 0.0F ? asked_ : most_;
 }
 
 void SurfaceStage::pose_solid(const MovingSurfaces& scenes, Solid& solid) {
@@ -145,8 +203,8 @@ void SurfaceStage::enclose() {
 
 void SurfaceStage::upload() {
   for (Sheet& sheet : sheets_) {
-    sheet.mesh.move(sheet.positions, sheet.normals);
-    if (sheet.numbered) sheet.mesh.paint(sheet.colours);
+    sheet.mesh.move(sheet.sheet.positions(), sheet.sheet.normals());
+    if (is_numbered(sheet)) number(sheet);
   }
 }
 
@@ -157,7 +215,12 @@ const std::vector<DrawnThing>& SurfaceStage::things() {
     thing.mesh = &sheet.mesh;
     thing.count = sheet.mesh.triangles();
     thing.colour = sheet.colour;
-    if (sheet.numbered) thing.paint = Paint::kNumber;
+    if (!images_.empty() && sheet.has_uvs) {
+      thing.paint = Paint::kImage;
+      thing.image = images_.back().name();
+      thing.tiled = sheet.tiled;
+    }
+    if (is_numbered(sheet)) thing.paint = Paint::kNumber;
     thing.gloss = 0.15F;
     if (yielding_) thing.lifted = static_cast<float>(0.5 * edge_);
     things_.push_back(thing);

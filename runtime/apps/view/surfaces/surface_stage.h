@@ -1,23 +1,36 @@
 // Moving surfaces as drawn things.
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "runtime/apps/view/draw/renderer.h"
+#include "runtime/apps/view/setup/view_setup.h"
+#include "runtime/apps/view/setup/viewer_options.h"
+#include "runtime/apps/view/shape/creased_shape.h"
+#include "runtime/apps/view/shape/surface_stress.h"
 #include "runtime/apps/view/surfaces/moving_surfaces.h"
 
 namespace tremolo {
 
 class SurfaceStage {
  public:
-  // With a context current, as long as it lives. paints: linear light, of sheets, then of balls.
-  SurfaceStage(const MovingSurfaces& scenes, const std::vector<Eigen::Vector3f>& paints,
-               bool colliders);
+  // With a context current, as long as it lives. The setup's paints are of sheets, then of balls.
+  // Errors (kContent): an image, if no sheet has texture coordinates, or for a material, since
+  // those of sheets have no names.
+  static Result<std::unique_ptr<SurfaceStage>> create(const MovingSurfaces& scenes,
+                                                      const ViewSetup& setup,
+                                                      const ViewerOptions& options);
 
   // Computes all present positions. Needs no OpenGL.
   void pose(const MovingSurfaces& scenes);
-  // Uploads them to the card.
+  // Uploads them to the card, with the numbers that are shown as colours.
   void upload();
+  // The number that is red: the option's, or the largest in any upload() so far.
+  float full() const;
+  // The largest stress of a vertex in any upload() so far, Pa; 0 if stress is not shown.
+  float most_stressed() const { return colour_ == ColourBy::kStress ? most_ : 0.0F; }
   // Valid until the next call; after upload().
   const std::vector<DrawnThing>& things();
   // The ball around everything that casts shadows in the last pose(); it does not shrink.
@@ -30,12 +43,17 @@ class SurfaceStage {
 
  private:
   struct Sheet {
+    CreasedSheet sheet;
     GpuMesh mesh;
-    std::vector<Triangle> triangles;
-    bool numbered = false;
+    std::vector<Eigen::Vector3d> rest;  // m
+    std::vector<Triangle> triangles;    // into rest
     SheetNow now;
-    std::vector<float> positions, normals, colours;
+    std::vector<float> positions, normals;
+    std::optional<SurfaceStress> stress;
+    bool has_degrees = false;
+    std::vector<float> numbers, colours;
     Eigen::Vector3f colour;
+    bool has_uvs = false, tiled = false;
   };
   struct Solid {
     GpuMesh mesh;
@@ -47,6 +65,11 @@ class SurfaceStage {
     Eigen::Vector3f colour;
   };
 
+  SurfaceStage() = default;
+  void add_sheet(const ShownSheet& shown, const Eigen::Vector3f& paint);
+  Status add_images(const std::vector<StageImage>& images);
+  bool is_numbered(const Sheet& sheet) const;
+  void number(Sheet& sheet);
   void add_solid(const ShownSolid& shown, std::size_t number, const Pose& pose, bool colliders,
                  const std::vector<Eigen::Vector3f>& paints, std::size_t& next);
   void pose_sheet(const MovingSurfaces& scenes, std::size_t number);
@@ -54,6 +77,9 @@ class SurfaceStage {
   void enclose();
   double coarsest_edge() const;
 
+  ColourBy colour_ = ColourBy::kBody;
+  float most_ = 0.0F, asked_ = 0.0F;  // the largest number so far, the option's
+  std::vector<GlHandle> images_;
   std::vector<Sheet> sheets_;
   std::vector<Solid> solids_;
   GpuMesh hand_mesh_;

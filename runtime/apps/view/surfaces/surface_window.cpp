@@ -45,7 +45,7 @@ class SurfaceViewer {
     if (Status s = take(window_, GlfwWindow::create("tremolo view: " + name, setup_.size)); !s)
       return s;
     if (Status s = take(renderer_, Renderer::create()); !s) return s;
-    stage_ = std::make_unique<SurfaceStage>(scenes_, setup_.paints, !options_.no_colliders);
+    if (Status s = take(stage_, SurfaceStage::create(scenes_, setup_, options_)); !s) return s;
     camera_ = camera_of_points(setup_, stage_->points());
     wire_ = options_.wire;
     window_->listen(
@@ -248,6 +248,7 @@ class SurfaceViewer {
     PictureLook look =
         look_of(options_, setup_, *stage_, software ? kSurfaceSoftware : kSurfaceCard);
     look.wire = wire_;
+    look.full = stage_->full();
     look.coarser = software ? 2 : 1;
     if (Status s = renderer_->draw(stage_->things(), stage_->ball(), camera_, size, look, 0); !s)
       return s;
@@ -279,7 +280,7 @@ class SurfaceViewer {
 }  // namespace
 
 Result<int> show_surfaces(const ViewerOptions& options, MovingSurfaces& scenes) {
-  const Result<ViewSetup> setup = make_setup(options, names_of(scenes));
+  const Result<ViewSetup> setup = make_setup(options, names_of(scenes), has_materials(scenes));
   if (!setup) return setup.error();
   if (!options.record_hand.empty())
     if (Status s = scenes.record_hand(); !s) return s.error();
@@ -293,8 +294,6 @@ Result<int> show_surfaces(const ViewerOptions& options, MovingSurfaces& scenes) 
 }
 
 Status refuse_body_flags(const ViewerOptions& options, const std::string& kind) {
-  if (!options.textures.empty())
-    return usage_error("--texture applies only to bodies with a basis, not to " + kind);
   if (!options.offscreen && !(options.out.empty() && options.video.empty()))
     return usage_error("a window of " + kind +
                        " is not recorded: --offscreen writes --out and --video");
@@ -303,8 +302,8 @@ Status refuse_body_flags(const ViewerOptions& options, const std::string& kind) 
 
 Result<int> view_surfaces(const ViewerOptions& options, const std::vector<NamedFile>& inputs,
                           MovingSurfaces& scenes) {
-  if (Status s = check_view_outputs(options, inputs); !s) return s.error();
-  const GuardedInputs guard(inputs);
+  if (Status s = check_view_outputs(options, inputs_of_view(options, inputs)); !s) return s.error();
+  const GuardedInputs guard(inputs_of_view(options, inputs));
   return options.offscreen ? photograph_surfaces(options, scenes) : show_surfaces(options, scenes);
 }
 

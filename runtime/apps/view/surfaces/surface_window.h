@@ -30,6 +30,9 @@ Result<int> view_surfaces(const ViewerOptions& options, const std::vector<NamedF
 // and ball.
 Scene names_of(const MovingSurfaces& scenes);
 
+// True if the stress of at least one triangle of the sheets can be computed.
+bool has_materials(const MovingSurfaces& scenes);
+
 // The camera of first_camera(), framed on points instead of a stage.
 Camera camera_of_points(const ViewSetup& setup, const std::vector<double>& points);
 

@@ -20,10 +20,9 @@ namespace tremolo {
 
 using Eigen::Vector3d;
 
-Result<TetsScenes> TetsScenes::create(TetScene scene, bool by_degree) {
+Result<TetsScenes> TetsScenes::create(TetScene scene) {
   TetsScenes scenes;
   scenes.scene_ = std::move(scene);
-  scenes.by_degree_ = by_degree;
   if (Status s = scenes.begin_again(); !s) return s.error();
   return scenes;
 }
@@ -46,8 +45,8 @@ std::vector<ShownSheet> TetsScenes::sheets() const {
   std::vector<ShownSheet> sheets;
   for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
     const TetSurface& surface = *bodies_.kind(i).surface;
-    sheets.push_back(
-        {scene_.bodies[i].name, surface.rest().triangles, surface.vertices(), by_degree_});
+    sheets.push_back({scene_.bodies[i].name, surface.rest().triangles, surface.vertices(), true,
+                      surface.rest().vertices, surface.rest().uvs, materials_of(bodies_.kind(i))});
   }
   return sheets;
 }
@@ -71,10 +70,9 @@ void TetsScenes::place(std::size_t sheet, SheetNow& now) const {
     now.positions.insert(now.positions.end(), x.begin(), x.end());
   for (const Eigen::Vector3f& n : normals)
     now.normals.insert(now.normals.end(), n.begin(), n.end());
-  now.numbers.clear();
-  if (!by_degree_) return;
+  now.degrees.clear();
   for (const std::uint32_t element : surface.rest().tetrahedra)
-    now.numbers.push_back(
+    now.degrees.push_back(
         quadratic_share(body.model(), body.model().elements()[element], body.system().degrees()));
 }
 
@@ -149,15 +147,13 @@ namespace {
 
 Result<int> view_tets(const ViewerOptions& options, const GivenFlags& flags) {
   if (Status s = refuse_body_flags(options, "tetrahedra"); !s) return s.error();
-  if (options.colour != "body" && options.colour != "degree")
-    return usage_error("--colour " + options.colour + " is not of bodies of tetrahedra");
   const Result<std::string> text = read_whole_file(options.file);
   if (!text) return text.error();
   Result<TetScene> scene = parse_tets_scene(*text, options.file);
   if (!scene) return scene.error();
   if (Status s = apply_tets_flags(flags, "", *scene); !s) return s.error();
   const std::vector<NamedFile> inputs = inputs_of(*scene);
-  Result<TetsScenes> scenes = TetsScenes::create(std::move(*scene), options.colour == "degree");
+  Result<TetsScenes> scenes = TetsScenes::create(std::move(*scene));
   if (!scenes) return scenes.error();
   return view_surfaces(options, inputs, *scenes);
 }

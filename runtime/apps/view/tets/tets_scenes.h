@@ -15,9 +15,8 @@ namespace tremolo {
 
 class TetsScenes : public MovingSurfaces {
  public:
-  // by_degree: a vertex's number is the share of quadratic edges in its element. Errors: those of
-  // make_tets_bodies.
-  static Result<TetsScenes> create(TetScene scene, bool by_degree);
+  // Errors: those of make_tets_bodies.
+  static Result<TetsScenes> create(TetScene scene);
 
   const TetsBodies& bodies() const { return bodies_; }
 
@@ -55,7 +54,6 @@ class TetsScenes : public MovingSurfaces {
   TetScene scene_;
   TetsBodies bodies_;
   std::vector<TetStepReport> reports_;
-  bool by_degree_ = false;
   std::int64_t steps_ = 0;
   std::optional<Hold> hold_;
 };

@@ -91,6 +91,7 @@ class Viewer {
             stage_, Stage::create(live, setup_.up, setup_.paints, setup_.images, setup_.solids));
         !s)
       return s;
+    if (Status s = check_stage(options_, *stage_); !s) return s;
     camera_ = first_camera(setup_, *stage_);
     leave_room();
     frame_points(stage_->points(), aspect(), camera_);
@@ -379,7 +380,7 @@ class Viewer {
 };
 
 Result<int> show(const ViewerOptions& options, const ViewedScene& viewed) {
-  const Result<ViewSetup> setup = make_setup(options, shown_scene(viewed));
+  const Result<ViewSetup> setup = make_setup(options, shown_scene(viewed), !viewed.tets.empty());
   if (!setup) return setup.error();
   ModelCache models;
   Result<LiveWorld> live = LiveWorld::create(viewed, models);

@@ -177,7 +177,7 @@ Result<Model::Pointer> make_rigid_model(const RigidSolid& solid, int points) {
   if (!(mass.volume > 0.0) || !std::isfinite(mass.volume) || !mass.second.allFinite())
     return content_error("its mass is " + number_text(mass.volume) +
                          " kg, which is not positive and finite: change its size or density");
-  return Model::from_data(data_of(surface, mass));
+  return Model::from_data(data_of(surface, mass), {}, solid.shape);
 }
 
 }  // namespace tremolo
