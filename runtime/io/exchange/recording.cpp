@@ -15,23 +15,32 @@ namespace tremolo {
 
 namespace {
 
-// The sizes of the shape of a rigid body, and its kind.
-std::array<double, 4> sizes_of(const Collider& solid) {
-  const auto kind = static_cast<double>(solid.index());
-  if (const auto* sphere = std::get_if<SphereShape>(&solid)) return {kind, sphere->radius};
-  if (const auto* box = std::get_if<BoxShape>(&solid))
-    return {kind, box->half_extents[0], box->half_extents[1], box->half_extents[2]};
-  if (const auto* capsule = std::get_if<CapsuleShape>(&solid))
+// The exact shape of a round rigid body. The faces of a box are flat by its points, too.
+const Collider* round_solid(const Model& model) {
+  const Collider* solid = model.solid();
+  return solid == nullptr || std::holds_alternative<BoxShape>(*solid) ? nullptr : solid;
+}
+
+// Kind and sizes.
+std::array<double, 3> sizes_of(const Collider& round) {
+  const auto kind = static_cast<double>(round.index());
+  if (const auto* sphere = std::get_if<SphereShape>(&round)) return {kind, sphere->radius};
+  if (const auto* capsule = std::get_if<CapsuleShape>(&round))
     return {kind, capsule->radius, capsule->half_length};
-  const auto& cylinder = std::get<CylinderShape>(solid);
+  const auto& cylinder = std::get<CylinderShape>(round);
   return {kind, cylinder.radius, cylinder.half_length};
+}
+
+bool are_alike(const Model& a, const Model& b) {
+  return round_solid(a) != nullptr && round_solid(b) != nullptr &&
+         sizes_of(*round_solid(a)) == sizes_of(*round_solid(b));
 }
 
 }  // namespace
 
 AnimatedShape animated_shape(const Model& model, std::string name) {
-  if (model.solid() != nullptr)
-    if (std::optional<AnimatedShape> exact = collider_shape(*model.solid(), name, 1.0)) {
+  if (const Collider* round = round_solid(model))
+    if (std::optional<AnimatedShape> exact = collider_shape(*round, name, 1.0)) {
       exact->modes.resize(3 * std::ssize(exact->surface.vertices), 0);
       return std::move(*exact);
     }
@@ -94,11 +103,9 @@ Result<std::size_t> Recording::add(const Model::Pointer& model, std::string name
       std::cmp_not_equal(body.weights.rows(), model->drawn().rest.size()))
     return usage_error("body '" + name + "': its skin is of another model");
   auto [place, is_new] = shapes_.try_emplace(model.get(), animation_.shapes.size());
-  // Rigid bodies of one shape are drawn alike, although each has a model of its own.
-  for (std::size_t k = 0; is_new && model->solid() != nullptr && k < models_.size(); ++k)
-    if (models_[k]->solid() != nullptr &&
-        sizes_of(*models_[k]->solid()) == sizes_of(*model->solid()))
-      place->second = shapes_.at(models_[k].get());
+  // Round bodies of one shape share its surface, although each has a model of its own.
+  for (std::size_t k = 0; is_new && k < models_.size(); ++k)
+    if (are_alike(*models_[k], *model)) place->second = shapes_.at(models_[k].get());
   body.shape = place->second;
   body.name = name;
   if (Status s = add_body(std::move(body)); !s) {

@@ -18,10 +18,10 @@
 
 namespace tremolo {
 
-// The drawn surface of the model (Model::drawn) as a shape. A rigid body of an exact shape
-// (Model::solid) has the surface of collider_shape() instead. Any other rigid body, unless its
-// surface was made by an author, has more vertices, behind the others: both sides of sharp edges
-// have theirs.
+// The drawn surface of the model (Model::drawn) as a shape. A rigid sphere, capsule or
+// cylinder (Model::solid) has the surface of collider_shape() instead. Any other rigid body, unless
+// its surface was made by an author, has more vertices, behind the others: both sides of sharp
+// edges have theirs.
 AnimatedShape animated_shape(const Model& model, std::string name);
 
 // In each frame every track is recorded once. The body of a track that is added after the first
