@@ -92,6 +92,14 @@ void MixedGuests::remove(std::size_t i) {
   }
   forget_loads(i);
   guest.removed = guest.failed = true;
+  // Another model may get the address of one that nobody uses any more.
+  if (guest.tets != nullptr) {
+    const TetModel* model = &guest.tets->body().model();
+    const bool used = std::any_of(guests_.begin(), guests_.end(), [&](const auto& one) {
+      return one->tets != nullptr && one.get() != &guest && &one->tets->body().model() == model;
+    });
+    if (!used) std::erase_if(points_, [model](const auto& entry) { return entry.first == model; });
+  }
   guest.step.reset();
   guest.tets = nullptr;
   guest.cloth = nullptr;

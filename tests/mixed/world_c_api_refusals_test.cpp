@@ -119,6 +119,45 @@ TEST_F(WorldCApiRefusals, AChangeThatIsRefusedLeavesTheWorldAsItWas) {
       }
 }
 
+// The contact points of a mesh are not those of a mesh whose body was removed.
+TEST_F(WorldCApiRefusals, TetrahedraAfterARemovedBodyOfAnotherMeshHaveTheirOwnPoints) {
+  TetMesh mesh = box_mesh({4, 4, 3}, {2 * kHalfEdge, 2 * kHalfEdge, 2 * kHalfEdge});
+  write_veg(folder_ + "/fine.veg", mesh);
+  const ProgramResult made = run_program(
+      folder_, kPrecompute +
+                   "tets fine.veg --young 2e5 --poisson 0.3 --density 1000 --fix none -o "
+                   "fine.tets");
+  ASSERT_EQ(made.code, 0) << made.err;
+  const auto add_tets = [this](tremolo_world* world, const char* file) {
+    tremolo_tets_options options;
+    tremolo_tets_options_init(&options);
+    const std::string name = path(file);
+    options.file = name.c_str();
+    options.method = "midpoint";
+    const tremolo_scene_body place = at("block", {0.0, 0.0, 0.06});
+    tremolo_body_id body = 0;
+    EXPECT_EQ(tremolo_world_add_tets(world, &place, &options, &body), TREMOLO_OK)
+        << tremolo_last_error();
+    return body;
+  };
+  tremolo_world* other = make_world(true);
+  advance(other, 2);
+  const tremolo_body_id same = add_tets(other, "fine.tets");
+  advance(other, 40);
+  // The memory of the model that is removed is that of the next one in some of them.
+  for (int k = 0; k < 8; ++k) {
+    tremolo_world* world = make_world(true);
+    const tremolo_body_id coarse = add_tets(world, "cube.tets");
+    advance(world, 1);
+    ASSERT_EQ(tremolo_world_remove(world, coarse), TREMOLO_OK);
+    advance(world, 1);
+    const tremolo_body_id body = add_tets(world, "fine.tets");
+    ASSERT_NE(body, 0U);
+    advance(world, 40);
+    EXPECT_TRUE(positions(world, body) == positions(other, same));
+  }
+}
+
 TEST_F(WorldCApiRefusals, ValuesThatAreNotFiniteAreRefusedForEachKind) {
   tremolo_world* world = make_world(true);
   for (const CubeKind kind : kKinds) {

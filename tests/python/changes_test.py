@@ -371,6 +371,48 @@ class CopiesOfChangedWorlds(unittest.TestCase):
             each.step(50)
         self.assertEqual(snapshot(other), snapshot(w))
 
+    def test_know_nothing_of_changes_that_were_refused(self):
+        w = tremolo.world(scene(marble(position=[0, 0, 0.5]), tets(position=[1, 0, 0.3]), colliders=[floor()]))
+        w.step(3)
+        before = w.save()
+        for body in (marble(name="deep", position=[0.5, 0, -0.05]), bar(name="deep", position=[0.5, 0, -0.05]),
+                     tets(name="deep", position=[3, 0, -0.05]), cloth(name="deep", corner=[3, 0, -0.05])):
+            with self.assertRaises(tremolo.ContentError):
+                w.add(body)
+        for joint in ({"body": "marble", "at": "999999", "to": "world"},
+                      {"body": "marble", "at": 0, "to": "block", "to_at": "999999"}):
+            with self.assertRaises(tremolo.ContentError):
+                w.add_joint(joint)
+        self.assertEqual(w.save(), before)
+        w.restore(before)
+        others = [copy.copy(w), pickle.loads(pickle.dumps(w))]
+        for each in (w, *others):
+            each.add(marble(name="late", position=[0.3, 0, 0.06]))
+            each.add(tets(name="late-block", position=[2, 0, 0.3]))
+            each.step(60)
+        for other in others:
+            self.assertEqual(other.save(), w.save())
+
+    def test_have_the_grabs_of_bodies_that_nothing_touches(self):
+        for alone in (marble(position=[0, 0, 1.0]), bar(position=[0, 0, 1.0])):
+            w = tremolo.world(scene(alone))
+            w.step(3)
+            free = w.save()
+            with self.assertRaises(tremolo.UsageError):
+                w[alone["name"]].grab(0, stiffness=-1.0)
+            self.assertEqual(w.save(), free)
+            body = w[alone["name"]]
+            number = body.grab(0, stiffness=100.0, damping=1.0)
+            w.step(20)
+            self.assertGreater(body.grab_force(number)[2], 0.0)
+            others = [copy.copy(w), pickle.loads(pickle.dumps(w))]
+            for each in (w, *others):
+                each.step(30)
+            for other in others:
+                self.assertEqual(other.save(), w.save())
+            w.restore(free)
+            self.assertEqual(w.save(), free)
+
     def test_change_as_the_world_does(self):
         """Changes after the copy use the same places, also those of bodies that were just removed."""
         for steps in (0, 3):
