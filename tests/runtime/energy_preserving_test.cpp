@@ -103,6 +103,31 @@ TEST(EnergyPreserving, BalanceHoldsWhereAStepEndsAlmostAtRest) {
   }
 }
 
+// avf has N = I, so that its equations can be checked by the mean force alone: at rest, where a
+// step begins with d = 0, and in motion.
+TEST(EnergyPreserving, AvfSolvesItsEquationsFromRestAndInMotion) {
+  const Model::Pointer model = testing::make_model(strong_strain_model());
+  const Potential& potential = model->potential();
+  PotentialWorkspace workspace = potential.make_workspace();
+  for (const double step : {1e-3, 1e-2, 3e-2}) {
+    const auto integrator = make("avf", model, {.step = step, .tolerance = 1e-12});
+    State state = strong_state();
+    state.p.setZero();
+    for (int k = 0; k < 60; ++k) {
+      if (k == 30) state.p.setZero();
+      const State before = state;
+      testing::run(*integrator, state, {}, step, 1);
+      Eigen::VectorXd G(4);
+      potential.averaged_gradient(before.q, state.q, workspace, G);
+      const Eigen::VectorXd change = state.p - before.p;
+      EXPECT_LT((change + step * G).norm(), 1e-10 * step * G.norm()) << step << ", step " << k;
+      EXPECT_LT((state.q - before.q - 0.5 * step * (before.p + state.p)).norm(),
+                1e-10 * step * step * G.norm() + 1e-12 * step * state.p.norm())
+          << step << ", step " << k;
+    }
+  }
+}
+
 TEST(EnergyPreserving, BalanceHoldsInViolentMotionAtLargeSteps) {
   for (const char* name : kFamily)
     for (const double size : {3.0, 10.0, 30.0}) {

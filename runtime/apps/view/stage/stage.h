@@ -12,7 +12,7 @@
 #include "runtime/apps/view/draw/renderer.h"
 #include "runtime/apps/view/live/live_world.h"
 #include "runtime/apps/view/picture/png_file.h"
-#include "runtime/apps/view/setup/colour_by.h"
+#include "runtime/apps/view/shape/colour_by.h"
 #include "runtime/apps/view/shape/creased_shape.h"
 #include "runtime/apps/view/shape/surface_stress.h"
 #include "runtime/bodies/reduced/surface/surface.h"

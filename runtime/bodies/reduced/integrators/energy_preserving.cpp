@@ -84,6 +84,7 @@ constexpr int kFilterFollows = 3;      // corrections at most, lest N and d chas
 constexpr double kFarthestFix = 0.1;  // of T(p1): no larger energy defect is given back (give_back)
 constexpr double kStrict = 1e-13;     // the solve's tolerance where the defect cannot be given back
 constexpr int kTrustedSteps = 8;      // steps for which a measured rate of correction is used
+constexpr double kMostShare = 0.1;    // of d: a move that keeps the tangent at the end
 constexpr double kMostLag = 0.25;     // of a residual's limit: StepEnds::lag
 constexpr double kRateMargin = 8.0;   // times below the limit must be what the rate predicts
 
@@ -373,10 +374,12 @@ class EnergyPreserving final : public Integrator {
     return predicted_ && trusted_steps_ > 0 && kRateMargin * rate_ * ratio <= 1.0;
   }
 
-  // True: the end may move by move_ and keep its tangent.
+  // True: the end may move by move_ and keep its tangent. A move of much of d, as from d = 0 where
+  // the step begins at rest, changes what the lag is measured by.
   bool is_small_move(double ratio) const {
-    const double lag = 0.5 * h_ * h_ * ends_.lag(move_, d_);
-    return lag * ratio <= kMostLag * g_hat_.norm();
+    const double share = ends_.share(move_, d_);
+    const double lag = 0.5 * h_ * h_ * ends_.lag(share);
+    return share <= kMostShare && lag * ratio <= kMostLag * g_hat_.norm();
   }
 
   // The residual's parts and the energy after the step's last move, without an evaluation of V's

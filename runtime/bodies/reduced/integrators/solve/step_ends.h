@@ -49,11 +49,12 @@ class StepEnds {
   // Moves the end by `move`, to q1, and G with it. bent: receives (K0 + K1)/2 move, r.
   void move_end(const Eigen::VectorXd& move, const Eigen::VectorXd& q1, Eigen::VectorXd& G,
                 Eigen::VectorXd& bent);
-  // How much of G's second part the moves of the ends correct if the end moves by `move`; what
-  // they leave is some 40 times smaller.
-  double lag(const Eigen::VectorXd& move, const Eigen::VectorXd& d) const {
-    return (end_move_ + move).norm() / d.norm() * bend_.norm();
+  // The share of d by which the end has moved since its tangent was evaluated, after a move.
+  double share(const Eigen::VectorXd& move, const Eigen::VectorXd& d) const {
+    return (end_move_ + move).norm() / d.norm();
   }
+  // How much of G's second part a small share corrects; what it leaves is smaller by another.
+  double lag(double share) const { return share * bend_.norm(); }
 
   double work() const { return end_.energy - start_.energy; }  // V1 - V0, J
   // V where the last accepted end is q; none elsewhere.
