@@ -354,10 +354,12 @@ class EnergyPreserving final : public Integrator {
       }
       if (predicted_ && report.iterations == 0) move_as_missed_before();
       evaluate_gradient(small);
-      if (settled)
+      if (settled) {
         ++updates;
-      else
+      } else {
         usable = make_filter();
+        updates = 0;
+      }
       const double next = evaluate_residual();
       if (settled && updates == 1) {
         rate_ = next / ratio;
