@@ -112,7 +112,23 @@ FrictionLaw friction_law(const ContactLaw& law, double h) {
   return {law.shear, law.shear_damping / h};
 }
 
+bool moves(const PlacedCollider& collider) {
+  return collider.start.position != collider.end.position ||
+         collider.start.rotation.coeffs() != collider.end.rotation.coeffs();
+}
+
 }  // namespace
+
+bool moves_near(std::span<const PlacedCollider> colliders, const Vector3d& place, double reach) {
+  for (const PlacedCollider& collider : colliders) {
+    if (!moves(collider)) continue;
+    for (const Pose& pose : {collider.start, collider.end}) {
+      const Vector3d local = pose.rotation.conjugate() * (place - pose.position);
+      if (signed_distance(collider.shape, local).distance < reach) return true;
+    }
+  }
+  return false;
+}
 
 double ContactLaw::energy(double distance) const {
   const double depth = begins - distance;

@@ -38,6 +38,7 @@
 #pragma once
 
 #include <limits>
+#include <span>
 
 #include <Eigen/Core>
 
@@ -103,6 +104,10 @@ struct PlacedCollider {
   double friction = 0.3;     // of the pair with the body in contact with it
   double restitution = 0.5;  // the same
 };
+
+// True if a collider that moves in the step comes nearer to the place than `reach`, m.
+bool moves_near(std::span<const PlacedCollider> colliders, const Eigen::Vector3d& place,
+                double reach);
 
 // A point near a collider at the start of a step.
 struct ContactStart {

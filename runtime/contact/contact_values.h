@@ -18,6 +18,11 @@ namespace tremolo {
 // The time scale of contact, s. Stiffness, restitution at small speeds and sleep follow from it and
 // not from the step.
 inline constexpr double kContactTime = 3e-3;
+// A body in contact whose kinetic energy is below that of this speed, m/s, is nearly at rest.
+// margin: of its contact, m.
+inline double slow_speed(double margin) {
+  return 0.01 * margin / kContactTime;
+}
 
 // Contact properties of a body.
 struct ContactOptions {

@@ -41,6 +41,15 @@ class ClothStep final : public GuestStep {
   ClothBody& body() const { return *body_; }
   bool is_fixed(std::size_t point) const override { return is_held(point); }
   double mass_at(std::size_t point) const override { return areas_.masses[point]; }
+  bool is_driven() const override { return body_->is_driven(); }
+  double mass() const override { return body_->mass(); }
+  double kinetic_energy() const override { return body_->kinetic_energy(); }
+  Eigen::Vector3d gravity_to_come() const override { return body_->gravity_to_come(); }
+  double slow() const override {
+    return slow_speed(std::min(law_.margin, ContactOptions{}.margin * areas_.extent));
+  }
+  void stop() override { body_->stop(); }
+  void rest_a_step() override { body_->end_parts(1); }
 
   std::size_t points() const override { return areas_.areas.size(); }
   bool feels(std::size_t point) const override { return point < points(); }

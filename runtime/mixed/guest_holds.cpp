@@ -63,10 +63,13 @@ bool MixedGuests::is_pushed(std::size_t i) const {
          account.hand_work != 0.0 || account.joint_work != 0.0 ||
          std::any_of(hands_.begin(), hands_.end(),
                      [i](const Hand& held) { return held.used && held.hand.guest == i; }) ||
-         std::any_of(joined_.begin(), joined_.end(), [i](const Link& link) {
-           return link.used &&
-                  (link.joint.guest == i || (link.joint.to_guest && link.joint.other == i));
-         });
+         is_joined(i);
+}
+
+bool MixedGuests::is_joined(std::size_t i) const {
+  return std::any_of(joined_.begin(), joined_.end(), [i](const Link& link) {
+    return link.used && (link.joint.guest == i || (link.joint.to_guest && link.joint.other == i));
+  });
 }
 
 std::size_t MixedGuests::join(GuestJoint joint) {
@@ -103,6 +106,21 @@ Result<std::size_t> MixedGuests::point_of_vertex(std::size_t i, VertexId vertex)
                        " is inside: a body of tetrahedra is held and loaded at its surface");
 }
 
+bool MixedGuests::load_to_come(std::size_t guest) const {
+  const auto is_on = [guest](const Loaded& loaded) {
+    return loaded.used && loaded.load.guest == guest;
+  };
+  const Guest& of = *guests_[guest];
+  const std::int64_t steps =
+      of.tets != nullptr ? of.tets->body().steps() : of.cloth->body().steps();
+  // As sample_signal does, an end within 1e-9 of a step from now counts as now.
+  const double now = (static_cast<double>(steps) + 1e-9) * step_;
+  return std::any_of(applied_.begin(), applied_.end(), is_on) ||
+         std::any_of(loads_.begin(), loads_.end(), [&](const Loaded& loaded) {
+           return is_on(loaded) && signal_end(loaded.load.signal) > now;
+         });
+}
+
 // Other forces hold a point, so that its hands and joints move it by little more than the margin.
 double MixedGuests::pull_of(std::size_t guest) const {
   const GuestStep& step = *guests_[guest]->step;
@@ -134,6 +152,8 @@ void MixedGuests::meet_joints(std::size_t guest) {
     const GuestJoint& joint = link.joint;
     if (!link.used || joint.guest != guest) continue;
     if (joint.to_guest && guests_[joint.other]->failed) continue;
+    if (asleep(guest) && (joint.to_guest ? asleep(joint.other) : awake_[joint.other] == 0))
+      continue;
     link.pull.set(joint, link.joint.joint, *guests_[guest]->step,
                   joint.to_guest ? guests_[joint.other]->step.get() : nullptr,
                   joint.to_guest ? nullptr : &reduced_[joint.other], from_, to_, step_);

@@ -58,6 +58,16 @@ class GuestStep : public StepBody {
   // The mass that moves with a point at first, kg.
   virtual double mass_at(std::size_t point) const = 0;
 
+  // Sleep (runtime/contact/islands/island_guests.h). A driven body does not sleep: its own pins or
+  // wind move it. stop() sets the velocities to zero; rest_a_step() counts a step without motion.
+  virtual bool is_driven() const = 0;
+  virtual double mass() const = 0;                      // kg
+  virtual double kinetic_energy() const = 0;            // J
+  virtual Eigen::Vector3d gravity_to_come() const = 0;  // of the next step, m/s^2
+  virtual double slow() const = 0;                      // speed of a body at rest, m/s
+  virtual void stop() = 0;
+  virtual void rest_a_step() = 0;
+
   // Of contact in the last step.
   const ContactAccount& account() const { return account_; }
   std::span<const ContactedPoint> contacted() const { return contacted_; }

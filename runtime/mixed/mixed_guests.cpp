@@ -169,11 +169,19 @@ void MixedGuests::start(std::span<const PlacedCollider> colliders) {
   report_ = {};
   in_islands_ = 0;
   for (std::size_t i = 0; i < guests_.size(); ++i) {
-    guests_[i]->old = guests_[i]->removed;
-    if (guests_[i]->failed) continue;
-    prepare_loads(i);
-    guests_[i]->step->start();
+    Guest& guest = *guests_[i];
+    guest.old = guest.removed;
+    if (guest.failed) continue;
+    // A guest that sleeps stays where it is.
+    if (!guest.rest.asleep || !guest.started) start(i);
+    if (guest.rest.asleep && has_to_wake(i)) wake(i);
   }
+}
+
+void MixedGuests::start(std::size_t i) {
+  prepare_loads(i);
+  guests_[i]->step->start();
+  guests_[i]->started = true;
 }
 
 SharedRate* MixedGuests::next_rate() {
@@ -210,7 +218,8 @@ bool MixedGuests::meet_hull(StepBody& points, std::size_t number, std::size_t gu
 // Points of each of two bodies on the other have one rate.
 void MixedGuests::meet_bodies(std::size_t guest, std::span<ContactStep* const> contacts) {
   for (std::size_t b = 0; b < contacts.size(); ++b) {
-    if (contacts[b] == nullptr || !may_touch(guest, false, b)) continue;
+    if (contacts[b] == nullptr || (asleep(guest) && awake_[b] == 0)) continue;
+    if (!may_touch(guest, false, b)) continue;
     if (counts_.bent == bent_.size()) bent_.emplace_back();
     BentContact& contact = bent_[counts_.bent];
     SharedRate* shared = next_rate();
@@ -228,7 +237,7 @@ void MixedGuests::meet_bodies(std::size_t guest, std::span<ContactStep* const> c
 
 void MixedGuests::meet_guests(std::size_t guest, std::span<const std::size_t> others) {
   for (const std::size_t other : others) {
-    if (!may_touch(guest, true, other)) continue;
+    if ((asleep(guest) && asleep(other)) || !may_touch(guest, true, other)) continue;
     SharedRate* shared = next_rate();
     const bool here = meet_hull(*guests_[other]->step, bodies_ + other, guest, shared);
     const bool there = meet_hull(*guests_[guest]->step, bodies_ + guest, other, shared);
@@ -241,10 +250,12 @@ void MixedGuests::meet_guests(std::size_t guest, std::span<const std::size_t> ot
 void MixedGuests::meet(std::span<const std::size_t> guests,
                        std::span<ContactStep* const> contacts) {
   for (std::size_t k = 0; k < guests.size(); ++k) {
-    meet_hands(guests[k]);
-    meet_loads(guests[k]);
     meet_joints(guests[k]);
-    meet_colliders(guests[k]);
+    if (!asleep(guests[k])) {
+      meet_hands(guests[k]);
+      meet_loads(guests[k]);
+      meet_colliders(guests[k]);
+    }
     meet_bodies(guests[k], contacts);
     meet_guests(guests[k], guests.subspan(k + 1));
   }
@@ -257,8 +268,10 @@ void MixedGuests::forget_contacts(const Counts& known) {
   links_.resize(known.links);
 }
 
-void MixedGuests::find_contacts(std::span<ContactStep* const> contacts) {
+void MixedGuests::find_contacts(std::span<ContactStep* const> contacts,
+                                std::span<const char> awake) {
   bodies_ = contacts.size();
+  awake_ = awake;
   while (reduced_.size() < bodies_) reduced_.emplace_back();
   forget_contacts({});
   who_.clear();
@@ -442,6 +455,10 @@ void MixedGuests::step_others(std::span<const std::size_t> roots) {
   std::size_t count = 0;
   for (std::size_t root = 0; root < guests_.size(); ++root) {
     if (roots[root] != bodies_ + root || guests_[root]->failed) continue;
+    if (asleep(root)) {
+      guests_[root]->step->rest_a_step();
+      continue;
+    }
     choose_guests(roots, bodies_ + root);
     add_members({});
     couple(0, {});
@@ -491,8 +508,9 @@ void MixedGuests::carry(StateStream& stream, std::size_t bodies) {
 
 void MixedGuests::carry_guest(StateStream& stream, std::size_t bodies, Guest& guest) {
   stream(guest.sums, guest.contacts, guest.deepest, guest.slip, guest.load_work, guest.failed,
-         guest.touched);
+         guest.touched, guest.rest);
   guest.step->carry(stream);
+  guest.started = false;
   for (const ContactedPoint& point : guest.step->contacted())
     stream.require(point.on_body
                        ? point.obstacle < bodies || (point.obstacle >= kFirstGuest &&

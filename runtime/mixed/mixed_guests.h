@@ -146,16 +146,32 @@ class MixedGuests final : public IslandGuests {
   std::size_t size() const override { return guests_.size(); }
   void set_gravity(const Eigen::Vector3d& gravity) override;
   void start(std::span<const PlacedCollider> colliders) override;
-  void find_contacts(std::span<ContactStep* const> contacts) override;
+  void find_contacts(std::span<ContactStep* const> contacts,
+                     std::span<const char> awake) override;
   std::span<const std::pair<std::size_t, std::size_t>> links() const override { return links_; }
   void step_island(std::span<const std::size_t> roots, const HostIsland& island) override;
   void step_others(std::span<const std::size_t> roots) override;
   void start_parts() override;
   bool step_part(const GuestPart& part, const HostIsland& island) override;
   void end_parts(bool made) override;
+  bool asleep(std::size_t i) const override { return guests_[i]->rest.asleep; }
+  void wake(std::size_t i) override;
+  void wake_all() override;
+  // Wakes the guest between two steps, before its state is set.
+  void put_awake(std::size_t i) { guests_[i]->rest = {}; }
+  double note_rest(std::size_t i) override;
+  void fall_asleep(std::size_t i) override;
+  bool holds_body(std::size_t i) const override;
   void carry(StateStream& stream, std::size_t bodies) override;
 
  private:
+  struct Rest {
+    double quiet = 0.0;  // note_rest(), s
+    bool asleep = false;
+    Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
+
+    void carry(StateStream& stream) { stream(quiet, asleep, gravity); }
+  };
   struct Guest {
     std::string name;
     // One of these has a value. They do not move, because their steps have their addresses.
@@ -169,6 +185,8 @@ class MixedGuests final : public IslandGuests {
     double deepest = 0.0, slip = 0.0, load_work = 0.0;
     bool failed = false, touched = false;
     bool removed = false, old = false;  // old: before the last step
+    Rest rest = {};
+    bool started = false;  // start() of a sleeping guest, whose place it keeps
   };
   // A hand or a joint; those that are not in use have been released.
   struct Hand {
@@ -208,6 +226,10 @@ class MixedGuests final : public IslandGuests {
 
   std::size_t keep(std::unique_ptr<Guest> guest);
   void meet(std::span<const std::size_t> guests, std::span<ContactStep* const> contacts);
+  bool has_to_wake(std::size_t guest) const;
+  void start(std::size_t guest);
+  bool is_joined(std::size_t guest) const;
+  bool load_to_come(std::size_t guest) const;
   double pull_of(std::size_t guest) const;
   void meet_hands(std::size_t guest);
   Status check_load(const GuestLoad& load, ErrorKind of_fixed) const;
@@ -250,6 +272,7 @@ class MixedGuests final : public IslandGuests {
   std::vector<std::pair<const TetModel*, std::shared_ptr<const TetPoints>>> points_;
   std::span<const PlacedCollider> colliders_;
   std::size_t bodies_ = 0;  // of the group
+  std::span<const char> awake_;  // which of them take the step
   PairFilter filter_;
   // Contacts of a step; the first ones are in use.
   std::deque<BentContact> bent_;

@@ -1,4 +1,4 @@
-#include "runtime/mixed/tet_points.h"
+// The contact points of bodies of tetrahedra, their areas and masses.
 
 #include <algorithm>
 #include <array>
@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "common/mesh/surface_mesh.h"
+#include "runtime/mixed/tet_step.h"
 
 namespace tremolo {
 namespace {

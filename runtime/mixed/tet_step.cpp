@@ -81,6 +81,12 @@ bool TetStep::step_alone() {
   return report_.converged;
 }
 
+void TetStep::rest_a_step() {
+  report_ = {};
+  jumped_ = false;
+  body_->skip_step();
+}
+
 bool TetStep::is_fixed(std::size_t point) const {
   const std::span<const std::uint8_t> held = body_->model().held();
   const std::span<const std::uint32_t> nodes = nodes_of(point);

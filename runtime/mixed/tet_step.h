@@ -13,14 +13,23 @@
 #include <span>
 #include <vector>
 
+#include "runtime/bodies/tets/contact/tet_contact.h"
 #include "runtime/bodies/tets/motion/tet_body.h"
 #include "runtime/bodies/tets/motion/tet_sums.h"
 #include "runtime/contact/solve/contact_surface.h"
 #include "runtime/math/sparse/block_cholesky.h"
 #include "runtime/mixed/guest_step.h"
-#include "runtime/mixed/tet_points.h"
+#include "runtime/mixed/point_law.h"
 
 namespace tremolo {
+
+// The contact points of bodies of tetrahedra of one kind: the vertices of the mesh's boundary and
+// the middles of its edges.
+struct TetPoints : PointAreas {
+  std::vector<TetPoint> points;
+};
+
+std::shared_ptr<const TetPoints> make_tet_points(const TetModel& model);
 
 // A position inside the body: its distance from the surface at rest, below 0, m, the gradient of
 // that with the position, and the same by a deformation that is continuous between elements.
@@ -59,6 +68,13 @@ class TetStep final : public GuestStep {
   // Those that are one of these vertices, or the middle of an edge between two of them.
   std::vector<std::size_t> points_on(const std::vector<VertexId>& vertices) const;
   double mass_at(std::size_t point) const override { return points_->masses[point]; }
+  bool is_driven() const override { return false; }
+  double mass() const override { return body_->model().mass(); }
+  double kinetic_energy() const override { return body_->kinetic_energy(); }
+  Eigen::Vector3d gravity_to_come() const override { return body_->options().gravity; }
+  double slow() const override { return slow_speed(law_.margin); }
+  void stop() override { body_->stop(); }
+  void rest_a_step() override;
 
   // The body as an obstacle (hull_contact.h). follow_hull(): positions are needed in this step.
   bool has_hull() const { return hull_ && hull_->grid; }

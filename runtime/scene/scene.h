@@ -172,6 +172,7 @@ Error error_of_listed(const char* what, std::size_t i, const Listed& one, const 
 struct Scene {
   double step = 3e-3;      // s, of all bodies
   double duration = 30.0;  // s
+  bool sleep = true;       // bodies that come to rest take no steps until something wakes them
   SceneGravity gravity;
   std::vector<SceneBody> bodies;
   std::vector<SceneCollider> colliders;

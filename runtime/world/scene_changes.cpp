@@ -83,6 +83,7 @@ void SceneWorld::replay_step() {
 void SceneWorld::wake_all() {
   for (std::size_t i = 0; i < size(); ++i)
     if (!actors_[i].failed) group_->wake(place_[i]);
+  if (guests_) guests_->wake_all();
 }
 
 Status SceneWorld::check_apart_from_all(std::size_t i) const {
@@ -183,6 +184,7 @@ void SceneWorld::remove_body(std::size_t i) {
   for (Hand& hand : hands_) hand.over = hand.over || hand.body == i;
   for (const Pair& pair : pairs_)
     if (pair.a == i || pair.b == i) group_->wake(place_[pair.a == i ? pair.b : pair.a]);
+  if (guests_) guests_->wake_all();
   std::erase_if(pairs_, [i](const Pair& pair) { return pair.a == i || pair.b == i; });
   std::erase_if(events_,
                 [i](const ContactEvent& event) { return event.body == i || event.other == i; });
@@ -309,6 +311,7 @@ Result<std::size_t> SceneWorld::add_joint(const SceneJoint& wanted) {
     const double load = joint_loads().of(i);
     if (a && b) return begin_joint(i, load, *a, actors_[*b].body, place_[*b]);
     if (a && anchor_of_[i]) return begin_joint(i, load, *a, anchor(i), anchor_number(i));
+    wake_all();
     return links_->join(*this, i);
   };
   const Status joined = join();
@@ -331,6 +334,7 @@ void SceneWorld::remove_joint(std::size_t i) {
     if (a && b) passing_.erase(std::minmax(*a, *b));
   } else if (links_) {
     links_->end_joint(i);
+    wake_all();
   }
 }
 
@@ -347,6 +351,7 @@ void SceneWorld::forget_guest(std::size_t guest, const std::string& name) {
   scene_.guests.erase(name);
   std::erase_if(guest_identity_,
                 [&](const SavedPart& part) { return part.name == "body '" + name + "'"; });
+  wake_all();
 }
 
 void SceneWorld::note_guest_load(const std::string& name, const SceneLoad& load) {

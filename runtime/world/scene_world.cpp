@@ -105,7 +105,7 @@ Result<SceneWorld> SceneWorld::create(const Scene& scene, const ModelSource& sou
   if (Status s = world.check_apart(); !s) return s.error();
   if (Status s = world.add_hands(); !s) return s.error();
   world.shapes_.clear();
-  world.group_ = std::make_unique<BodyGroup>();
+  world.group_ = std::make_unique<BodyGroup>(BodyGroup::Options{.sleep = scene.sleep});
   world.order_.resize(world.size());
   std::iota(world.order_.begin(), world.order_.end(), std::size_t{0});
   std::sort(world.order_.begin(), world.order_.end(),

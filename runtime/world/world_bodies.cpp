@@ -64,7 +64,7 @@ WorldBodyKind World::kind(WorldBody body) const {
 }
 
 bool World::asleep(WorldBody body) const {
-  return !is_guest(body) && own_.asleep(index(body));
+  return is_guest(body) ? guests()->asleep(index(body)) : own_.asleep(index(body));
 }
 
 bool World::failed(WorldBody body) const {

@@ -82,6 +82,15 @@ Status ClothBody::set_state(const VectorXd& x, const VectorXd& v) {
   return Success{};
 }
 
+void ClothBody::stop() {
+  state_.v.setZero();
+  integrator_->reset();
+}
+
+bool ClothBody::is_driven() const {
+  return (cloth().drag > 0.0 && !scene_.wind.isZero(0.0)) || !model_->pins_stay();
+}
+
 double ClothBody::kinetic_energy() const {
   return free_kinetic(*model_, state_.v);
 }
@@ -109,7 +118,7 @@ void ClothBody::begin_step() {
     work_.pins += kinetic_energy() - before;
     integrator_->reset();
   }
-  model_->set_gravity(scene_.gravity.at(time() + 0.5 * h));
+  model_->set_gravity(gravity_to_come());
   model_->set_wind(wind_at(scene_, time() + 0.5 * h));
   state_.time = time();
 }

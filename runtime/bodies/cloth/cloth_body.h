@@ -60,6 +60,14 @@ class ClothBody {
   // Replaces positions and velocities, 3n. Error kUsage: other sizes or a value that is not finite.
   Status set_state(const Eigen::VectorXd& x, const Eigen::VectorXd& v);
 
+  // Sets all velocities to zero.
+  void stop();
+  // True if the wind moves the cloth, or its pins may move or release it later.
+  bool is_driven() const;
+  Eigen::Vector3d gravity_to_come() const {  // of the next step, m/s^2
+    return scene_.gravity.at(time() + 0.5 * scene_.options.step);
+  }
+
   // Gravity of all steps from the next one on, m/s^2, instead of that of the scene.
   void set_gravity(const Eigen::Vector3d& gravity);
   // Prepares the next step, before step() or end_step(): pins whose time is over are released;

@@ -103,6 +103,12 @@ bool ClothModel::release_pins(double time) {
   return any;
 }
 
+bool ClothModel::pins_stay() const {
+  return std::all_of(pins_.begin(), pins_.end(), [](const Pin& pin) {
+    return !pin.active || (pin.path.still() && pin.until == kForEver);
+  });
+}
+
 void ClothModel::carry(StateStream& stream) {
   for (Pin& pin : pins_) stream(pin.active);
   stream(gravity_, wind_);

@@ -40,6 +40,8 @@ class ClothModel : public NodalSystem {
   Status pin(std::span<const std::size_t> particles, MotionPath path, double until);
   // Releases particles that are fixed until `time` or before; true if there were any.
   bool release_pins(double time);
+  // True if no pin that holds moves, or is to be released.
+  bool pins_stay() const;
   // Reserves memory for one more hold, which then allocates nothing; there is room for sixteen.
   void expect_hold() { hands_.reserve(hands_.capacity() + 1); }
   // A grab of one particle; it has priority over pins. particle: below size().

@@ -8,23 +8,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-bool moves(const PlacedCollider& collider) {
-  return collider.start.position != collider.end.position ||
-         collider.start.rotation.coeffs() != collider.end.rotation.coeffs();
-}
-
 // True if a moving collider comes near the body.
 bool is_disturbed(const ContactStep& contact, std::span<const PlacedCollider> colliders) {
   const ContactBall& ball = contact.gathered().ball;
-  for (const PlacedCollider& collider : colliders) {
-    if (!moves(collider)) continue;
-    for (const Pose& pose : {collider.start, collider.end}) {
-      const Vector3d local = pose.rotation.conjugate() * (ball.centre - pose.position);
-      const double far = ball.radius + ball.deformed + 2.0 * contact.surface().law.margin;
-      if (signed_distance(collider.shape, local).distance < far) return true;
-    }
-  }
-  return false;
+  return moves_near(colliders, ball.centre,
+                    ball.radius + ball.deformed + 2.0 * contact.surface().law.margin);
 }
 
 }  // namespace
@@ -167,34 +155,41 @@ void BodyGroup::find_pairs() {
             [](const Pair& x, const Pair& y) { return x.a < y.a || (x.a == y.a && x.b < y.b); });
 }
 
-// Finds the contacts of guests. True if a body that slept is in contact with one and woke.
+// Finds the contacts of guests. True if one of two that are in contact slept and woke.
 bool BodyGroup::meet_guests() {
   met_.assign(bodies_.size(), nullptr);
   for (const std::size_t i : by_place_) met_[i] = bodies_[i]->contact_.get();
-  guests_->find_contacts(met_);
+  guests_->find_contacts(met_, begun_);
   bool woke = false;
-  for (const auto& [guest, i] : guests_->links()) {
-    // A joint's body may have failed.
-    if (i >= bodies_.size() || begun_[i] != 0 || !rest_[i].asleep) continue;
-    rest_[i] = {};
-    begin(i);
-    woke = true;
-  }
+  for (const auto& link : guests_->links())
+    for (const std::size_t i : {link.first, link.second}) {
+      // A joint's body may have failed.
+      if (i < bodies_.size()) {
+        if (begun_[i] != 0 || !rest_[i].asleep) continue;
+        rest_[i] = {};
+        begin(i);
+      } else {
+        if (!guests_->asleep(i - bodies_.size())) continue;
+        guests_->wake(i - bodies_.size());
+      }
+      woke = true;
+    }
   return woke;
 }
 
 // Bodies that have been quiet long enough fall asleep with their whole island. A grabbed or loaded
 // body, or one that nothing can wake, does not.
 void BodyGroup::put_to_sleep() {
-  restless_.assign(bodies_.size(), 0);
+  restless_.assign(parent_.size(), 0);
   for (const std::size_t i : islands_) {
     ContactBody& body = *bodies_[i];
     Rest& rest = rest_[i];
     bool quiet = reports_[i].converged && body.frame() == FrameKind::kFree && body.contact_ &&
-                 (body.contact_account().active > 0 || is_joined(i));
+                 (body.contact_account().active > 0 || is_joined(i) ||
+                  (guests_ != nullptr && guests_->holds_body(i)));
     if (quiet) {
       const double speed2 = 2.0 * body.free_->kinetic(body.state_.q, body.state_.p);
-      const double limit = 0.01 * body.contact_->surface().law.margin / kContactTime;
+      const double limit = slow_speed(body.contact_->surface().law.margin);
       quiet = speed2 <= body.contact_->surface().mass * limit * limit && !has_to_wake(i);
     }
     rest.quiet = quiet ? rest.quiet + body.options_.step : 0.0;
@@ -202,13 +197,19 @@ void BodyGroup::put_to_sleep() {
     rest.alpha = body.options().alpha;
     rest.beta = body.options().beta;
     rest.ratios = body.options().ratios;
-    if (!(rest.quiet >= kQuiet) || hosts(parent_[i])) restless_[parent_[i]] = 1;
+    if (!(rest.quiet >= kQuiet)) restless_[parent_[i]] = 1;
   }
+  const std::size_t guests = guests_ != nullptr ? guests_->size() : 0;
+  for (std::size_t g = 0; g < guests; ++g)
+    if (!guests_->asleep(g) && !(guests_->note_rest(g) >= kQuiet))
+      restless_[parent_[bodies_.size() + g]] = 1;
   for (const std::size_t i : islands_) {
     if (restless_[parent_[i]] != 0) continue;
     bodies_[i]->fall_asleep();
     rest_[i].asleep = true;
   }
+  for (std::size_t g = 0; g < guests; ++g)
+    if (!guests_->asleep(g) && restless_[parent_[bodies_.size() + g]] == 0) guests_->fall_asleep(g);
 }
 
 }  // namespace tremolo

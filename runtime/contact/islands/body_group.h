@@ -66,7 +66,7 @@ class BodyGroup {
     if (!rest_.empty()) rest_.resize(bodies);
   }
   // Sets the bodies of other kinds that are stepped with the group's; null: none. They must outlive
-  // the group. Bodies in contact with them do not fall asleep.
+  // the group.
   void set_guests(IslandGuests* guests) { guests_ = guests; }
 
   // One step of all bodies, which have one step size; null entries are skipped. Body i must be the

@@ -51,8 +51,10 @@ class IslandGuests {
   // Starts a step among colliders, which stay in memory until it ends.
   virtual void start(std::span<const PlacedCollider> colliders) = 0;
   // Finds all contacts of guests with each other, with colliders and with bodies of the group, of
-  // which contacts[i] belongs to body i; null entries are skipped.
-  virtual void find_contacts(std::span<ContactStep* const> contacts) = 0;
+  // which contacts[i] belongs to body i; null entries are skipped. awake[i] is not 0 if body i
+  // takes the step. Of a guest that sleeps only contacts with something awake are found.
+  virtual void find_contacts(std::span<ContactStep* const> contacts,
+                             std::span<const char> awake) = 0;
   // The pairs found: numbers of bodies, or number of bodies plus number of a guest; the first is a
   // guest's.
   virtual std::span<const std::pair<std::size_t, std::size_t>> links() const = 0;
@@ -68,6 +70,19 @@ class IslandGuests {
   virtual void start_parts() = 0;
   virtual bool step_part(const GuestPart& part, const HostIsland& island) = 0;
   virtual void end_parts(bool made) = 0;
+
+  // A guest that sleeps takes no step. start() wakes those that a hand, a load, gravity or a moving
+  // collider moves; wake() prepares the guest for the step that has started.
+  virtual bool asleep(std::size_t guest) const = 0;
+  virtual void wake(std::size_t guest) = 0;
+  virtual void wake_all() = 0;  // between two steps
+  // The time for which the guest has been nearly at rest in contact, the last step included, s. 0
+  // if it moved, or something would wake it. Call it once after each step of an awake guest.
+  virtual double note_rest(std::size_t guest) = 0;
+  // Removes the guest's motion; contact takes its energy.
+  virtual void fall_asleep(std::size_t guest) = 0;
+  // True if a joint connects a guest with body i of the group.
+  virtual bool holds_body(std::size_t i) const = 0;
 
   // Saves or restores the guests' state between steps, to the bit. bodies: number of those of the
   // group.

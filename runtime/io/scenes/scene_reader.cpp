@@ -200,6 +200,7 @@ Result<SceneFile> read_scene(const toml::table& table, const std::string& path, 
   TomlKeys keys(table, path, "");
   keys.read("step", file.scene.step);
   keys.read("duration", file.scene.duration);
+  keys.read("sleep", file.scene.sleep);
   read_outputs(keys, file.outputs);
   if (Status s = read_gravity(keys, path, file.scene.gravity, file.files); !s) return s.error();
   std::size_t number = 0;

@@ -76,6 +76,7 @@ class GuestSource : public Source {
       : Source(std::forward<Arguments>(arguments)...), guests_(guests), i_(i) {}
 
   bool failed() const override { return guests_.failed(i_); }
+  bool asleep() const override { return guests_.asleep(i_); }
   NodalEnergy energy() override {
     NodalEnergy now = Source::energy();
     now.contact = guests_.account(i_).energy;
@@ -137,6 +138,10 @@ class TetGuestSource final : public GuestSource<TetsSource> {
       : GuestSource(guests, i, guests.name(i), kind) {}
 
  private:
+  Status set_state(const VectorXd& x, const VectorXd& v) override {
+    guests_.put_awake(i_);
+    return body().set_state(x, v);
+  }
   TetBody& body() const override { return guests_.tets(i_)->body(); }
 };
 
@@ -270,6 +275,7 @@ class ClothGuestSource final : public GuestSource<ClothSource> {
   const VectorXd& points() const override { return cloth().state().x; }
   const VectorXd& velocities() const override { return cloth().state().v; }
   Status set_state(const VectorXd& x, const VectorXd& v) override {
+    guests_.put_awake(i_);
     return cloth().set_state(x, v);
   }
 

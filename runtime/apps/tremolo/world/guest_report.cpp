@@ -17,7 +17,7 @@ void add_guest_contacts(const MixedGuests& guests, std::size_t guest, double h,
   json["contact_error"] = number_or_null(guests.sums(guest).error);
   json["penetration_max"] = number_or_null(guests.penetration_max(guest));
   json["slip_max"] = number_or_null(guests.slip_max(guest));
-  json["asleep"] = false;
+  json["asleep"] = guests.asleep(guest);
 }
 
 std::array<double, 6> held_values(const MixedGuests& guests, std::size_t guest) {

@@ -80,7 +80,9 @@ void WorldMomentum::add_joints(const SceneWorld& world, const MixedGuests* guest
     const auto first = find(joints[i].body), second = find(joints[i].to);
     const bool to_world = joints[i].to.empty();
     if (joint == nullptr || !first || (!second && !to_world)) continue;
-    if (*first < world.size() && world.asleep(*first)) continue;
+    const bool asleep =
+        *first < world.size() ? world.asleep(*first) : guests->asleep(*first - world.size());
+    if (asleep) continue;
     const Vector3d impulse = step_ * joint->force;
     exchanged_ += impulse.norm();
     if (!known_[*first].free) rest_ += impulse;
@@ -119,7 +121,7 @@ void WorldMomentum::observe(const SceneWorld& world, const MixedGuests* guests) 
     for (const ContactedPoint& point : guests->contacted(i))
       if (!point.on_body) impulses.of_colliders += point.impulse;
     impulses.hands = step_ * guests->hands_force(i);
-    add(known, momentum_of(*guests, i), false, impulses, gravity);
+    add(known, momentum_of(*guests, i), guests->asleep(i), impulses, gravity);
   }
   if (!starts) add_joints(world, guests);
   largest_ = std::max(largest_, rest_.norm());
