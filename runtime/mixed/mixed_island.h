@@ -35,14 +35,23 @@ class MixedIsland {
   MixedReport step(std::span<StepBody* const> bodies, std::span<PairForces* const> couplings);
 
  private:
+  // kApart: some members, which far_ notes, are to be solved by themselves.
+  enum class Outcome { kMoved, kDone, kApart, kFailed };
+
   bool solve(double heavier, bool hold);
+  void choose_all();
+  void choose_group(std::size_t root);
+  Outcome move(int iteration, bool hold, bool apart, double& heavier);
+  bool find_farthest();
+  void relax(int iteration, bool hold);
   double evaluate(const ContactRenewal& renewal);
   double measure();
   bool find_move(double heavier, bool follows);
   bool needs_factor(double heavier) const;
   double slope() const;
   double go(double length, const ContactRenewal& renewal);
-  bool try_following(int iteration, double size);
+  Outcome try_following(int iteration, double size, bool apart);
+  double size_now() const;
   void multiply(StepBody::In x, StepBody::Out rows);
   void precondition(StepBody::In rows, StepBody::Out x);
   bool add_missed();
@@ -57,6 +66,10 @@ class MixedIsland {
   std::span<StepBody* const> bodies_;
   std::span<PairForces* const> couplings_;
   MixedReport report_;
+  std::vector<char> moves_;          // the members that move; the others rest where they are
+  std::vector<PairForces*> seen_;    // the couplings of those
+  std::vector<char> far_;            // the members with the largest residuals
+  std::vector<std::size_t> apart_;   // of those the first one in contact, directly or not
   std::vector<Eigen::Index> first_;  // index of each body's first unknown, and their number
   std::vector<double> sizes_, enough_;
   Eigen::VectorXd residual_, move_, scaled_, empty_;
@@ -65,6 +78,8 @@ class MixedIsland {
   Gmres gmres_;
   double factored_ = -1.0;  // heavier of the last decomposition; below 0: there is none
   int first_linear_ = 0;    // iterations of GMRES right after it
+  double before_ = -1.0;    // size at the last move; below 0: there is none
+  double tolerance_ = 0.0;  // of GMRES
 };
 
 }  // namespace tremolo

@@ -311,7 +311,6 @@ Result<std::size_t> SceneWorld::add_joint(const SceneJoint& wanted) {
     const double load = joint_loads().of(i);
     if (a && b) return begin_joint(i, load, *a, actors_[*b].body, place_[*b]);
     if (a && anchor_of_[i]) return begin_joint(i, load, *a, anchor(i), anchor_number(i));
-    wake_all();
     return links_->join(*this, i);
   };
   const Status joined = join();
@@ -324,6 +323,7 @@ Result<std::size_t> SceneWorld::add_joint(const SceneJoint& wanted) {
     return joined.error();
   }
   if (!wanted.options.touch && a && b) passing_.insert(std::minmax(*a, *b));
+  if (!own_joints_[i]) wake_all();
   return i;
 }
 
