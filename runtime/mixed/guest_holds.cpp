@@ -214,6 +214,20 @@ Status MixedGuests::apply_force(std::size_t i, std::size_t point, const Vector3d
   return Success{};
 }
 
+Status MixedGuests::settle(std::size_t i) {
+  GuestStep& step = *guests_[i]->step;
+  Eigen::VectorXd forces = Eigen::VectorXd::Zero(row_of(step.points()));
+  for (const Loaded& loaded : loads_) {
+    if (!loaded.used || loaded.load.guest != i) continue;
+    const double now = sample_signal(loaded.load.signal, 0.0, step_).start;
+    for (const PointPush& push : loaded.load.pushes)
+      forces.segment<3>(row_of(push.point)) += now * push.force;
+  }
+  if (const Status s = step.settle(forces); !s)
+    return Error{s.error().kind, "body '" + guests_[i]->name + "': " + s.error().message};
+  return Success{};
+}
+
 bool MixedGuests::has_load(std::size_t i) const {
   const auto is_on = [i](const Loaded& loaded) { return loaded.used && loaded.load.guest == i; };
   return std::any_of(loads_.begin(), loads_.end(), is_on) ||

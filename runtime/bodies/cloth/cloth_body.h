@@ -43,10 +43,13 @@ struct ClothMoment {
 class ClothBody {
  public:
   // scene: with one cloth; its balls, colliders and hands are not used. velocity: of all particles
-  // at the start, m/s. Errors: those of check_scene() and make_cloth_model(); kUsage for a step
+  // at the start, m/s; spin: of the cloth about its centre of mass, rad/s. A `settled` cloth is not
+  // in equilibrium before settle(). Errors: kContent for a spin of a cloth with pins, a velocity or
+  // spin of a `settled` one; those of check_scene() and make_cloth_model(); kUsage for a step
   // beyond the method's stability.
   static Result<ClothBody> create(const ClothScene& scene,
-                                  const Eigen::Vector3d& velocity = Eigen::Vector3d::Zero());
+                                  const Eigen::Vector3d& velocity = Eigen::Vector3d::Zero(),
+                                  const Eigen::Vector3d& spin = Eigen::Vector3d::Zero());
 
   const SceneCloth& cloth() const { return scene_.cloths.front(); }
   const std::string& integrator() const { return scene_.integrator; }
@@ -59,6 +62,11 @@ class ClothBody {
 
   // Replaces positions and velocities, 3n. Error kUsage: other sizes or a value that is not finite.
   Status set_state(const Eigen::VectorXd& x, const Eigen::VectorXd& v);
+
+  // Puts the cloth at rest in its equilibrium under its pins, gravity at t = 0 and constant forces
+  // on its particles, 3n, N. Call it before the first step. Errors, with nothing changed: those of
+  // cloth_at_rest().
+  Status settle(const Eigen::VectorXd& forces);
 
   // Gravity of all steps from the next one on, m/s^2, instead of that of the scene.
   void set_gravity(const Eigen::Vector3d& gravity);

@@ -77,7 +77,8 @@ Status check_cloth(const SceneCloth& cloth) {
   if (grid == !cloth.file.empty()) return content_error("it needs a grid or a file, one of both");
   if (grid)
     if (Status s = check_grid(cloth.grid); !s) return s;
-  if (!cloth.position.allFinite()) return content_error("position is not finite");
+  if (const std::string problem = pose_problem({cloth.position, cloth.rotation}); !problem.empty())
+    return content_error(problem);
   if (!is_positive(cloth.density))
     return content_error("density is " + number_text(cloth.density) +
                          ", must be positive and finite (kg/m^2)");

@@ -281,6 +281,11 @@ double TetBody::stop_size(double tolerance) const {
          kRounding * rounding_scale_ * s_.cwiseAbs().maxCoeff();
 }
 
+double TetBody::edge_noise() const {
+  const auto edges = static_cast<double>(std::max<std::size_t>(1, model().edges()));
+  return kNoise * stop_size(options_.tolerance) / std::sqrt(edges);
+}
+
 // The matrix M (g^2 + (alpha + drag) g) + dforce/dx + beta g ddamping/dv.
 void TetBody::assemble(TangentKind tangent, bool single) {
   TetMatrixFactors factors;
@@ -475,15 +480,13 @@ void TetBody::choose_degrees(TetStepReport& report) {
   rigid_part(model(), freedom_, now_.x, now_.v, work_, rigid_);
   const double deforming =
       std::max(0.0, kinetic_energy() - system_.kinetic_energy(rigid_)) + system_.energy();
-  const auto edges = static_cast<double>(std::max<std::size_t>(1, model().edges()));
-  const auto wanted =
-      choice_.choose(system_, now_,
-                     {.residual = force_,
-                      .noise = kNoise * stop_size(options_.tolerance) / std::sqrt(edges),
-                      .energy = deforming,
-                      .rate = stage_.rate * stage_.rate,
-                      .h = options_.step,
-                      .calm = steps_ % options_.degree.every == 0});
+  const auto wanted = choice_.choose(system_, now_,
+                                     {.residual = force_,
+                                      .noise = edge_noise(),
+                                      .energy = deforming,
+                                      .rate = stage_.rate * stage_.rate,
+                                      .h = options_.step,
+                                      .calm = steps_ % options_.degree.every == 0});
   report.switched = choice_.changed();
   if (report.switched == 0) return;
   saved_.x = now_.x;

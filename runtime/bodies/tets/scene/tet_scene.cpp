@@ -34,6 +34,11 @@ Result<TetsKind> read_tets_kind(const TetSceneBody& body) {
   return kind;
 }
 
+Error error_of_tets(const TetSceneBody& body, const std::string& path, const Error& error) {
+  const std::string file = path.empty() ? "" : path + ": ";
+  return Error{error.kind, file + "body '" + body.name + "': " + error.message};
+}
+
 // The rest shape at the body's pose, with its velocity and spin about the centre of mass; fixed
 // points are at rest.
 Status place_tets_body(const TetSceneBody& wanted, TetBody& body) {
@@ -86,10 +91,7 @@ std::vector<TetObstacle> tets_obstacles(const TetBodiesScene& scene, const TetSc
 Result<PlacedTets> place_tets(std::span<const TetSceneBody> bodies, const std::string& path) {
   PlacedTets made;
   for (const TetSceneBody& wanted : bodies) {
-    const auto with_name = [&](const Error& error) {
-      const std::string file = path.empty() ? "" : path + ": ";
-      return Error{error.kind, file + "body '" + wanted.name + "': " + error.message};
-    };
+    const auto with_name = [&](const Error& error) { return error_of_tets(wanted, path, error); };
     auto found = std::find_if(made.kinds.begin(), made.kinds.end(),
                               [&](const TetsKind& kind) { return kind.path == wanted.model; });
     if (found == made.kinds.end()) {
@@ -97,6 +99,10 @@ Result<PlacedTets> place_tets(std::span<const TetSceneBody> bodies, const std::s
       if (!kind) return with_name(kind.error());
       found = made.kinds.insert(made.kinds.end(), std::move(*kind));
     }
+    if (wanted.settled && !(wanted.velocity.isZero(0.0) && wanted.spin.isZero(0.0)))
+      return with_name(
+          content_error("it has a velocity or a spin, but start = \"static\" means at rest: leave "
+                        "one of both out"));
     Result<TetBody> body = TetBody::create(found->model, wanted.options);
     if (!body) return with_name(body.error());
     if (Status s = place_tets_body(wanted, *body); !s) return with_name(s.error());
@@ -113,6 +119,11 @@ Result<TetsBodies> make_tets_bodies(const TetBodiesScene& scene) {
   std::vector<double> frictions;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const TetSceneBody& wanted = scene.bodies[i];
+    if (wanted.settled) {
+      TetBody& body = placed->bodies[i];
+      if (Status s = body.settle(Eigen::VectorXd::Zero(body.positions().size())); !s)
+        return error_of_tets(wanted, scene.path, s.error());
+    }
     contacts.emplace_back(placed->kinds[placed->kind_of[i]].hull, tets_obstacles(scene, wanted),
                           wanted.creep);
     frictions.push_back(wanted.friction);
