@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/overflow.h"
 #include "common/text.h"
 #include "runtime/mixed/mixed_guests.h"
 
@@ -38,6 +39,8 @@ Status MixedGuests::move_hand(std::size_t hand, const Vector3d& place) {
   if (hand >= hands_.size() || !hands_[hand].used)
     return usage_error("there is no hand " + std::to_string(hand));
   if (!place.allFinite()) return usage_error("the hand's place is not finite");
+  if (const double far = place.lpNorm<Eigen::Infinity>(); overflows(far))
+    return usage_error(overflow_text("the hand's place", far, "m"));
   hands_[hand].hand.end = place;
   return Success{};
 }

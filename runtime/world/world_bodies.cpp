@@ -1,7 +1,9 @@
 // World: its bodies, their surfaces, balances and hands.
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
+#include "common/overflow.h"
 #include "common/text.h"
 #include "runtime/bodies/reduced/surface_velocity.h"
 #include "runtime/contact/solve/contact_step.h"
@@ -219,6 +221,8 @@ Status World::check_force(WorldBody body, const Vector3d& force) const {
 
 Status World::add_load(WorldBody body, const SceneLoad& load) {
   if (Status s = check_force(body, load.scale * load.force); !s) return s;
+  if (const Status s = check_signal_size(load.signal); !s)
+    return usage_error("body '" + name(body) + "': " + s.error().message);
   if (!is_guest(body)) return own_.add_load(index(body), load);
   const Status added = add_guest_loads(all_guests(), index(body), std::span(&load, 1));
   if (!added) return added.error();
@@ -232,6 +236,10 @@ Status World::check_spring(WorldBody body, double stiffness, double damping) con
       return usage_error("body '" + name(body) +
                          "': the stiffness and the damping of a hand must be finite and not "
                          "negative");
+  for (const auto& [what, value, unit] : {std::tuple{"the stiffness of a hand", stiffness, "N/m"},
+                                          {"the damping of a hand", damping, "N s/m"}})
+    if (overflows(value))
+      return usage_error("body '" + name(body) + "': " + overflow_text(what, value, unit));
   return Success{};
 }
 
@@ -287,6 +295,8 @@ Status World::check_hand(WorldBody body, std::size_t hand) const {
 
 Status World::move_hand(WorldBody body, std::size_t hand, const Vector3d& place) {
   if (Status s = check_hand(body, hand); !s) return s;
+  if (const double far = place.lpNorm<Eigen::Infinity>(); overflows(far) && std::isfinite(far))
+    return usage_error("body '" + name(body) + "': " + overflow_text("the hand's place", far, "m"));
   if (is_guest(body)) return all_guests().move_hand(hand, place);
   return own_.body(index(body)).move_hand(hand, place);
 }

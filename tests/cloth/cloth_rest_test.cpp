@@ -1,7 +1,5 @@
 // Cloths that begin in their equilibrium: a closed form, the end of a damped motion, no motion
 // afterwards, cloths without a single equilibrium.
-#include "runtime/bodies/cloth/cloth_rest.h"
-
 #include <gtest/gtest.h>
 
 #include "runtime/bodies/cloth/cloth_body.h"

@@ -1,5 +1,6 @@
 #include "runtime/bodies/cloth/cloth_body.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -7,8 +8,8 @@
 
 #include <Eigen/Geometry>
 
+#include "common/overflow.h"
 #include "common/text.h"
-#include "runtime/bodies/cloth/cloth_rest.h"
 #include "runtime/step/halved_step.h"
 
 namespace tremolo {
@@ -51,6 +52,7 @@ Result<ClothBody> ClothBody::create(const ClothScene& scene, const Vector3d& vel
   };
   if (!velocity.allFinite()) return of_cloth(content_error("its velocity is not finite"));
   if (!spin.allFinite()) return of_cloth(content_error("its spin is not finite"));
+  if (Status s = check_start_size(cloth.position, velocity, spin); !s) return of_cloth(s.error());
   if (!spin.isZero(0.0) && !cloth.pins.empty())
     return of_cloth(content_error(
         "its pins hold it, so that it cannot spin: leave `spin` or `pins` out, or move the pins by "
@@ -84,7 +86,22 @@ Result<ClothBody> ClothBody::create(const ClothScene& scene, const Vector3d& vel
   if (!integrator) return of_cloth(integrator.error());
   body.integrator_ = std::move(*integrator);
   body.before_ = state.x;
+  if (Status s = check_scale(scale_of(cloth, *body.model_, state, h)); !s)
+    return of_cloth(s.error());
   return body;
+}
+
+BodyScale scale_of(const SceneCloth& cloth, const ClothModel& model, const NodalState& state,
+                   double step) {
+  const Eigen::Map<const Eigen::Matrix3Xd> x(state.x.data(), 3, state.x.size() / 3);
+  const Eigen::Map<const Eigen::Matrix3Xd> v(state.v.data(), 3, state.v.size() / 3);
+  return {.mass = model.mass().sum(),
+          .reach = x.colwise().norm().maxCoeff(),
+          .speed = v.colwise().norm().maxCoeff(),
+          .gravity = model.gravity().norm(),
+          .stiffness =
+              std::max({cloth.structural.stiffness, cloth.shear.stiffness, cloth.bend.stiffness}),
+          .step = step};
 }
 
 Status ClothBody::set_state(const VectorXd& x, const VectorXd& v) {

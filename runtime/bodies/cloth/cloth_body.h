@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "common/overflow.h"
 #include "common/result.h"
 #include "common/state_stream.h"
 #include "runtime/bodies/cloth/cloth_model.h"
@@ -21,6 +22,10 @@ Result<ClothModel> make_cloth_model(const SceneCloth& cloth);
 
 // Wind of a scene at a time, m/s.
 Eigen::Vector3d wind_at(const ClothScene& scene, double time);
+
+// Sizes of a cloth in a state, for check_scale(). step: s.
+BodyScale scale_of(const SceneCloth& cloth, const ClothModel& model, const NodalState& state,
+                   double step);
 
 // Work on a cloth and its losses since the start, J.
 struct ClothWork {

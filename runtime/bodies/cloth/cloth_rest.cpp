@@ -3,8 +3,6 @@
 // minimum of M |x - x_k|^2/(2 h^2) + V(x), and lengthens h where a step succeeds: the potential
 // falls in each (the proximal point method, Rockafellar 1976). Near the equilibrium Newton's method
 // with the exact tangent ends it. That tangent also shows whether the equilibrium is stable.
-#include "runtime/bodies/cloth/cloth_rest.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,6 +11,7 @@
 #include <string>
 
 #include "common/text.h"
+#include "runtime/bodies/cloth/cloth_model.h"
 #include "runtime/math/sparse/block_cholesky.h"
 #include "runtime/step/implicit_solve.h"
 

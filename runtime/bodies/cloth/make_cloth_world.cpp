@@ -9,7 +9,6 @@
 #include "common/text.h"
 #include "runtime/bodies/cloth/cloth_body.h"
 #include "runtime/bodies/cloth/cloth_model.h"
-#include "runtime/bodies/cloth/cloth_rest.h"
 #include "runtime/bodies/cloth/cloth_world_inside.h"
 
 namespace tremolo {
@@ -54,6 +53,8 @@ Status ClothWorld::Inside::add_cloth(const SceneCloth& wanted) {
         !s)
       return of_cloth(wanted, s.error());
   }
+  if (Status s = check_scale(scale_of(wanted, cloth->model, cloth->state, scene.options.step)); !s)
+    return of_cloth(wanted, s.error());
   cloth->before = cloth->state;
   cloth->model.set_gravity(gravity);
   limit = std::min(limit, stable_step(scene.integrator, cloth->model, cloth->state.x));

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 
+#include "common/overflow.h"
 #include "runtime/bodies/tets/motion/tet_island.h"
 
 namespace tremolo {
@@ -60,7 +62,14 @@ Status check(const TetBodyOptions& options) {
         check_range("linear tolerance", options.linear_tolerance, 0.0, true),
         check_range("max iterations", options.max_iterations, 0.0, true), check(options.degree)})
     if (!status) return status.error();
+  if (Status s = check_step_size(options.step); !s) return s;
+  for (const auto& [name, value, unit] : {std::tuple{"alpha", options.alpha, "1/s"},
+                                          {"beta", options.beta, "s"},
+                                          {"drag", options.drag, "1/s"}})
+    if (Status s = check_size(name, value, unit); !s) return s;
   if (!options.gravity.allFinite()) return content_error("gravity is not finite");
+  if (Status s = check_size("gravity", options.gravity.lpNorm<Eigen::Infinity>(), "m/s^2"); !s)
+    return s;
   return Success{};
 }
 

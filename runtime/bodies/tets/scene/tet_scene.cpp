@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "common/overflow.h"
 #include "formats/tets/tets_file.h"
 
 namespace tremolo {
@@ -42,12 +43,15 @@ Error error_of_tets(const TetSceneBody& body, const std::string& path, const Err
 // The rest shape at the body's pose, with its velocity and spin about the centre of mass; fixed
 // points are at rest.
 Status place_tets_body(const TetSceneBody& wanted, TetBody& body) {
+  if (Status s = check_start_size(wanted.pose.position, wanted.velocity, wanted.spin); !s) return s;
   const TetModel& model = body.model();
   const Eigen::Index size = model.rest().size();
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(size);
   Eigen::VectorXd x(size), v = Eigen::VectorXd::Zero(size), weight(size);
   model.mass_times(ones, weight);
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  BodyScale scale{
+      .mass = model.mass(), .gravity = wanted.options.gravity.norm(), .step = wanted.options.step};
   for (Eigen::Index i = 0; i < size; i += 3) {
     const Eigen::Vector3d rest = model.rest().segment<3>(i);
     x.segment<3>(i) = wanted.pose * rest;
@@ -56,7 +60,10 @@ Status place_tets_body(const TetSceneBody& wanted, TetBody& body) {
   for (Eigen::Index i = 0; i < size; i += 3) {
     const Eigen::Vector3d arm = x.segment<3>(i) - centre;
     if (model.held()[i / 3] == 0) v.segment<3>(i) = wanted.velocity + wanted.spin.cross(arm);
+    scale.reach = std::max(scale.reach, x.segment<3>(i).norm());
+    scale.speed = std::max(scale.speed, v.segment<3>(i).norm());
   }
+  if (Status s = check_scale(scale); !s) return s;
   return body.set_state(x, v);
 }
 
