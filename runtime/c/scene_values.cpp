@@ -209,10 +209,10 @@ Result<SceneJoint> scene_joint(const tremolo_joint& given) {
   for (const double value : {full->stiffness, full->damping, full->length, full->gap})
     if (!(value >= 0.0) || !std::isfinite(value))
       return usage_error("a joint's values must be finite and not negative");
-  for (const double value : {full->stiffness, full->damping, full->length, full->gap})
+  for (const double value : {full->length, full->gap})
     if (overflows(value))
       return usage_error(
-          overflow_text("the joint of body '" + joint.body + "': a value", value, ""));
+          overflow_text("the joint of body '" + joint.body + "': a length", value, "m"));
   if (joint.weld && full->length > 0.0) return usage_error("a weld has no length");
   if (full->stiffness > 0.0) joint.options.stiffness = full->stiffness;
   joint.options.damping = full->damping;

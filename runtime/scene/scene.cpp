@@ -4,7 +4,6 @@
 #include <cmath>
 #include <set>
 #include <string>
-#include <tuple>
 
 #include "common/overflow.h"
 #include "common/text.h"
@@ -228,11 +227,10 @@ Status check_hand(const SceneHand& hand, const std::set<std::string>& bodies) {
   if (!(hand.damping >= 0.0) || !std::isfinite(hand.damping))
     return content_error("damping must be finite and not negative (N s/m)");
   if (hand.position && !hand.position->allFinite()) return content_error("position is not finite");
-  for (const auto& [name, value, unit] :
-       {std::tuple{"stiffness", hand.pin ? 0.0 : hand.stiffness, "N/m"},
-        {"damping", hand.damping, "N s/m"},
-        {"position", hand.position ? hand.position->lpNorm<Eigen::Infinity>() : 0.0, "m"}})
-    if (Status s = check_size(name, value, unit); !s) return s;
+  // A stiffer spring than that of a pin is limited to that.
+  if (hand.position)
+    if (Status s = check_size("position", hand.position->lpNorm<Eigen::Infinity>(), "m"); !s)
+      return s;
   if (!(hand.from >= 0.0) || !std::isfinite(hand.from))
     return content_error("from must be finite and not negative (s)");
   if (!(hand.until > hand.from)) return content_error("until must be behind from (s)");
@@ -276,13 +274,11 @@ Status check_joint(const SceneJoint& joint, const std::set<std::string>& bodies)
     return content_error("damping must be finite and not negative (N s/m)");
   if (!(options.length >= 0.0) || !std::isfinite(options.length))
     return content_error("length must be finite and not negative (m)");
-  for (const auto& [name, value, unit] :
-       {std::tuple{"stiffness", options.stiffness.value_or(0.0), "N/m"},
-        {"damping", options.damping, "N s/m"},
-        {"length", options.length, "m"},
-        {"gap", joint.gap.value_or(0.0), "m"},
-        {"point", joint.point ? joint.point->lpNorm<Eigen::Infinity>() : 0.0, "m"}})
-    if (Status s = check_size(name, value, unit); !s) return s;
+  for (const auto& [name, value] :
+       {std::pair{"length", options.length},
+        {"gap", joint.gap.value_or(0.0)},
+        {"point", joint.point ? joint.point->lpNorm<Eigen::Infinity>() : 0.0}})
+    if (Status s = check_size(name, value, "m"); !s) return s;
   if (Status s = check_world_end(joint); !s) return s;
   if (joint.weld && options.length != 0.0) return content_error("a weld has no length");
   if (joint.gap && !joint.weld) return content_error("gap: only a weld has one");

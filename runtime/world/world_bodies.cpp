@@ -1,7 +1,6 @@
 // World: its bodies, their surfaces, balances and hands.
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "common/overflow.h"
 #include "common/text.h"
@@ -236,10 +235,6 @@ Status World::check_spring(WorldBody body, double stiffness, double damping) con
       return usage_error("body '" + name(body) +
                          "': the stiffness and the damping of a hand must be finite and not "
                          "negative");
-  for (const auto& [what, value, unit] : {std::tuple{"the stiffness of a hand", stiffness, "N/m"},
-                                          {"the damping of a hand", damping, "N s/m"}})
-    if (overflows(value))
-      return usage_error("body '" + name(body) + "': " + overflow_text(what, value, unit));
   return Success{};
 }
 

@@ -22,7 +22,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr double kFirstStep = 0.05, kShortest = 1e-6, kLongest = 1e4;  // h, s
-constexpr int kMostSearchSteps = 400;
+constexpr int kMostSearchSteps = 400, kMostSearchCorrections = 3000;
 // Of the loads: of a step of the search near the equilibrium, and of one on the way to it.
 constexpr double kSearchTolerance = 1e-9, kWayTolerance = 0.01, kFarFromRest = 0.05;
 // Of the loads: Newton's method alone is tried below the first, and again at a fraction of that. If
@@ -93,6 +93,13 @@ double size_of_cloth(const VectorXd& x) {
   return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
 }
 
+Error not_alone() {
+  return {ErrorKind::kSolver,
+          "its equilibrium is not the only one, or not stable: the sheet can turn "
+          "about its pins or fold out of its plane without resistance; pin it at more places, add "
+          "`crumple = 0.01` if it is flat, or leave `start` out"};
+}
+
 class ClothRest {
  public:
   ClothRest(const LoadedCloth& cloth, const VectorXd& start, BlockCholesky factor)
@@ -127,8 +134,10 @@ class ClothRest {
     Result<std::unique_ptr<ImplicitSolve>> quick = ImplicitSolve::create(cloth_, options);
     if (!quick) return quick.error();
     const VectorXd start = x_;
+    int corrections = 0;
     double h = kFirstStep, near = kNearRest * cloth_.load_size();
-    for (int k = 0; k < kMostSearchSteps && h >= kShortest; ++k) {
+    for (int k = 0; k < kMostSearchSteps && h >= kShortest && corrections < kMostSearchCorrections;
+         ++k) {
       const double now = residual(x_);
       if (now <= near) {
         if (finish()) return Success{};
@@ -140,7 +149,9 @@ class ClothRest {
           .mu = 1.0 / (h * h), .x0 = &x_, .x_hat = &x_, .v_hat = &zero_, .minimum = true};
       NodalReport report;
       ImplicitSolve& solve = now > kFarFromRest * cloth_.load_size() ? **quick : **exact;
-      if (!solve.solve(equation, x1, false, report)) {
+      const bool solved = solve.solve(equation, x1, false, report);
+      corrections += report.iterations;
+      if (!solved) {
         h *= 0.2;
         continue;
       }
@@ -200,19 +211,36 @@ class ClothRest {
     return kLeastFrequency * loads / cloth_.mass().sum() / size_;
   }
 
-  Error not_alone() const {
-    return {ErrorKind::kSolver,
-            "the equilibrium that was found is not the only one, or not stable: the sheet can turn "
-            "about its pins or fold out of its plane without resistance; pin it at more places, "
-            "add `crumple = 0.01` if it is flat, or leave `start` out"};
-  }
-
   const LoadedCloth& cloth_;
   VectorXd x_, zero_, force_;
   BlockMatrix matrix_;
   BlockCholesky factor_;
   double size_;  // m
 };
+
+// True if the cloth can turn about its fixed particles, which are on a line along which all loads
+// act.
+bool turns_freely(const LoadedCloth& cloth, const VectorXd& x) {
+  constexpr double kParallel = 1e-9;
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();
+  for (Index i = 0; i < x.size(); i += 3)
+    if (const Eigen::Vector3d load = cloth.loads().segment<3>(i); load.norm() > axis.norm())
+      axis = load;
+  const double most = axis.norm();
+  if (!(most > 0.0)) return false;
+  axis /= most;
+  const auto held = cloth.held();
+  const auto first = std::find_if(held.begin(), held.end(), [](auto flag) { return flag != 0; });
+  const Index pivot = 3 * (first - held.begin());
+  const double size = size_of_cloth(x);
+  for (Index i = 0; i < x.size(); i += 3) {
+    if (axis.cross(cloth.loads().segment<3>(i)).norm() > kParallel * most) return false;
+    const Eigen::Vector3d arm = x.segment<3>(i) - x.segment<3>(pivot);
+    if (held[static_cast<std::size_t>(i / 3)] != 0 && axis.cross(arm).norm() > kParallel * size)
+      return false;
+  }
+  return true;
+}
 
 Result<VectorXd> rest_of(const ClothModel& model, const VectorXd& forces, const VectorXd& start) {
   const auto held = model.held();
@@ -224,6 +252,7 @@ Result<VectorXd> rest_of(const ClothModel& model, const VectorXd& forces, const 
   Result<BlockCholesky> factor = BlockCholesky::create(model.pattern());
   if (!factor) return factor.error();
   ClothRest rest(cloth, start, std::move(*factor));
+  if (turns_freely(cloth, start)) return not_alone();
   if (cloth.loads().isZero(0.0) && rest.residual(start) <= kExactRest * model.load_size())
     return start;
   if (Status s = rest.search(); !s) return s.error();
