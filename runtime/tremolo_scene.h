@@ -91,8 +91,10 @@ typedef struct tremolo_scene_body {
 void tremolo_scene_body_init(tremolo_scene_body* place);
 
 /* Add a body of one kind. Values are checked when the world is made; here TREMOLO_USAGE: no name, a
- * position, velocity or spin that is not finite, a quaternion of another length; and the errors of
- * the options. tremolo_world_add_* do the same while a world runs. */
+ * position, velocity or spin that is not finite or so large that its square is not, a quaternion of
+ * another length; and the errors of the options. A value whose square, or whose energy or momentum
+ * with the others, is no finite number is refused in all calls. tremolo_world_add_* do the same
+ * while a world runs. */
 
 /* A reduced body. method: integrator, frame and damping; NULL: the defaults, TREMOLO_FIXED. Its
  * step is the scene's. shape: with which points of other bodies collide, in the mesh's frame;

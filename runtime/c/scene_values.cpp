@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "common/overflow.h"
 #include "runtime/c/nodal_c_api.h"
 #include "runtime/c/scene_c_api.h"
 
@@ -29,6 +30,10 @@ Result<tremolo_scene_body> complete_place(const tremolo_scene_body* place) {
         std::pair{"spin", full->spin}})
     if (!Vector3d(values).allFinite())
       return usage_error("body '" + std::string(full->name) + "': its " + what + " is not finite");
+  if (const Status s = check_start_size(Vector3d(full->position), Vector3d(full->velocity),
+                                        Vector3d(full->spin));
+      !s)
+    return usage_error("body '" + std::string(full->name) + "': " + s.error().message);
   return full;
 }
 
@@ -204,6 +209,10 @@ Result<SceneJoint> scene_joint(const tremolo_joint& given) {
   for (const double value : {full->stiffness, full->damping, full->length, full->gap})
     if (!(value >= 0.0) || !std::isfinite(value))
       return usage_error("a joint's values must be finite and not negative");
+  for (const double value : {full->length, full->gap})
+    if (overflows(value))
+      return usage_error(
+          overflow_text("the joint of body '" + joint.body + "': a length", value, "m"));
   if (joint.weld && full->length > 0.0) return usage_error("a weld has no length");
   if (full->stiffness > 0.0) joint.options.stiffness = full->stiffness;
   joint.options.damping = full->damping;

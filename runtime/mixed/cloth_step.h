@@ -39,6 +39,7 @@ class ClothStep final : public GuestStep {
   // Same as the step of a ClothWorld without obstacles.
   bool step_alone() override;
   ClothBody& body() const { return *body_; }
+  Status settle(const Eigen::VectorXd& forces) override { return body_->settle(forces); }
   bool is_fixed(std::size_t point) const override { return is_held(point); }
   double mass_at(std::size_t point) const override { return areas_.masses[point]; }
   bool is_driven() const override { return body_->is_driven(); }

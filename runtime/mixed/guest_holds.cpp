@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/overflow.h"
 #include "common/text.h"
 #include "runtime/mixed/mixed_guests.h"
 
@@ -38,6 +39,8 @@ Status MixedGuests::move_hand(std::size_t hand, const Vector3d& place) {
   if (hand >= hands_.size() || !hands_[hand].used)
     return usage_error("there is no hand " + std::to_string(hand));
   if (!place.allFinite()) return usage_error("the hand's place is not finite");
+  if (const double far = place.lpNorm<Eigen::Infinity>(); overflows(far))
+    return usage_error(overflow_text("the hand's place", far, "m"));
   hands_[hand].hand.end = place;
   return Success{};
 }
@@ -231,6 +234,20 @@ Status MixedGuests::apply_force(std::size_t i, std::size_t point, const Vector3d
     applied_.push_back({true, std::move(load), {}});
   else
     *free = {true, std::move(load), {}};
+  return Success{};
+}
+
+Status MixedGuests::settle(std::size_t i) {
+  GuestStep& step = *guests_[i]->step;
+  Eigen::VectorXd forces = Eigen::VectorXd::Zero(row_of(step.points()));
+  for (const Loaded& loaded : loads_) {
+    if (!loaded.used || loaded.load.guest != i) continue;
+    const double now = sample_signal(loaded.load.signal, 0.0, step_).start;
+    for (const PointPush& push : loaded.load.pushes)
+      forces.segment<3>(row_of(push.point)) += now * push.force;
+  }
+  if (const Status s = step.settle(forces); !s)
+    return Error{s.error().kind, "body '" + guests_[i]->name + "': " + s.error().message};
   return Success{};
 }
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "common/result.h"
 #include "runtime/contact/contact_record.h"
 #include "runtime/math/sparse/block_cholesky.h"
 #include "runtime/mixed/step_body.h"
@@ -43,6 +44,11 @@ class GuestStep : public StepBody {
 
   // Saves or restores the state between steps, to the bit: the body and its memories of contact.
   void carry(StateStream& stream);
+
+  // Puts the body at rest in its equilibrium under gravity and constant forces on its points, N, 3
+  // points(). Call it before the first step. Errors: those of TetBody::settle() and
+  // ClothBody::settle().
+  virtual Status settle(const Eigen::VectorXd& forces) = 0;
 
   // True if the point does not move, or moves as its pin does, whatever force acts on it.
   virtual bool is_fixed(std::size_t point) const = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/overflow.h"
 #include "common/text.h"
 
 namespace tremolo {
@@ -14,6 +15,10 @@ Status check(const ContactOptions& options) {
     return usage_error("contact needs a margin and a stiffness above zero");
   if (options.modulus && !(*options.modulus > 0.0 && std::isfinite(*options.modulus)))
     return usage_error("contact needs a modulus above zero, in Pa");
+  if (overflows(options.stiffness))
+    return usage_error(overflow_text("its contact-stiffness", options.stiffness, ""));
+  if (options.modulus && overflows(*options.modulus))
+    return usage_error(overflow_text("its contact-modulus", *options.modulus, "Pa"));
   if (!(options.friction >= 0.0) || !std::isfinite(options.friction))
     return usage_error("the friction is " + number_text(options.friction) +
                        ", must be finite and not negative");

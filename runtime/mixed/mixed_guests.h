@@ -49,6 +49,10 @@ class MixedGuests final : public IslandGuests {
   // contact: stiffness or modulus alone; the cloth itself has the rest.
   Result<std::size_t> add(ClothBody body, const ContactOptions& contact = {});
 
+  // Puts a guest at rest in its equilibrium under gravity and its loads at t = 0, before its first
+  // step. Errors, with the name: those of GuestStep::settle().
+  Status settle(std::size_t i);
+
   // Removes a guest with its hands and joints. Its number is that of a body that is added after
   // the next step; until then no function but removed() may be called with it.
   void remove(std::size_t i);

@@ -165,6 +165,12 @@ SiteMotion TetStep::motion(std::size_t point) const {
   return {from, to, 0.5 * (from + to)};
 }
 
+Status TetStep::settle(const Eigen::VectorXd& forces) {
+  pushed_.setZero();
+  for (std::size_t i = 0; i < points(); ++i) add_force(i, forces.segment<3>(row_of(i)));
+  return body_->settle(pushed_);
+}
+
 void TetStep::add_force(std::size_t point, const Vector3d& force) {
   const TetPoint& at = points_->points[point];
   for (std::uint32_t i = 0; i < at.count; ++i)

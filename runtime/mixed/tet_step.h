@@ -62,6 +62,7 @@ class TetStep final : public GuestStep {
   const TetSums& sums() const { return sums_; }
   void add_sums() { sums_.add(*body_, report_); }
   TetBody& body() const { return *body_; }
+  Status settle(const Eigen::VectorXd& forces) override;
   bool is_fixed(std::size_t point) const override;
   // The contact point that is a vertex of the mesh; empty: the vertex is inside.
   std::optional<std::size_t> point_of(VertexId vertex) const;

@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "common/overflow.h"
 #include "common/text.h"
 
 namespace tremolo {
@@ -19,6 +20,8 @@ Status check_gravity(const SceneGravity& gravity) {
     return content_error("gravity: each value needs a time");
   for (std::size_t k = 0; k < gravity.values.size(); ++k) {
     if (!gravity.values[k].allFinite()) return content_error("gravity is not finite");
+    if (Status s = check_size("gravity", gravity.values[k].lpNorm<Eigen::Infinity>(), "m/s^2"); !s)
+      return s;
     if (gravity.values.size() == 1) break;
     if (!std::isfinite(gravity.times[k])) return content_error("gravity: a time is not finite");
     if (k > 0 && !(gravity.times[k - 1] < gravity.times[k]))
@@ -41,6 +44,9 @@ Status check_contact(const ContactOptions& contact) {
     return content_error("contact-margin must be above 0 and below 1 (a share of the size)");
   if (!(contact.stiffness > 0.0) || !std::isfinite(contact.stiffness))
     return content_error("contact-stiffness must be positive and finite");
+  if (Status s = check_size("contact-stiffness", contact.stiffness, ""); !s) return s;
+  if (contact.modulus)
+    if (Status s = check_size("contact-modulus", *contact.modulus, "Pa"); !s) return s;
   if (!(contact.friction >= 0.0) || !std::isfinite(contact.friction))
     return content_error("friction is " + number_text(contact.friction) +
                          ", must be finite and not negative");
@@ -56,6 +62,7 @@ Status check_loads(const SceneBody& body) {
   for (const SceneLoad& load : body.loads) {
     if (!load.force.allFinite() || !std::isfinite(load.scale))
       return content_error("a load's force or scale is not finite");
+    if (Status s = check_signal_size(load.signal); !s) return s;
     if (load.signal.kind != SignalKind::kTable) continue;
     const std::string problem =
         load.table ? table_problem(*load.table) : std::string("it has no table");
@@ -76,6 +83,7 @@ Status check_damping(const SceneBody& body) {
         return content_error(std::string(key) + ": its moments must not be negative, and ascend");
       if (!(from.value >= 0.0) || !std::isfinite(from.value))
         return content_error(std::string(key) + " must be finite and not negative");
+      if (Status s = check_size(key, from.value, ""); !s) return s;
       before = from.time;
     }
   }
@@ -153,6 +161,7 @@ Status check_body(const SceneBody& body) {
     return content_error(problem);
   if (!body.velocity.allFinite() || !body.spin.allFinite())
     return content_error("its velocity or spin is not finite");
+  if (Status s = check_start_size(body.pose.position, body.velocity, body.spin); !s) return s;
   const bool free = body.kind == FrameKind::kFree;
   if (!free && !(body.velocity.isZero(0.0) && body.spin.isZero(0.0)))
     return content_error("velocity and spin are those of a free body: say kind = \"free\"");
@@ -183,6 +192,9 @@ Status check_collider(const SceneCollider& collider) {
     if (Status s = check(collider.shape); !s) return s;
   if (const std::string problem = pose_problem(collider.pose); !problem.empty())
     return content_error(problem);
+  if (Status s = check_size("its position", collider.pose.position.lpNorm<Eigen::Infinity>(), "m");
+      !s)
+    return s;
   if (!(collider.friction >= 0.0) || !std::isfinite(collider.friction))
     return content_error("friction is " + number_text(collider.friction) +
                          ", must be finite and not negative");
@@ -215,6 +227,10 @@ Status check_hand(const SceneHand& hand, const std::set<std::string>& bodies) {
   if (!(hand.damping >= 0.0) || !std::isfinite(hand.damping))
     return content_error("damping must be finite and not negative (N s/m)");
   if (hand.position && !hand.position->allFinite()) return content_error("position is not finite");
+  // A stiffer spring than that of a pin is limited to that.
+  if (hand.position)
+    if (Status s = check_size("position", hand.position->lpNorm<Eigen::Infinity>(), "m"); !s)
+      return s;
   if (!(hand.from >= 0.0) || !std::isfinite(hand.from))
     return content_error("from must be finite and not negative (s)");
   if (!(hand.until > hand.from)) return content_error("until must be behind from (s)");
@@ -258,6 +274,11 @@ Status check_joint(const SceneJoint& joint, const std::set<std::string>& bodies)
     return content_error("damping must be finite and not negative (N s/m)");
   if (!(options.length >= 0.0) || !std::isfinite(options.length))
     return content_error("length must be finite and not negative (m)");
+  for (const auto& [name, value] :
+       {std::pair{"length", options.length},
+        {"gap", joint.gap.value_or(0.0)},
+        {"point", joint.point ? joint.point->lpNorm<Eigen::Infinity>() : 0.0}})
+    if (Status s = check_size(name, value, "m"); !s) return s;
   if (Status s = check_world_end(joint); !s) return s;
   if (joint.weld && options.length != 0.0) return content_error("a weld has no length");
   if (joint.gap && !joint.weld) return content_error("gap: only a weld has one");
@@ -307,6 +328,7 @@ Eigen::Vector3d SceneGravity::at(double t) const {
 Status check_scene(const Scene& scene) {
   if (!(scene.step > 0.0) || !std::isfinite(scene.step))
     return content_error("step must be positive and finite (s)");
+  if (Status s = check_step_size(scene.step); !s) return s;
   if (!(scene.duration > 0.0) || !std::isfinite(scene.duration))
     return content_error("duration must be positive and finite (s)");
   if (scene.duration / scene.step > 1e12)

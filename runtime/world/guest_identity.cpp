@@ -39,6 +39,7 @@ std::uint64_t hash_of(const TetSceneBody& body, std::uint64_t kind) {
   identity.add(options.degree.upper, options.degree.lower, options.degree.least_steps);
   identity.add(options.degree.every);
   add(identity, body.contact);
+  if (body.settled) identity.add(body.settled);
   return identity.hash();
 }
 
@@ -72,6 +73,8 @@ std::uint64_t hash_of(const ClothSceneBody& body, const ClothParts& parts) {
     add(identity, pin.motion);
   }
   add(identity, body.contact);
+  if (cloth.settled) identity.add(cloth.settled);
+  if (!body.spin.isZero(0.0)) identity.add(body.spin);
   return identity.hash();
 }
 

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/overflow.h"
 #include "runtime/world/guest_points.h"
 
 namespace tremolo {
@@ -12,6 +13,7 @@ Status add_guest_loads(MixedGuests& guests, std::size_t guest, std::span<const S
   for (const SceneLoad& load : loads) {
     if (load.signal.kind == SignalKind::kNone) continue;
     const std::string of = "body '" + guests.name(guest) + "': ";
+    if (Status s = check_signal_size(load.signal); !s) return content_error(of + s.error().message);
     if (load.at.empty())
       return content_error(of + "a load on " +
                            (guests.tets(guest) != nullptr ? "a body of tetrahedra" : "a cloth") +

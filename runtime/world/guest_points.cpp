@@ -69,7 +69,7 @@ Result<std::vector<VertexId>> cloth_selection(const ClothStep& step, const std::
   if (Status s = read_files(*selector, parts.vertices()); !s) return s.error();
   std::vector<Vector3d> places(parts.vertices());
   for (std::size_t v = 0; v < places.size(); ++v)
-    places[v] = step.start_of(parts.particle_of_vertex(v));
+    places[v] = step.body().cloth().named(step.start_of(parts.particle_of_vertex(v)));
   const std::map<std::string, std::vector<VertexId>> sets;
   const std::vector<Colour> colours;
   return select_vertices(*selector,

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "common/overflow.h"
 #include "common/text.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/scene/scene_bones.h"
@@ -26,8 +27,12 @@ Error of_body(const std::string& name, Error error) {
   return error;
 }
 
-bool is_pose(const Pose& pose) {
-  return pose.position.allFinite() && std::abs(pose.rotation.norm() - 1.0) <= 1e-6;
+// The problem of a pose; empty: none.
+std::string problem_of(const Pose& pose) {
+  if (!pose.position.allFinite() || !(std::abs(pose.rotation.norm() - 1.0) <= 1e-6))
+    return "a pose must be finite, with a rotation of length one to 1e-6";
+  const double far = pose.position.lpNorm<Eigen::Infinity>();
+  return overflows(far) ? overflow_text("its position", far, "m") : "";
 }
 
 }  // namespace
@@ -205,9 +210,8 @@ Status SceneWorld::add_load(std::size_t i, const SceneLoad& load) {
 Status SceneWorld::move_body(std::size_t i, const Pose& next) {
   Actor& actor = actors_[i];
   if (actor.bones) return usage_error("body '" + name(i) + "': its frames are bones");
-  if (!is_pose(next))
-    return usage_error("body '" + name(i) +
-                       "': a pose must be finite, with a rotation of length one to 1e-6");
+  if (const std::string problem = problem_of(next); !problem.empty())
+    return usage_error("body '" + name(i) + "': " + problem);
   // The same refusals as in the step.
   if (Status s = actor.body.move_to(next); !s) return of_body(name(i), s.error());
   actor.given = next;
@@ -268,9 +272,8 @@ Result<std::size_t> SceneWorld::add_collider(const SceneCollider& wanted) {
 }
 
 Status SceneWorld::move_collider(std::size_t c, const Pose& next) {
-  if (!is_pose(next))
-    return usage_error("collider '" + scene_.colliders[c].name +
-                       "': a pose must be finite, with a rotation of length one to 1e-6");
+  if (const std::string problem = problem_of(next); !problem.empty())
+    return usage_error("collider '" + scene_.colliders[c].name + "': " + problem);
   colliders_.move_to(c, next);
   return Success{};
 }

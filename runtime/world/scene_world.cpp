@@ -11,6 +11,7 @@
 #include <tuple>
 #include <utility>
 
+#include "common/overflow.h"
 #include "common/text.h"
 #include "runtime/contact/collider.h"
 #include "runtime/contact/solve/contact_step.h"
@@ -144,6 +145,14 @@ Result<SceneWorld::Actor> SceneWorld::make(const SceneBody& wanted, Model::Point
     if (Status s = check_bone_accelerations(wanted, *actor.bones, scene_, reach); !s)
       return s.error();
   }
+  if (const InertiaIntegrals* inertia = actor.body.model().inertia())
+    if (Status s = check_scale({.mass = inertia->mass,
+                                .reach = wanted.pose.position.norm() + reach,
+                                .speed = wanted.velocity.norm() + reach * wanted.spin.norm(),
+                                .gravity = scene_.gravity.at(0.0).norm(),
+                                .step = scene_.step});
+        !s)
+      return s.error();
   if (Status s = begin(wanted, actor); !s) return s.error();
   actor.energy_at_start = actor.body.energy().total();
   return actor;

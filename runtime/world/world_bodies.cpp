@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/overflow.h"
 #include "common/text.h"
 #include "runtime/bodies/reduced/surface_velocity.h"
 #include "runtime/contact/solve/contact_step.h"
@@ -219,6 +220,8 @@ Status World::check_force(WorldBody body, const Vector3d& force) const {
 
 Status World::add_load(WorldBody body, const SceneLoad& load) {
   if (Status s = check_force(body, load.scale * load.force); !s) return s;
+  if (const Status s = check_signal_size(load.signal); !s)
+    return usage_error("body '" + name(body) + "': " + s.error().message);
   if (!is_guest(body)) return own_.add_load(index(body), load);
   const Status added = add_guest_loads(all_guests(), index(body), std::span(&load, 1));
   if (!added) return added.error();
@@ -287,6 +290,8 @@ Status World::check_hand(WorldBody body, std::size_t hand) const {
 
 Status World::move_hand(WorldBody body, std::size_t hand, const Vector3d& place) {
   if (Status s = check_hand(body, hand); !s) return s;
+  if (const double far = place.lpNorm<Eigen::Infinity>(); overflows(far) && std::isfinite(far))
+    return usage_error("body '" + name(body) + "': " + overflow_text("the hand's place", far, "m"));
   if (is_guest(body)) return all_guests().move_hand(hand, place);
   return own_.body(index(body)).move_hand(hand, place);
 }

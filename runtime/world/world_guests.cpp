@@ -96,13 +96,34 @@ Result<AddedGuest> add_or_take_back(const std::string& name, const std::string& 
   return added;
 }
 
+// The start of a guest. margin_name: the key of the scene. settled: in equilibrium under its loads.
+struct GuestStart {
+  const char* margin_name;
+  std::span<const SceneLoad> loads;
+  bool settled;
+};
+
+GuestStart start_of(const TetSceneBody& body) {
+  return {"contact-margin", body.loads, body.settled};
+}
+GuestStart start_of(const ClothSceneBody& body) {
+  return {"thickness", body.loads, body.cloth().settled};
+}
+
+// Gives the guest its loads and puts it into its equilibrium, which must be apart from the solids.
+Status place_guest(MixedGuests& guests, std::size_t guest, const Solids& solids,
+                   const GuestStart& start) {
+  if (Status s = take_loads(guests, guest, start.loads); !s) return s;
+  if (start.settled)
+    if (Status s = guests.settle(guest); !s) return s;
+  return check_apart(guests, guest, solids, start.margin_name);
+}
+
 // The rest of adding a body that is among the guests already. count: their number before. If the
 // body cannot stay, it is not among them afterwards.
 Status begin_guest(MixedGuests& guests, std::size_t guest, std::size_t count,
-                   const SceneWorld& world, const char* margin_name,
-                   std::span<const SceneLoad> loads) {
-  Status good = check_apart(guests, guest, solids_of(world), margin_name);
-  if (good) good = take_loads(guests, guest, loads);
+                   const SceneWorld& world, const GuestStart& start) {
+  const Status good = place_guest(guests, guest, solids_of(world), start);
   if (!good) guests.take_back(guest, count);
   return good;
 }
@@ -131,18 +152,16 @@ Result<WorldGuests> add_guests(std::span<const TetSceneBody> tets,
                                        placed->kinds[placed->kind_of[i]].hull);
         !added)
       return of_file(path, added.error());
-    if (Status s = check_apart(*guests, i, solids, "contact-margin"); !s)
+    if (Status s = place_guest(*guests, i, solids, start_of(tets[i])); !s)
       return of_file(path, s.error());
-    if (Status s = take_loads(*guests, i, tets[i].loads); !s) return of_file(path, s.error());
   }
   for (const ClothSceneBody& cloth : cloths) {
-    Result<ClothBody> body = ClothBody::create(cloth.scene, cloth.velocity);
+    Result<ClothBody> body = ClothBody::create(cloth.scene, cloth.velocity, cloth.spin);
     if (!body) return of_file(path, of_scene(body.error()));
     const Result<std::size_t> added = guests->add(std::move(*body), cloth.contact);
     if (!added) return of_file(path, of_scene(added.error()));
-    if (Status s = check_apart(*guests, *added, solids, "thickness"); !s)
+    if (Status s = place_guest(*guests, *added, solids, start_of(cloth)); !s)
       return of_file(path, s.error());
-    if (Status s = take_loads(*guests, *added, cloth.loads); !s) return of_file(path, s.error());
   }
   Result<std::unique_ptr<GuestLinks>> links = make_guest_links(world, *guests);
   if (!links) return of_file(path, links.error());
@@ -166,7 +185,7 @@ Result<AddedGuest> add_guest(const TetSceneBody& body, const std::string& path, 
     const auto added =
         guests.add(body.name, std::move(placed->bodies[0]), body.contact, placed->kinds[0].hull);
     if (!added) return of_file(path, added.error());
-    if (Status s = begin_guest(guests, *added, count, world, "contact-margin", body.loads); !s)
+    if (Status s = begin_guest(guests, *added, count, world, start_of(body)); !s)
       return of_file(path, s.error());
     world.note_guest(body.name, guest_parts(std::span(&body, 1), *placed, {}, guests)[0]);
     return AddedGuest{*added, std::move(placed->kinds[0])};
@@ -177,12 +196,12 @@ Result<AddedGuest> add_guest(const TetSceneBody& body, const std::string& path, 
 Result<AddedGuest> add_guest(const ClothSceneBody& body, const std::string& path,
                              SceneWorld& world) {
   const auto add = [&](MixedGuests& guests) -> Result<AddedGuest> {
-    Result<ClothBody> cloth = ClothBody::create(body.scene, body.velocity);
+    Result<ClothBody> cloth = ClothBody::create(body.scene, body.velocity, body.spin);
     if (!cloth) return of_file(path, of_scene(cloth.error()));
     const std::size_t count = guests.size();
     const Result<std::size_t> added = guests.add(std::move(*cloth), body.contact);
     if (!added) return of_file(path, of_scene(added.error()));
-    if (Status s = begin_guest(guests, *added, count, world, "thickness", body.loads); !s)
+    if (Status s = begin_guest(guests, *added, count, world, start_of(body)); !s)
       return of_file(path, s.error());
     world.note_guest(body.name(), cloth_part(body, *guests.cloth(*added)));
     return AddedGuest{*added, std::nullopt};

@@ -221,6 +221,157 @@ TEST_F(WorldCApiRefusals, AForceThatOverflowsIsRefusedForEachKind) {
   }
 }
 
+// Finite numbers whose squares or products, as in energies and momenta, are not.
+TEST_F(WorldCApiRefusals, ValuesThatOverflowAreRefusedForEachKind) {
+  const auto refused = [this](tremolo_world* world, const std::vector<std::byte>& before,
+                              tremolo_status status, const char* words) {
+    EXPECT_TRUE(status == TREMOLO_USAGE || status == TREMOLO_CONTENT) << status;
+    EXPECT_TRUE(error_has("overflow") && error_has(words)) << words << ": " << tremolo_last_error();
+    EXPECT_TRUE(saved(world) == before) << words;
+  };
+  for (const CubeKind kind : kKinds) {
+    SCOPED_TRACE(static_cast<int>(kind));
+    tremolo_world* world = make_world(true);
+    const tremolo_body_id body = add(world, kind, at("there", {0.0, 0.0, 2.0}));
+    const std::vector<std::byte> before = saved(world);
+    for (const double value : {1e308, -1e155}) {
+      tremolo_scene_body place = at("new", {0.0, 0.0, 9.0});
+      place.velocity[1] = value;
+      refused(world, before, try_add(world, kind, place), "body 'new': its velocity");
+      place = at("new", {0.0, 0.0, 9.0});
+      place.spin[2] = value;
+      refused(world, before, try_add(world, kind, place), "body 'new': its spin");
+      place = at("new", {0.0, 0.0, 9.0});
+      place.position[0] = value;
+      refused(world, before, try_add(world, kind, place), "body 'new': its position");
+      if (value < 0.0) continue;
+      place = at("new", {0.0, 0.0, 9.0});
+      place.stiffness = value;
+      refused(world, before, try_add(world, kind, place), "contact-stiffness");
+      place = at("new", {0.0, 0.0, 9.0});
+      place.modulus = value;
+      refused(world, before, try_add(world, kind, place), "contact-modulus");
+      tremolo_load load;
+      tremolo_load_init(&load);
+      load.at = "0";
+      load.force[1] = 1.0;
+      load.signal = TREMOLO_SINE;
+      load.frequency = value;
+      refused(world, before, tremolo_world_add_load(world, body, &load), "frequency");
+    }
+    // A hand that is stiffer than a pin is one.
+    std::uint64_t hand = 0;
+    EXPECT_EQ(tremolo_world_grab(world, body, 0, 1e308, 1e308, &hand), TREMOLO_OK)
+        << tremolo_last_error();
+    advance(world, 2);
+  }
+}
+
+TEST_F(WorldCApiRefusals, OptionsThatOverflowAreRefused) {
+  tremolo_world* world = make_world(true);
+  const std::vector<std::byte> before = saved(world);
+  const auto refused = [&](tremolo_status status, const char* words) {
+    EXPECT_TRUE(status == TREMOLO_USAGE || status == TREMOLO_CONTENT) << words << status;
+    EXPECT_TRUE(error_has("overflow") && error_has("'new'") && error_has(words))
+        << words << ": " << tremolo_last_error();
+    EXPECT_TRUE(saved(world) == before) << words;
+  };
+  const tremolo_scene_body place = at("new", {0.0, 0.0, 9.0});
+  tremolo_body_id body = 0;
+  for (const double value : {1e308, 1e155}) {
+    refused(tremolo_world_add_rigid(world, &place, box_, value, &body), "mass");
+    for (double tremolo_body_options::*damping :
+         {&tremolo_body_options::alpha, &tremolo_body_options::beta}) {
+      tremolo_body_options method;
+      tremolo_body_options_init(&method);
+      method.frame = TREMOLO_FREE;
+      method.*damping = value;
+      refused(tremolo_world_add_reduced(world, &place, model_, &method, box_, &body), "damping");
+    }
+    for (const auto& [field, word] : {std::pair{&tremolo_tets_options::alpha, "alpha"},
+                                      std::pair{&tremolo_tets_options::beta, "beta"},
+                                      std::pair{&tremolo_tets_options::drag, "drag"}}) {
+      tremolo_tets_options options;
+      tremolo_tets_options_init(&options);
+      const std::string file = path("cube.tets");
+      options.file = file.c_str();
+      options.*field = value;
+      refused(tremolo_world_add_tets(world, &place, &options, &body), word);
+    }
+    for (const char* word : {"width", "height", "corner", "density", "structural: stiffness",
+                             "bend: damping", "drag", "thickness"}) {
+      tremolo_cloth_options sheet;
+      tremolo_cloth_options_init(&sheet);
+      sheet.columns = sheet.rows = 5;
+      const std::string what = word;
+      if (what == "width") sheet.width = value;
+      if (what == "height") sheet.height = value;
+      if (what == "corner") sheet.corner[1] = value;
+      if (what == "density") sheet.density = value;
+      if (what == "structural: stiffness") sheet.stiffness[0] = value;
+      if (what == "bend: damping") sheet.damping[2] = value;
+      if (what == "drag") sheet.drag = value;
+      if (what == "thickness") sheet.thickness = value;
+      refused(tremolo_world_add_cloth(world, &place, nullptr, &sheet, nullptr, 0, &body), word);
+    }
+  }
+  // Products: kinetic energy, inertia.
+  tremolo_scene_body fast = place;
+  fast.velocity[0] = 1e120;
+  refused(tremolo_world_add_rigid(world, &fast, box_, 1e100, &body), "kinetic energy");
+  tremolo_scene_body far = place;
+  far.position[0] = 1e120;
+  refused(tremolo_world_add_rigid(world, &far, box_, 1e100, &body), "inertia");
+  // Joints and colliders.
+  for (const auto& field : {&tremolo_joint::length, &tremolo_joint::gap}) {
+    tremolo_joint joint;
+    tremolo_joint_init(&joint);
+    joint.body = "far";
+    joint.at = "0";
+    const double point[3] = {50.0, 0.0, 500.0};
+    if (field == &tremolo_joint::length) joint.point = point;
+    joint.*field = 1e308;
+    joint.weld = field == &tremolo_joint::gap;
+    std::uint32_t number = 0;
+    EXPECT_EQ(tremolo_world_add_joint(world, &joint, &number), TREMOLO_USAGE);
+    EXPECT_TRUE(error_has("overflow") && error_has("'far'")) << tremolo_last_error();
+  }
+  const double point[3] = {50.0, 1e308, 500.0}, turn[4] = {1.0, 0.0, 0.0, 0.0};
+  EXPECT_EQ(try_join(world, nullptr, "0", point), TREMOLO_CONTENT);
+  EXPECT_TRUE(error_has("overflow") && error_has("point")) << tremolo_last_error();
+  tremolo_placed_collider collider = floor_;
+  collider.position[2] = -1e308;
+  std::uint32_t number = 0;
+  EXPECT_EQ(tremolo_world_add_collider(world, &collider, &number), TREMOLO_CONTENT);
+  EXPECT_TRUE(error_has("overflow") && error_has("collider 2")) << tremolo_last_error();
+  EXPECT_EQ(tremolo_world_move_collider(world, 0, point, turn), TREMOLO_USAGE);
+  EXPECT_TRUE(error_has("overflow") && error_has("collider 1")) << tremolo_last_error();
+  EXPECT_TRUE(saved(world) == before);
+  advance(world, 2);
+  // The world itself.
+  for (const double step : {1e308, 1e-200}) {
+    tremolo_scene* scene = nullptr;
+    ASSERT_EQ(tremolo_scene_create(step, &scene), TREMOLO_OK);
+    add(scene, CubeKind::kRigid, at("one", {0.0, 0.0, 1.0}));
+    tremolo_world* made = nullptr;
+    EXPECT_EQ(tremolo_world_create(scene, 1, &made), TREMOLO_CONTENT) << step;
+    tremolo_scene_destroy(scene);
+  }
+  for (const bool wind : {false, true}) {
+    tremolo_scene* scene = nullptr;
+    ASSERT_EQ(tremolo_scene_create(kWorldStep, &scene), TREMOLO_OK);
+    add(scene, CubeKind::kCloth, at("one", {0.0, 0.0, 1.0}));
+    const double value[3] = {0.0, 1e200, 0.0};
+    EXPECT_EQ(wind ? tremolo_scene_set_wind(scene, value) : tremolo_scene_set_gravity(scene, value),
+              TREMOLO_OK);
+    tremolo_world* made = nullptr;
+    EXPECT_EQ(tremolo_world_create(scene, 1, &made), TREMOLO_CONTENT);
+    EXPECT_TRUE(error_has("overflow") && error_has(wind ? "wind" : "gravity"))
+        << tremolo_last_error();
+    tremolo_scene_destroy(scene);
+  }
+}
+
 // A body that nothing can touch is held by a hand, whose force is all that its weight lacks.
 TEST_F(WorldCApiRefusals, AHandHoldsABodyOfEachKindInAWorldWithoutContact) {
   for (const CubeKind kind : kKinds) {

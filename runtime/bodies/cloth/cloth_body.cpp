@@ -1,5 +1,6 @@
 #include "runtime/bodies/cloth/cloth_body.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -7,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include "common/overflow.h"
 #include "common/text.h"
 #include "runtime/step/halved_step.h"
 
@@ -40,7 +42,8 @@ Vector3d wind_at(const ClothScene& scene, double time) {
   return scene.wind * (1.0 + scene.gust * std::sin(2.0 * M_PI * scene.gust_hz * time));
 }
 
-Result<ClothBody> ClothBody::create(const ClothScene& scene, const Vector3d& velocity) {
+Result<ClothBody> ClothBody::create(const ClothScene& scene, const Vector3d& velocity,
+                                    const Vector3d& spin) {
   if (Status s = check_scene(scene); !s) return s.error();
   ClothBody body(scene);
   const SceneCloth& cloth = body.cloth();
@@ -48,6 +51,16 @@ Result<ClothBody> ClothBody::create(const ClothScene& scene, const Vector3d& vel
     return Error{error.kind, "cloth '" + cloth.name + "': " + error.message};
   };
   if (!velocity.allFinite()) return of_cloth(content_error("its velocity is not finite"));
+  if (!spin.allFinite()) return of_cloth(content_error("its spin is not finite"));
+  if (Status s = check_start_size(cloth.position, velocity, spin); !s) return of_cloth(s.error());
+  if (!spin.isZero(0.0) && !cloth.pins.empty())
+    return of_cloth(content_error(
+        "its pins hold it, so that it cannot spin: leave `spin` or `pins` out, or move the pins by "
+        "a `motion` of the kind \"spin\""));
+  if (cloth.settled && !(velocity.isZero(0.0) && spin.isZero(0.0)))
+    return of_cloth(
+        content_error("it has a velocity or a spin, but start = \"static\" means at rest: leave "
+                      "one of both out"));
   Result<ClothModel> model = make_cloth_model(cloth);
   if (!model) return of_cloth(model.error());
   body.model_ = std::make_unique<ClothModel>(std::move(*model));
@@ -58,8 +71,13 @@ Result<ClothBody> ClothBody::create(const ClothScene& scene, const Vector3d& vel
   state.x = crumpled(body.model_->parts(), cloth.crumple, {held.begin(), held.end()});
   body.model_->put_held(0.0, state.x);
   state.v = VectorXd::Zero(state.x.size());
-  for (std::size_t i = 0; i < held.size(); ++i)
-    if (held[i] == 0) state.v.segment<3>(3 * static_cast<Eigen::Index>(i)) = velocity;
+  Vector3d centre = Vector3d::Zero();
+  const VectorXd& mass = body.model_->mass();
+  for (Eigen::Index i = 0; i < mass.size(); ++i)
+    centre += mass[i] / mass.sum() * state.x.segment<3>(3 * i);
+  for (Eigen::Index i = 0; i < mass.size(); ++i)
+    if (held[static_cast<std::size_t>(i)] == 0)
+      state.v.segment<3>(3 * i) = velocity + spin.cross(state.x.segment<3>(3 * i) - centre);
   if (const double limit = stable_step(scene.integrator, *body.model_, state.x); h > limit)
     return of_cloth(usage_error("a step of " + number_text(1e3 * h) + " ms is unstable with " +
                                 scene.integrator + ": the limit is " + number_text(1e3 * limit) +
@@ -68,7 +86,22 @@ Result<ClothBody> ClothBody::create(const ClothScene& scene, const Vector3d& vel
   if (!integrator) return of_cloth(integrator.error());
   body.integrator_ = std::move(*integrator);
   body.before_ = state.x;
+  if (Status s = check_scale(scale_of(cloth, *body.model_, state, h)); !s)
+    return of_cloth(s.error());
   return body;
+}
+
+BodyScale scale_of(const SceneCloth& cloth, const ClothModel& model, const NodalState& state,
+                   double step) {
+  const Eigen::Map<const Eigen::Matrix3Xd> x(state.x.data(), 3, state.x.size() / 3);
+  const Eigen::Map<const Eigen::Matrix3Xd> v(state.v.data(), 3, state.v.size() / 3);
+  return {.mass = model.mass().sum(),
+          .reach = x.colwise().norm().maxCoeff(),
+          .speed = v.colwise().norm().maxCoeff(),
+          .gravity = model.gravity().norm(),
+          .stiffness =
+              std::max({cloth.structural.stiffness, cloth.shear.stiffness, cloth.bend.stiffness}),
+          .step = step};
 }
 
 Status ClothBody::set_state(const VectorXd& x, const VectorXd& v) {
@@ -89,6 +122,16 @@ void ClothBody::stop() {
 
 bool ClothBody::is_driven() const {
   return (cloth().drag > 0.0 && !scene_.wind.isZero(0.0)) || !model_->pins_stay();
+}
+
+Status ClothBody::settle(const VectorXd& forces) {
+  const Vector3d gravity = model_->gravity();
+  model_->set_gravity(scene_.gravity.at(0.0));
+  Result<VectorXd> x = cloth_at_rest(*model_, forces, state_.x);
+  model_->set_gravity(gravity);
+  if (!x) return x.error();
+  before_ = *x;
+  return set_state(*x, VectorXd::Zero(x->size()));
 }
 
 double ClothBody::kinetic_energy() const {

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "common/overflow.h"
 #include "common/result.h"
 #include "common/state_stream.h"
 #include "runtime/bodies/cloth/cloth_model.h"
@@ -21,6 +22,10 @@ Result<ClothModel> make_cloth_model(const SceneCloth& cloth);
 
 // Wind of a scene at a time, m/s.
 Eigen::Vector3d wind_at(const ClothScene& scene, double time);
+
+// Sizes of a cloth in a state, for check_scale(). step: s.
+BodyScale scale_of(const SceneCloth& cloth, const ClothModel& model, const NodalState& state,
+                   double step);
 
 // Work on a cloth and its losses since the start, J.
 struct ClothWork {
@@ -43,10 +48,13 @@ struct ClothMoment {
 class ClothBody {
  public:
   // scene: with one cloth; its balls, colliders and hands are not used. velocity: of all particles
-  // at the start, m/s. Errors: those of check_scene() and make_cloth_model(); kUsage for a step
+  // at the start, m/s; spin: of the cloth about its centre of mass, rad/s. A `settled` cloth is not
+  // in equilibrium before settle(). Errors: kContent for a spin of a cloth with pins, a velocity or
+  // spin of a `settled` one; those of check_scene() and make_cloth_model(); kUsage for a step
   // beyond the method's stability.
   static Result<ClothBody> create(const ClothScene& scene,
-                                  const Eigen::Vector3d& velocity = Eigen::Vector3d::Zero());
+                                  const Eigen::Vector3d& velocity = Eigen::Vector3d::Zero(),
+                                  const Eigen::Vector3d& spin = Eigen::Vector3d::Zero());
 
   const SceneCloth& cloth() const { return scene_.cloths.front(); }
   const std::string& integrator() const { return scene_.integrator; }
@@ -67,6 +75,11 @@ class ClothBody {
   Eigen::Vector3d gravity_to_come() const {  // of the next step, m/s^2
     return scene_.gravity.at(time() + 0.5 * scene_.options.step);
   }
+
+  // Puts the cloth at rest in its equilibrium under its pins, gravity at t = 0 and constant forces
+  // on its particles, 3n, N. Call it before the first step. Errors, with nothing changed: those of
+  // cloth_at_rest().
+  Status settle(const Eigen::VectorXd& forces);
 
   // Gravity of all steps from the next one on, m/s^2, instead of that of the scene.
   void set_gravity(const Eigen::Vector3d& gravity);

@@ -131,4 +131,12 @@ double damped_stability_number(std::string_view name, double zeta);
 // methods without a limit. The frequencies of a loaded or folded sheet are slightly higher.
 double stable_step(std::string_view name, const ClothModel& model, const Eigen::VectorXd& x);
 
+// The equilibrium of a cloth (cloth_rest.cpp): positions, 3n, m, at which springs, gravity and
+// `forces` (3n, N) balance; fixed particles stay where they are at `start`, 3n, where the search
+// begins. The model has no wind. Errors: kContent without fixed particles; kSolver if no
+// equilibrium is found, or if the one that is found is not stable or moves without resistance, so
+// that it is not the only one.
+Result<Eigen::VectorXd> cloth_at_rest(const ClothModel& model, const Eigen::VectorXd& forces,
+                                      const Eigen::VectorXd& start);
+
 }  // namespace tremolo

@@ -62,8 +62,12 @@ std::optional<Eigen::Vector3d> point_of_text(std::string_view text) {
 }
 
 // The particle that is nearest to the point at rest.
-std::size_t nearest_to(const ClothParts& parts, const Eigen::Vector3d& point) {
-  const Eigen::Map<const Eigen::Matrix3Xd> places(parts.x.data(), 3, parts.x.size() / 3);
+std::size_t nearest_to(const SceneCloth& cloth, const ClothParts& parts,
+                       const Eigen::Vector3d& point) {
+  Eigen::Matrix3Xd places =
+      Eigen::Map<const Eigen::Matrix3Xd>(parts.x.data(), 3, parts.x.size() / 3);
+  if (cloth.named_at)
+    for (Eigen::Index i = 0; i < places.cols(); ++i) places.col(i) = cloth.named(places.col(i));
   Eigen::Index nearest = 0;
   (places.colwise() - point).colwise().squaredNorm().minCoeff(&nearest);
   return parts.vertex_of_particle(static_cast<std::size_t>(nearest));
@@ -83,7 +87,7 @@ Status add_cloth_place(const SceneCloth& cloth, const ClothParts* parts, const s
   if (place.starts_with("near:")) {
     const auto point = point_of_text(std::string_view(place).substr(5));
     if (!point) return content_error("'" + place + "': a place is near:X,Y,Z in m");
-    particles.push_back(nearest_to(*parts, *point));
+    particles.push_back(nearest_to(cloth, *parts, *point));
     return Success{};
   }
   std::size_t number = 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "common/overflow.h"
 #include "common/text.h"
 
 namespace tremolo {
@@ -27,7 +28,8 @@ Status check_law(const char* kind, const SpringLaw& law) {
   if (!is_not_negative(law.damping))
     return content_error(std::string(kind) + ": damping is " + number_text(law.damping) +
                          ", must be finite and not negative (N s/m)");
-  return Success{};
+  if (Status s = check_size(std::string(kind) + ": stiffness", law.stiffness, "N/m"); !s) return s;
+  return check_size(std::string(kind) + ": damping", law.damping, "N s/m");
 }
 
 Status check_grid(const ClothGrid& grid) {
@@ -38,6 +40,10 @@ Status check_grid(const ClothGrid& grid) {
   if (!is_positive(grid.width) || !is_positive(grid.height))
     return content_error("width and height must be positive and finite (m)");
   if (!grid.corner.allFinite()) return content_error("corner is not finite");
+  for (const auto& [name, value] : {std::pair{"width", grid.width},
+                                    {"height", grid.height},
+                                    {"corner", grid.corner.lpNorm<Eigen::Infinity>()}})
+    if (Status s = check_size(name, value, "m"); !s) return s;
   for (const Eigen::Vector3d& way : {grid.along, grid.across})
     if (!(std::abs(way.norm() - 1.0) <= 1e-6))
       return content_error("along and across must be of length 1");
@@ -77,10 +83,16 @@ Status check_cloth(const SceneCloth& cloth) {
   if (grid == !cloth.file.empty()) return content_error("it needs a grid or a file, one of both");
   if (grid)
     if (Status s = check_grid(cloth.grid); !s) return s;
-  if (!cloth.position.allFinite()) return content_error("position is not finite");
+  if (const std::string problem = pose_problem({cloth.position, cloth.rotation}); !problem.empty())
+    return content_error(problem);
   if (!is_positive(cloth.density))
     return content_error("density is " + number_text(cloth.density) +
                          ", must be positive and finite (kg/m^2)");
+  if (Status s = check_size("position", cloth.position.lpNorm<Eigen::Infinity>(), "m"); !s)
+    return s;
+  if (Status s = check_size("density", cloth.density, "kg/m^2"); !s) return s;
+  if (Status s = check_size("drag", cloth.drag, "kg/m^3"); !s) return s;
+  if (Status s = check_size("thickness", cloth.thickness, "m"); !s) return s;
   if (Status s = check_law("structural", cloth.structural); !s) return s;
   if (Status s = check_law("shear", cloth.shear); !s) return s;
   if (Status s = check_law("bend", cloth.bend); !s) return s;
@@ -102,6 +114,14 @@ Status check_ball(const SceneBall& ball) {
   if (!is_positive(ball.mass)) return content_error("mass must be positive and finite (kg)");
   if (!ball.position.allFinite() || !ball.velocity.allFinite() || !ball.spin.allFinite())
     return content_error("position, velocity or spin is not finite");
+  if (Status s = check_size("radius", ball.radius, "m"); !s) return s;
+  if (Status s = check_size("mass", ball.mass, "kg"); !s) return s;
+  if (Status s = check_start_size(ball.position, ball.velocity, ball.spin); !s) return s;
+  if (Status s = check_scale({.mass = ball.mass,
+                              .reach = ball.position.norm() + ball.radius,
+                              .speed = ball.velocity.norm() + ball.radius * ball.spin.norm()});
+      !s)
+    return s;
   if (!ball.fixed && !ball.motion.parts.empty())
     return content_error("a motion moves a fixed ball only");
   if (Status s = check_touch(ball.friction, ball.restitution); !s) return s;
@@ -113,6 +133,8 @@ Status check_collider(const SceneCollider& collider) {
     if (Status s = check(collider.shape); !s) return s;
   if (const std::string problem = pose_problem(collider.pose); !problem.empty())
     return content_error(problem);
+  if (Status s = check_size("position", collider.pose.position.lpNorm<Eigen::Infinity>(), "m"); !s)
+    return s;
   if (Status s = check_touch(collider.friction, collider.restitution); !s) return s;
   return check_cloth_motion(collider.motion);
 }
@@ -147,12 +169,17 @@ Status check_weather(const ClothScene& scene) {
   const SceneGravity& gravity = scene.gravity;
   if (gravity.values.size() > 1 && gravity.times.size() != gravity.values.size())
     return content_error("gravity: each value needs a time");
-  for (const Eigen::Vector3d& value : gravity.values)
+  for (const Eigen::Vector3d& value : gravity.values) {
     if (!value.allFinite()) return content_error("gravity is not finite");
+    if (Status s = check_size("gravity", value.lpNorm<Eigen::Infinity>(), "m/s^2"); !s) return s;
+  }
   for (std::size_t k = 1; k < gravity.times.size(); ++k)
     if (!(gravity.times[k - 1] < gravity.times[k]))
       return content_error("gravity: the times must ascend");
   if (!scene.wind.allFinite()) return content_error("wind is not finite");
+  if (Status s = check_size("wind", scene.wind.lpNorm<Eigen::Infinity>(), "m/s"); !s) return s;
+  if (Status s = check_size("gust", scene.gust, ""); !s) return s;
+  if (Status s = check_size("gust-hz", scene.gust_hz, "Hz"); !s) return s;
   if (!is_not_negative(scene.gust) || !is_not_negative(scene.gust_hz))
     return content_error("gust and gust-hz must be finite and not negative");
   return Success{};
@@ -163,6 +190,7 @@ Status check_weather(const ClothScene& scene) {
 Status check_scene(const ClothScene& scene) {
   if (!is_positive(scene.options.step))
     return content_error("step must be positive and finite (s)");
+  if (Status s = check_step_size(scene.options.step); !s) return s;
   if (!is_positive(scene.duration))
     return content_error("duration must be positive and finite (s)");
   const auto names = nodal_integrator_names();

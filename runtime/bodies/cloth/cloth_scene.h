@@ -5,14 +5,17 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "common/mesh/surface_mesh.h"
 #include "common/result.h"
 #include "runtime/math/motion.h"
+#include "runtime/math/pose.h"
 #include "runtime/scene/scene.h"
 #include "runtime/step/nodal_integrator.h"
 
@@ -51,9 +54,14 @@ struct ClothPin {
 struct SceneCloth {
   std::string name = "cloth";
   ClothGrid grid;
-  std::string file;                                    // .obj or .ply
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // added to the file's vertices, m
-  double density = 0.2;                                // kg/m^2
+  std::string file;  // .obj or .ply
+  // Pose of the frame in which the grid or the file's vertices are, m.
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  // Pins, hands and loads find places by coordinates where the cloth has this pose: of copies that
+  // of the first one; empty: its own.
+  std::optional<Pose> named_at = {};
+  double density = 0.2;  // kg/m^2
   SpringLaw structural{1000.0, 0.01}, shear{300.0, 0.01}, bend{20.0, 0.001};
   // Drag rho of the wind, kg/m^3. The force on a triangle is 1/2 rho A |n.w| (n.w) n, where w is
   // the wind's velocity relative to it (docs/cloth.md).
@@ -64,6 +72,15 @@ struct SceneCloth {
   std::vector<ClothPin> pins;
   // Random displacement at the start, as a fraction of the spacing; the seed is fixed.
   double crumple = 0.0;
+  // It begins at rest in its equilibrium under gravity, pins and its loads at t = 0, without wind.
+  bool settled = false;
+
+  // x of the frame, in the world.
+  Eigen::Vector3d placed(const Eigen::Vector3d& x) const { return position + rotation * x; }
+  // A point of the cloth's world where the cloth has the pose `named_at`.
+  Eigen::Vector3d named(const Eigen::Vector3d& x) const {
+    return named_at ? *named_at * (rotation.conjugate() * (x - position)) : x;
+  }
 };
 
 // A rigid ball that rolls, falls and collides.
@@ -109,6 +126,8 @@ struct ClothScene {
 struct ClothSceneBody {
   ClothScene scene;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // of all particles at the start, m/s
+  // rad/s, of the whole cloth about its centre of mass at the start; not with pins.
+  Eigen::Vector3d spin = Eigen::Vector3d::Zero();
   ContactOptions contact;
   std::vector<std::string> probes;  // particles whose motion is recorded
   std::vector<SceneLoad> loads;

@@ -68,8 +68,8 @@ Result<ClothParts> make_grid_cloth(const SceneCloth& cloth) {
   for (std::size_t row = 0; row < grid.rows; ++row)
     for (std::size_t column = 0; column < grid.columns; ++column)
       parts.x.segment<3>(3 * grid_id(grid, row, column)) =
-          grid.corner + cloth.position + static_cast<double>(column) * wide * grid.along +
-          static_cast<double>(row) * high * grid.across;
+          cloth.placed(grid.corner + static_cast<double>(column) * wide * grid.along +
+                       static_cast<double>(row) * high * grid.across);
   add_cells(grid, cloth.density * wide * high, parts);
   parts.structural.law = cloth.structural;
   parts.shear.law = cloth.shear;

@@ -46,6 +46,15 @@ Status ClothWorld::Inside::add_cloth(const SceneCloth& wanted) {
   cloth->state.x = crumpled(cloth->model.parts(), wanted.crumple, {held.begin(), held.end()});
   cloth->model.put_held(0.0, cloth->state.x);
   cloth->state.v = Eigen::VectorXd::Zero(cloth->state.x.size());
+  if (wanted.settled) {
+    cloth->model.set_gravity(scene.gravity.at(0.0));
+    if (Status s =
+            take(cloth->state.x, cloth_at_rest(cloth->model, cloth->state.v, cloth->state.x));
+        !s)
+      return of_cloth(wanted, s.error());
+  }
+  if (Status s = check_scale(scale_of(wanted, cloth->model, cloth->state, scene.options.step)); !s)
+    return of_cloth(wanted, s.error());
   cloth->before = cloth->state;
   cloth->model.set_gravity(gravity);
   limit = std::min(limit, stable_step(scene.integrator, cloth->model, cloth->state.x));

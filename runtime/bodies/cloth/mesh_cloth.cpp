@@ -88,8 +88,7 @@ Result<ClothParts> make_mesh_cloth(const SceneCloth& cloth, const SurfaceMesh& m
   parts.triangles = mesh.triangles;
   const Eigen::Index n = mesh.vertices.size();
   parts.x.resize(3 * n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    parts.x.segment<3>(3 * i) = mesh.vertices[i] + cloth.position;
+  for (Eigen::Index i = 0; i < n; ++i) parts.x.segment<3>(3 * i) = cloth.placed(mesh.vertices[i]);
   if (!parts.x.allFinite()) return content_error("a vertex is not finite");
   parts.mass = Eigen::VectorXd::Zero(n);
   parts.structural.law = cloth.structural;
@@ -116,7 +115,8 @@ Result<ClothParts> make_cloth_parts(const SceneCloth& cloth) {
   if (!parts) return parts;
   std::vector<std::string> ignored;
   RenderSurface drawn = render_surface_of(std::move(*polygons), ignored);
-  for (Vector3d& x : drawn.vertices) x += cloth.position;
+  for (Vector3d& x : drawn.vertices) x = cloth.placed(x);
+  for (Eigen::Vector3f& n : drawn.normals) n = cloth.rotation.cast<float>() * n;
   parts->drawn = std::make_shared<const RenderSurface>(std::move(drawn));
   parts->joined = mesh->vertices.size() - joined.mesh.vertices.size();
   if (parts->joined > 0) parts->particle_of = joined.particle_of;

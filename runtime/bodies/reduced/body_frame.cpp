@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/mesh/surface_mesh.h"
+#include "common/overflow.h"
 #include "common/text.h"
 #include "runtime/body.h"
 
@@ -44,6 +45,8 @@ Status Body::check_pose(const Pose& pose) const {
   if (frame() == FrameKind::kFixed) return usage_error("a fixed body has no pose to set");
   if (!pose.position.allFinite() || !pose.rotation.coeffs().allFinite())
     return usage_error("the pose is not finite");
+  if (const double far = pose.position.lpNorm<Eigen::Infinity>(); overflows(far))
+    return usage_error(overflow_text("the position", far, "m"));
   const double length = pose.rotation.norm();
   if (!(std::abs(length - 1.0) <= 1e-6))
     return usage_error("the quaternion of the pose is of length " + number_text(length) +
@@ -93,6 +96,8 @@ Status Body::set_motion(const Eigen::Vector3d& velocity, const Eigen::Vector3d& 
   if (!free_) return usage_error("the body is not free");
   if (!velocity.allFinite() || !spin.allFinite())
     return usage_error("the velocity or the spin is not finite");
+  if (const Status s = check_start_size(Eigen::Vector3d::Zero(), velocity, spin); !s)
+    return usage_error(s.error().message);
   free_->set_motion(velocity, spin, state_.q, state_.p);
   bound_.start(total_energy());
   keep_sound_state();
@@ -101,6 +106,8 @@ Status Body::set_motion(const Eigen::Vector3d& velocity, const Eigen::Vector3d& 
 
 Status Body::set_gravity(const Eigen::Vector3d& gravity) {
   if (!gravity.allFinite()) return usage_error("gravity is not finite");
+  if (const double most = gravity.lpNorm<Eigen::Infinity>(); overflows(most))
+    return usage_error(overflow_text("gravity", most, "m/s^2"));
   if (!driven_ && !free_ && !gravity.isZero(0.0)) {
     if (model_->inertia() == nullptr)
       return usage_error(

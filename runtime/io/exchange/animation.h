@@ -27,7 +27,7 @@ namespace tremolo {
 // A shape of s vertices.
 struct AnimatedShape {
   std::string name;
-  RenderSurface surface;  // at rest; its normals are not read
+  RenderSurface surface;  // at rest; of its normals only whether there are some
   BasisRows modes;        // 3s x r, kg^-1/2; r may be 0 for a shape that does not deform
   // The number of columns, the last ones, that are the response of a body to forces at points
   // (LocalResponse), m/N; their weights are in N.

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
+#include "runtime/io/exchange/creased_animation.h"
 #include "runtime/io/exchange/glb_file.h"
 #include "runtime/io/exchange/json_text.h"
 
@@ -229,9 +231,13 @@ std::vector<std::string> top_level(const Animation& animation, const GlbScene& s
 
 }  // namespace
 
-Result<GlbReport> write_glb(const std::string& path, const Animation& animation,
+Result<GlbReport> write_glb(const std::string& path, const Animation& given,
                             const GlbOptions& options) {
-  if (Status s = check_animation(animation); !s) return s.error();
+  if (Status s = check_animation(given); !s) return s.error();
+  // Without normals programs draw every edge sharp.
+  const std::optional<Animation> creased =
+      options.normals ? split_creases(given) : std::optional<Animation>();
+  const Animation& animation = creased ? *creased : given;
   for (const AnimatedBody& body : animation.bodies) {
     if (body.weights.cols() > 0)
       if (Status s = check_all_shown(path, body); !s) return s.error();

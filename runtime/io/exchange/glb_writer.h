@@ -3,8 +3,9 @@
 // Modes are morph targets and q their weights over time (runtime/io/exchange/morph_targets.h);
 // poses are translations and rotations of nodes; bones are the joints of a skin, which glTF blends
 // as runtime/bodies/reduced/bones/skin.h does. Data is in the meshes' coordinates; one root node
-// rotates z up to glTF's y up. Vertices are not split further, so that their order is that of the
-// surfaces that `tremolo run` writes. Triangles of one material form a primitive.
+// rotates z up to glTF's y up. The first vertices are those of the surfaces that `tremolo run`
+// writes, in their order; those behind them are at sharp edges (creased_animation.h). Triangles of
+// one material form a primitive.
 #pragma once
 
 #include <cstddef>

@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <utility>
 
 #include "formats/file/input_file.h"
+#include "runtime/io/scenes/copies.h"
 #include "runtime/io/scenes/nodal_readers.h"
 #include "runtime/io/scenes/part_readers.h"
 #include "runtime/io/scenes/toml_keys.h"
@@ -45,12 +47,12 @@ void read_grid(TomlKeys& keys, ClothGrid& grid) {
 // columns and rows, or a file.
 void read_shape(TomlKeys& keys, SceneCloth& cloth) {
   keys.read_path("file", cloth.file);
-  keys.read("position", cloth.position);
+  const Pose pose = read_pose(keys);
+  cloth.position = pose.position;
+  cloth.rotation = pose.rotation;
   if (!keys.has("file")) {
     if (!keys.has("columns") || !keys.has("rows"))
       keys.fail("columns", "it needs `columns` and `rows`, or a `file`");
-    if (keys.has("position"))
-      keys.fail("position", "`position` applies only to a `file`: a grid has a `corner`");
     return read_grid(keys, cloth.grid);
   }
   for (const char* key : {"columns", "rows", "width", "height", "corner", "along", "across"})
@@ -77,6 +79,26 @@ Status check_mesh(TomlKeys& keys, const SceneCloth& cloth) {
   return error;
 }
 
+// The cloth and its copies. Places by coordinates are those of the cloth that was read.
+std::vector<SceneCloth> copies_of(const SceneCloth& cloth, const Copies& copies) {
+  if (copies.all() == 1 && !copies.random_turns) return {cloth};
+  struct Named {
+    std::string name;
+    Pose pose;
+  };
+  const Pose pose{cloth.position, cloth.rotation};
+  std::vector<Named> places;
+  add_copies(Named{cloth.name, pose}, copies, places);
+  std::vector<SceneCloth> cloths(places.size(), cloth);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    cloths[i].name = places[i].name;
+    cloths[i].position = places[i].pose.position;
+    cloths[i].rotation = places[i].pose.rotation;
+    cloths[i].named_at = pose;
+  }
+  return cloths;
+}
+
 // All keys of a cloth. what: its name in errors.
 Status read_cloth_keys(TomlKeys& keys, const std::string& path, const std::string& what,
                        std::vector<std::string>& files, SceneCloth& cloth) {
@@ -91,6 +113,7 @@ Status read_cloth_keys(TomlKeys& keys, const std::string& path, const std::strin
   keys.read("friction", cloth.friction);
   keys.read("restitution", cloth.restitution);
   keys.read("crumple", cloth.crumple);
+  cloth.settled = keys.read_word("start", {"rest", "static"}, 0) == 1;
   for (const char* key : {"alpha", "beta", "damping-ratio"})
     if (keys.has(key))
       keys.fail(key,
@@ -101,8 +124,9 @@ Status read_cloth_keys(TomlKeys& keys, const std::string& path, const std::strin
   return read_pins(keys, path, what, files, cloth);
 }
 
-Result<SceneCloth> read_cloth(const toml::table& table, std::size_t number, const std::string& path,
-                              std::vector<std::string>& files) {
+Result<std::vector<SceneCloth>> read_cloth(const toml::table& table, std::size_t number,
+                                           const std::string& path,
+                                           std::vector<std::string>& files) {
   SceneCloth cloth;
   const std::string what = told_name(table, "cloth", number);
   TomlKeys keys(table, path, what);
@@ -112,9 +136,15 @@ Result<SceneCloth> read_cloth(const toml::table& table, std::size_t number, cons
       keys.fail(key,
                 "loads act on a cloth that is one of [[bodies]], with kind = \"cloth\": write it "
                 "as one, or hold it with [[hands]] here");
+  for (const char* key : {"velocity", "spin"})
+    if (keys.has(key))
+      keys.fail(key,
+                "cloths of [[cloths]] begin at rest: write it as one of [[bodies]], with kind = "
+                "\"cloth\"");
+  const Copies copies = read_copies(keys);
   if (Status s = read_cloth_keys(keys, path, what, files, cloth); !s) return s.error();
   if (Status s = keys.finish(); !s) return s.error();
-  return cloth;
+  return copies_of(cloth, copies);
 }
 
 Result<SceneBall> read_ball(const toml::table& table, std::size_t number, const std::string& path,
@@ -214,9 +244,10 @@ Status read_all(TomlKeys& keys, const char* key, const std::string& path,
 namespace {
 
 // around: the world's step, duration, gravity and wind.
-Result<ClothSceneBody> read_cloth_body(const toml::table& table, std::size_t number,
-                                       const std::string& path, std::vector<std::string>& files,
-                                       const ClothScene& around) {
+Result<std::vector<ClothSceneBody>> read_cloth_body(const toml::table& table, std::size_t number,
+                                                    const std::string& path,
+                                                    std::vector<std::string>& files,
+                                                    const ClothScene& around) {
   ClothSceneBody body;
   body.scene = around;
   const std::string what = told_name(table, "body", number);
@@ -227,15 +258,29 @@ Result<ClothSceneBody> read_cloth_body(const toml::table& table, std::size_t num
     keys.fail("contact-margin",
               "the contact of a cloth begins at its `thickness`, m: leave `contact-margin` out");
   keys.read("velocity", body.velocity);
+  keys.read("spin", body.spin);
+  const Copies copies = read_copies(keys);
   read_cloth_method(keys, body.scene);
   read_contact_stiffness(keys, body.contact);
   keys.read("probe", body.probes);
   if (Status s = take(body.loads, read_loads(keys, path, what, files)); !s) return s.error();
   SceneCloth cloth;
   if (Status s = read_cloth_keys(keys, path, what, files, cloth); !s) return s.error();
+  if (!body.spin.isZero(0.0) && !cloth.pins.empty())
+    keys.fail(
+        "spin",
+        "pins hold the cloth, so that it cannot spin: leave `spin` or `pins` out, or give the "
+        "pins a `motion`");
+  for (const char* key : {"velocity", "spin"})
+    if (cloth.settled && keys.has(key))
+      keys.fail(key, "start = \"static\" means at rest: leave one of both out");
   if (Status s = keys.finish(); !s) return s.error();
-  body.scene.cloths = {std::move(cloth)};
-  return body;
+  std::vector<ClothSceneBody> bodies;
+  for (SceneCloth& copy : copies_of(cloth, copies)) {
+    body.scene.cloths = {std::move(copy)};
+    bodies.push_back(body);
+  }
+  return bodies;
 }
 
 }  // namespace
@@ -252,10 +297,10 @@ Status read_cloth_bodies(const toml::table& table, MixedFile& mixed) {
   for (const toml::table* entry : keys.read_tables("bodies")) {
     ++number;
     if (!is_of_cloth(*entry)) continue;
-    Result<ClothSceneBody> body =
+    Result<std::vector<ClothSceneBody>> bodies =
         read_cloth_body(*entry, number, file.path, mixed.file.files, around);
-    if (!body) return body.error();
-    mixed.cloths.push_back(std::move(*body));
+    if (!bodies) return bodies.error();
+    std::move(bodies->begin(), bodies->end(), std::back_inserter(mixed.cloths));
   }
   read_cloths_pass(keys, "bodies", mixed.cloths.size());
   if (!keys.good()) return keys.finish();
@@ -279,8 +324,11 @@ Result<ClothFile> parse_cloths(std::string_view text, const std::string& path) {
   if (Status s = read_gravity(keys, path, scene.gravity, file.files); !s) return s.error();
   read_wind(keys, scene);
   std::vector<std::string>& files = file.files;
-  if (Status s = read_all(keys, kClothTables, path, files, scene.cloths, read_cloth); !s)
+  std::vector<std::vector<SceneCloth>> with_copies;
+  if (Status s = read_all(keys, kClothTables, path, files, with_copies, read_cloth); !s)
     return s.error();
+  for (std::vector<SceneCloth>& cloths : with_copies)
+    std::move(cloths.begin(), cloths.end(), std::back_inserter(scene.cloths));
   read_cloths_pass(keys, kClothTables, scene.cloths.size());
   if (Status s = read_all(keys, "balls", path, files, scene.balls, read_ball); !s) return s.error();
   if (Status s = read_all(keys, "colliders", path, files, scene.colliders, read_collider); !s)

@@ -100,6 +100,7 @@ Result<TetSceneBody> read_tets_body(const toml::table& table, std::size_t number
   body.pose = read_pose(keys);
   keys.read("velocity", body.velocity);
   keys.read("spin", body.spin);
+  body.settled = keys.read_word("start", {"rest", "static"}, 0) == 1;
   read_tets_contact(keys, scene, body);
   read_tets_method(keys, body.options);
   if (scene.copies != nullptr)

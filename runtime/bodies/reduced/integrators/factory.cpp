@@ -3,8 +3,10 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <utility>
 
+#include "common/overflow.h"
 #include "common/text.h"
 #include "runtime/bodies/reduced/integrators/methods.h"
 #include "runtime/bodies/reduced/integrators/solve/halving.h"
@@ -76,6 +78,10 @@ Status check_options(const IntegratorOptions& options, std::size_t modes) {
     return refuse("the damping alpha", options.alpha, "finite and not negative (1/s)");
   if (!not_below_zero(options.beta))
     return refuse("the damping beta", options.beta, "finite and not negative (s)");
+  for (const auto& [what, value, unit] : {std::tuple{"the damping alpha", options.alpha, "1/s"},
+                                          {"the damping beta", options.beta, "s"}})
+    if (overflows(value)) return usage_error(overflow_text(what, value, unit));
+  if (const Status s = check_step_size(options.step); !s) return usage_error(s.error().message);
   if (!not_below_zero(options.newmark_beta))
     return refuse("Newmark's beta", options.newmark_beta, "finite and not negative");
   if (!not_below_zero(options.newmark_gamma))

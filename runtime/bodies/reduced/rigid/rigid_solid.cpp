@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "common/overflow.h"
 #include "common/text.h"
 #include "formats/basis/basis_data.h"
 #include "formats/polygons/polygon_mesh.h"
@@ -78,7 +79,7 @@ SolidMoments moments_of(const SurfaceMesh& surface) {
 }
 
 Status check_positive(const char* key, double value, const char* unit) {
-  if (value > 0.0 && std::isfinite(value)) return Success{};
+  if (value > 0.0 && std::isfinite(value)) return check_size(key, value, unit);
   return content_error(std::string(key) + " is " + number_text(value) +
                        ", must be positive and finite (" + unit + ")");
 }

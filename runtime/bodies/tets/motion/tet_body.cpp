@@ -5,8 +5,10 @@
 #include <cmath>
 #include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 
+#include "common/overflow.h"
 #include "runtime/bodies/tets/motion/tet_island.h"
 
 namespace tremolo {
@@ -60,7 +62,14 @@ Status check(const TetBodyOptions& options) {
         check_range("linear tolerance", options.linear_tolerance, 0.0, true),
         check_range("max iterations", options.max_iterations, 0.0, true), check(options.degree)})
     if (!status) return status.error();
+  if (Status s = check_step_size(options.step); !s) return s;
+  for (const auto& [name, value, unit] : {std::tuple{"alpha", options.alpha, "1/s"},
+                                          {"beta", options.beta, "s"},
+                                          {"drag", options.drag, "1/s"}})
+    if (Status s = check_size(name, value, unit); !s) return s;
   if (!options.gravity.allFinite()) return content_error("gravity is not finite");
+  if (Status s = check_size("gravity", options.gravity.lpNorm<Eigen::Infinity>(), "m/s^2"); !s)
+    return s;
   return Success{};
 }
 
@@ -281,6 +290,11 @@ double TetBody::stop_size(double tolerance) const {
          kRounding * rounding_scale_ * s_.cwiseAbs().maxCoeff();
 }
 
+double TetBody::edge_noise() const {
+  const auto edges = static_cast<double>(std::max<std::size_t>(1, model().edges()));
+  return kNoise * stop_size(options_.tolerance) / std::sqrt(edges);
+}
+
 // The matrix M (g^2 + (alpha + drag) g) + dforce/dx + beta g ddamping/dv.
 void TetBody::assemble(TangentKind tangent, bool single) {
   TetMatrixFactors factors;
@@ -475,15 +489,13 @@ void TetBody::choose_degrees(TetStepReport& report) {
   rigid_part(model(), freedom_, now_.x, now_.v, work_, rigid_);
   const double deforming =
       std::max(0.0, kinetic_energy() - system_.kinetic_energy(rigid_)) + system_.energy();
-  const auto edges = static_cast<double>(std::max<std::size_t>(1, model().edges()));
-  const auto wanted =
-      choice_.choose(system_, now_,
-                     {.residual = force_,
-                      .noise = kNoise * stop_size(options_.tolerance) / std::sqrt(edges),
-                      .energy = deforming,
-                      .rate = stage_.rate * stage_.rate,
-                      .h = options_.step,
-                      .calm = steps_ % options_.degree.every == 0});
+  const auto wanted = choice_.choose(system_, now_,
+                                     {.residual = force_,
+                                      .noise = edge_noise(),
+                                      .energy = deforming,
+                                      .rate = stage_.rate * stage_.rate,
+                                      .h = options_.step,
+                                      .calm = steps_ % options_.degree.every == 0});
   report.switched = choice_.changed();
   if (report.switched == 0) return;
   saved_.x = now_.x;

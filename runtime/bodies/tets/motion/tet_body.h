@@ -108,6 +108,12 @@ class TetBody {
   // ends; fixed ones move to the given values. Errors (kContent): another length; a value that is
   // not finite.
   Status set_state(const Eigen::VectorXd& x, const Eigen::VectorXd& v);
+  // Puts the body at rest in its equilibrium under gravity and constant forces on control points,
+  // N, 3 nodes(). Call it for a body in its shape at rest, before the first step. Adaptive edges
+  // get the degrees that they keep there. Errors, with nothing changed: kContent if its fixed
+  // points leave a rigid motion of a part of it; kSolver if it buckles under a part of the forces,
+  // or if no equilibrium is found.
+  Status settle(const Eigen::VectorXd& forces);
   // Sets 1 or 2 for each edge; positions and velocities are projected (degree_choice.h). Returns
   // the energy that this took, J.
   double set_degrees(std::span<const std::uint8_t> degrees);
@@ -150,6 +156,7 @@ class TetBody {
  private:
   friend class TetIsland;  // both call the following functions
   friend class TetStep;    // runtime/mixed/tet_step.h
+  friend class TetRest;    // tet_settle.cpp
 
   TetBody(TetModelPointer model, const TetBodyOptions& options);
   void keep_state();
@@ -196,6 +203,8 @@ class TetBody {
   void add_to_held(const Eigen::Vector3d& force);
   double close_residual();  // |r|^2
   double stop_size(double tolerance) const;
+  // An edge's row of the residual below this is left by the solve, N.
+  double edge_noise() const;
   void assemble(TangentKind tangent, bool single);
   void take_preconditioner(bool single);  // of the last assembled matrix, without contacts
   // For a body without contact: stores the number of directions of its last search, and checks

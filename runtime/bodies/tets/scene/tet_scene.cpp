@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "common/overflow.h"
 #include "formats/tets/tets_file.h"
 
 namespace tremolo {
@@ -34,15 +35,23 @@ Result<TetsKind> read_tets_kind(const TetSceneBody& body) {
   return kind;
 }
 
+Error error_of_tets(const TetSceneBody& body, const std::string& path, const Error& error) {
+  const std::string file = path.empty() ? "" : path + ": ";
+  return Error{error.kind, file + "body '" + body.name + "': " + error.message};
+}
+
 // The rest shape at the body's pose, with its velocity and spin about the centre of mass; fixed
 // points are at rest.
 Status place_tets_body(const TetSceneBody& wanted, TetBody& body) {
+  if (Status s = check_start_size(wanted.pose.position, wanted.velocity, wanted.spin); !s) return s;
   const TetModel& model = body.model();
   const Eigen::Index size = model.rest().size();
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(size);
   Eigen::VectorXd x(size), v = Eigen::VectorXd::Zero(size), weight(size);
   model.mass_times(ones, weight);
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  BodyScale scale{
+      .mass = model.mass(), .gravity = wanted.options.gravity.norm(), .step = wanted.options.step};
   for (Eigen::Index i = 0; i < size; i += 3) {
     const Eigen::Vector3d rest = model.rest().segment<3>(i);
     x.segment<3>(i) = wanted.pose * rest;
@@ -51,7 +60,10 @@ Status place_tets_body(const TetSceneBody& wanted, TetBody& body) {
   for (Eigen::Index i = 0; i < size; i += 3) {
     const Eigen::Vector3d arm = x.segment<3>(i) - centre;
     if (model.held()[i / 3] == 0) v.segment<3>(i) = wanted.velocity + wanted.spin.cross(arm);
+    scale.reach = std::max(scale.reach, x.segment<3>(i).norm());
+    scale.speed = std::max(scale.speed, v.segment<3>(i).norm());
   }
+  if (Status s = check_scale(scale); !s) return s;
   return body.set_state(x, v);
 }
 
@@ -86,10 +98,7 @@ std::vector<TetObstacle> tets_obstacles(const TetBodiesScene& scene, const TetSc
 Result<PlacedTets> place_tets(std::span<const TetSceneBody> bodies, const std::string& path) {
   PlacedTets made;
   for (const TetSceneBody& wanted : bodies) {
-    const auto with_name = [&](const Error& error) {
-      const std::string file = path.empty() ? "" : path + ": ";
-      return Error{error.kind, file + "body '" + wanted.name + "': " + error.message};
-    };
+    const auto with_name = [&](const Error& error) { return error_of_tets(wanted, path, error); };
     auto found = std::find_if(made.kinds.begin(), made.kinds.end(),
                               [&](const TetsKind& kind) { return kind.path == wanted.model; });
     if (found == made.kinds.end()) {
@@ -97,6 +106,10 @@ Result<PlacedTets> place_tets(std::span<const TetSceneBody> bodies, const std::s
       if (!kind) return with_name(kind.error());
       found = made.kinds.insert(made.kinds.end(), std::move(*kind));
     }
+    if (wanted.settled && !(wanted.velocity.isZero(0.0) && wanted.spin.isZero(0.0)))
+      return with_name(
+          content_error("it has a velocity or a spin, but start = \"static\" means at rest: leave "
+                        "one of both out"));
     Result<TetBody> body = TetBody::create(found->model, wanted.options);
     if (!body) return with_name(body.error());
     if (Status s = place_tets_body(wanted, *body); !s) return with_name(s.error());
@@ -113,6 +126,11 @@ Result<TetsBodies> make_tets_bodies(const TetBodiesScene& scene) {
   std::vector<double> frictions;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const TetSceneBody& wanted = scene.bodies[i];
+    if (wanted.settled) {
+      TetBody& body = placed->bodies[i];
+      if (Status s = body.settle(Eigen::VectorXd::Zero(body.positions().size())); !s)
+        return error_of_tets(wanted, scene.path, s.error());
+    }
     contacts.emplace_back(placed->kinds[placed->kind_of[i]].hull, tets_obstacles(scene, wanted),
                           wanted.creep);
     frictions.push_back(wanted.friction);

@@ -25,6 +25,8 @@ struct TetSceneBody {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // of the whole body, m/s
   // Of the whole body about its centre of mass, rad/s.
   Eigen::Vector3d spin = Eigen::Vector3d::Zero();
+  // It begins at rest in its equilibrium under gravity and its loads at t = 0.
+  bool settled = false;
   double friction = 0.3;     // with its obstacles
   double creep = kTetCreep;  // speed below which friction permits creep, m/s (tet_contact.h)
   TetBodyOptions options;
@@ -68,12 +70,14 @@ struct PlacedTets {
   std::vector<TetBody> bodies;
 };
 
-// Reads the files and moves the bodies to their positions in the scene. path: of the scene, for
+// Reads the files and moves the bodies to their positions in the scene; those that are `settled`
+// keep their shape at rest, because their loads may not be known yet. path: of the scene, for
 // errors. Errors, with the body's name first: those of read_tets, TetModel::create and
 // TetBody::create; kSystem for a missing file, with the command that makes it.
 Result<PlacedTets> place_tets(std::span<const TetSceneBody> bodies, const std::string& path);
 
-// The same as a group. Errors: those of place_tets().
+// The same as a group, with bodies in equilibrium if they are `settled`. Errors: those of
+// place_tets() and TetBody::settle().
 Result<TetsBodies> make_tets_bodies(const TetBodiesScene& scene);
 
 }  // namespace tremolo
