@@ -1,4 +1,5 @@
 // Bodies of all kinds that come to rest in contact sleep, and what wakes them.
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <utility>
@@ -21,18 +22,19 @@ class WorldSleep : public WorldCApi {
     Stack made{make_world(true), 0, 0};
     made.low = add(made.world, below, at("low", {0.0, 0.0, kHalfEdge}));
     made.high = above == CubeKind::kCloth
-                    ? add_patch(made.world)
+                    ? add_patch(made.world, "high", 2.0 * kHalfEdge + 0.001, kAside)
                     : add(made.world, above, at("high", {kAside, 0.008, 3.0 * kHalfEdge}));
     return made;
   }
   // A cloth that lies on the cube below it with all its particles: edges that hang swing for long.
-  static tremolo_body_id add_patch(tremolo_world* world) {
+  static tremolo_body_id add_patch(tremolo_world* world, const std::string& name, double height,
+                                   double aside = 0.0) {
     tremolo_cloth_options sheet;
     tremolo_cloth_options_init(&sheet);
     sheet.columns = sheet.rows = 4;
     sheet.width = sheet.height = 0.06;
-    for (int k = 0; k < 2; ++k) sheet.corner[k] = -0.03 + kAside;
-    sheet.corner[2] = 2.0 * kHalfEdge + 0.001;
+    for (int k = 0; k < 2; ++k) sheet.corner[k] = -0.03 + aside;
+    sheet.corner[2] = height;
     sheet.density = 10.0;
     sheet.drag = 0.0;
     sheet.stiffness[0] = sheet.stiffness[1] = 600.0;
@@ -40,7 +42,7 @@ class WorldSleep : public WorldCApi {
     sheet.thickness = 0.002;
     sheet.friction = 0.5;
     sheet.restitution = 0.0;
-    const tremolo_scene_body place = at("high", {0.0, 0.0, 0.0});
+    const tremolo_scene_body place = at(name.c_str(), {0.0, 0.0, 0.0});
     tremolo_body_id body = 0;
     EXPECT_EQ(tremolo_world_add_cloth(world, &place, "implicit-euler", &sheet, nullptr, 0, &body),
               TREMOLO_OK)
@@ -102,6 +104,45 @@ TEST_F(WorldSleep, AStackOfTwoKindsFallsAsleepAndStaysToTheBit) {
       EXPECT_EQ(account(s.world, s.high).restitution, before.restitution);
       EXPECT_EQ(tremolo_world_events(s.world), 0U);
     }
+}
+
+// Ten bodies of four kinds on each other come to rest, sleep, and stand as they are for a minute.
+TEST_F(WorldSleep, AStackOfTenOfFourKindsRestsForAMinute) {
+  tremolo_world* world = make_world(true);
+  std::vector<tremolo_body_id> bodies;
+  const std::vector<std::string> names = {"0", "1", "2", "3", "4", "5", "6", "7", "8", "9"};
+  double top = 0.0;
+  for (const CubeKind kind :
+       {CubeKind::kRigid, CubeKind::kSoft, CubeKind::kCloth, CubeKind::kReduced, CubeKind::kRigid,
+        CubeKind::kCloth, CubeKind::kSoft, CubeKind::kReduced, CubeKind::kCloth,
+        CubeKind::kRigid}) {
+    const std::string& name = names[bodies.size()];
+    if (kind == CubeKind::kCloth) {
+      bodies.push_back(add_patch(world, name, top + 0.001));
+      top += 0.002;
+    } else {
+      const double aside = bodies.size() % 2 == 0 ? 0.0 : 0.004;
+      bodies.push_back(add(world, kind, at(name.c_str(), {aside, 0.5 * aside, top + kHalfEdge})));
+      top += 2.0 * kHalfEdge;
+    }
+  }
+  const auto rest = [&] {
+    return std::all_of(bodies.begin(), bodies.end(),
+                       [&](tremolo_body_id body) { return asleep(world, body); });
+  };
+  int steps = 0;
+  for (; steps < 3000 && !rest(); ++steps) advance(world, 1);
+  ASSERT_TRUE(rest());
+  std::vector<std::vector<double>> places;
+  for (const tremolo_body_id body : bodies) places.push_back(positions(world, body));
+  advance(world, static_cast<int>(60.0 / kWorldStep) - steps);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    SCOPED_TRACE(i);
+    EXPECT_TRUE(asleep(world, bodies[i]));
+    EXPECT_TRUE(positions(world, bodies[i]) == places[i]);
+    EXPECT_LT(middle(world, bodies[i]).head<2>().norm(), 0.006) << "nothing has slid";
+  }
+  EXPECT_GT(middle(world, bodies.back()).z(), top - kHalfEdge - 0.02) << "nothing has fallen";
 }
 
 // Contact takes the motion that sleep ends, as restitution. Of tetrahedra what has no other cause

@@ -25,11 +25,11 @@ struct ShownSheet {
   std::string name;
   std::span<const Triangle> triangles;  // valid until the scenes restart
   std::size_t vertices = 0;
-  bool has_degrees = false;              // its degrees are known: SheetNow
-  std::vector<Eigen::Vector3d> rest;     // of each vertex, m, in any pose
-  std::span<const Eigen::Vector2f> uvs;  // of each vertex; empty: no texture coordinates
+  bool has_degrees = false;                   // its degrees are known: SheetNow
+  std::vector<Eigen::Vector3d> rest = {};     // of each vertex, m, in any pose
+  std::span<const Eigen::Vector2f> uvs = {};  // of each vertex; empty: no texture coordinates
   // Of each triangle, for its stress; none: it has no stress. Empty: the sheet has none.
-  std::vector<std::optional<Material>> materials;
+  std::vector<std::optional<Material>> materials = {};
 };
 
 // A rigid ball, or a collider: then `collider` is set and radius is 0.
