@@ -32,7 +32,7 @@ constexpr double kUsable = 0.1;
 // themselves: in how many rounds of a step, with how many moves each, until their residual has
 // fallen by that factor.
 constexpr double kFarShare = 0.1;
-constexpr int kMostRounds = 15, kMovesAlone = 10;
+constexpr int kMostRounds = 8, kMovesAlone = 6;
 constexpr double kSolvedAlone = 0.1;
 // They begin at the end of the whole move, unless the residual there is that many times larger.
 constexpr double kFarOff = 10.0;
