@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "common/stage_log.h"
 #include "formats/basis/basis_data.h"
@@ -31,6 +32,9 @@ struct LoadedProblem {
   }
   int free_dofs() const { return 3 * map.nodes() - rigid_motions(); }
 };
+
+// The line on a free body's rigid motions, a warning if it has several parts; empty for count 0.
+std::string note_on_rigid_motions(int count);
 
 // Derivatives of the squared frequencies of the linear modes.
 struct ModeSensitivities {

@@ -132,6 +132,16 @@ Pencil make_pencil(const LoadedProblem& loaded, const System& system, LinearSolv
   return {system.matrices, system.rigid, package, threads, node_positions(loaded)};
 }
 
+std::string note_on_rigid_motions(int count) {
+  if (count <= 0) return "";
+  if (count == 6) return "a free body: its 6 rigid motions are left out of the basis";
+  return text(
+      "warning: a free body of %d parts that are not connected: its %d rigid motions are left out "
+      "of the basis, so the parts cannot move against each other. Make a model of each part, join "
+      "them, or hold them by --fix",
+      count / 6, count);
+}
+
 Stage<WholeModes> modes_stage(const Solved& on, int count, bool extend, Checkpoint& checkpoint) {
   const auto outcome = [](const WholeModes& whole) {
     const Modes& modes = whole.modes;
@@ -143,8 +153,8 @@ Stage<WholeModes> modes_stage(const Solved& on, int count, bool extend, Checkpoi
   const auto notes = [on](const WholeModes& whole) {
     std::vector<std::string> lines;
     if (!whole.note.empty()) lines.push_back(whole.note);
-    if (const int rigid = on.loaded.rigid_motions(); rigid > 0)
-      lines.push_back(text("a free body: its %d rigid motions are left out of the basis", rigid));
+    const std::string rigid = note_on_rigid_motions(on.loaded.rigid_motions());
+    if (!rigid.empty()) lines.push_back(rigid);
     return lines;
   };
   const auto work = [on](const WholeModes& whole) {

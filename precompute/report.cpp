@@ -96,8 +96,10 @@ void print_result(const LoadedProblem& loaded, const PrecomputeResult& result, c
   std::vector<std::string> notes = loaded.problem.notes;
   notes.insert(notes.end(), result.findings.notes.begin(), result.findings.notes.end());
   const std::string_view warns = "warning: ";
-  std::vector<std::string> warnings;
-  for (const std::string& note : notes)
+  std::vector<std::string> warnings, logged = notes;
+  for (const std::string& note : describe(loaded.locking)) logged.push_back(note);
+  logged.push_back(note_on_rigid_motions(loaded.rigid_motions()));
+  for (const std::string& note : logged)
     if (note.starts_with(warns)) warnings.push_back(note.substr(warns.size()));
   const Json provenance = Json::parse(data.provenance);
   const auto& sensitivities = result.findings.sensitivities;

@@ -72,7 +72,9 @@ Result<MeshFile> read_tet_mesh(const std::string& path) {
                        ", line 1: expected a tetrahedral mesh (.msh 2.2 or 4.1, .vtk, .vtu, .pvtu, "
                        ".inp, .bdf, .veg, "
                        ".vegb, .node/.ele), found " +
-                       quoted_text(TextScanner(*text, path).rest_of_line()));
+                       quoted_text(TextScanner(*text, path).rest_of_line()) +
+                       ". A surface is known by the extension of its name: .obj, .ply, .stl, .off, "
+                       ".gltf, .glb, .fbx, .dae, .3ds and the others of assimp");
 }
 
 }  // namespace tremolo

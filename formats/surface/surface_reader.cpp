@@ -77,6 +77,17 @@ std::string advice(const std::string& path) {
   return "";
 }
 
+// Text in two bytes a character, which assimp does not read: what to do about it, or nothing.
+std::string encoding_advice(const std::string& path) {
+  const Result<MappedFile> file = MappedFile::open(path);
+  if (!file || file->bytes().size() < 2) return "";
+  const std::byte first = file->bytes()[0], second = file->bytes()[1];
+  constexpr std::byte kFe{0xfe}, kFf{0xff};
+  const bool marked = (first == kFf && second == kFe) || (first == kFe && second == kFf);
+  return marked ? ". The file begins with the byte-order mark of UTF-16 text: save it as UTF-8"
+                : "";
+}
+
 void note_size(SurfaceFile& file, bool unit_given) {
   const BoundingBox box = bounding_box(file.surface.vertices);
   const double diagonal = box.diagonal();
@@ -148,7 +159,8 @@ Result<SurfaceFile> read_surface(const std::string& path, const SurfaceReadOptio
   }
   Result<SurfaceFile> file = decode_surface(*answer);
   if (!file)
-    return content_error(path + ": cannot be read: " + file.error().message + advice(path));
+    return content_error(path + ": cannot be read: " + file.error().message + advice(path) +
+                         encoding_advice(path));
   const Status scaled = to_metres(*file, options);
   if (!scaled) return prefixed(scaled.error());
   return file;

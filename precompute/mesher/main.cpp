@@ -1,4 +1,6 @@
 // tremolo-mesh: surface or recipe in, tetrahedral mesh out.
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <csignal>
@@ -9,6 +11,7 @@
 #include <new>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <sys/prctl.h>
 #include <unistd.h>
 #include <utility>
@@ -105,26 +108,52 @@ void print_quality(const TetMesh& mesh) {
               box.low[2], box.high[0], box.high[1], box.high[2]);
 }
 
-// Writes the answer to the program that started this one; this one ends when that one does.
-Status answer(const Options& options) {
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  Result<MesherAnswer> made = system_error("out of memory");
-  try {
-    made = load_surface(options.input, options.unit, options.mesh);
-  } catch (const std::bad_alloc&) {
-  }
-  const std::vector<std::byte> bytes = encode_answer(made);
+Status write_all(int descriptor, const std::vector<std::byte>& bytes) {
   for (std::size_t at = 0; at < bytes.size();) {
-    const ssize_t count = ::write(options.answer, bytes.data() + at, bytes.size() - at);
+    const ssize_t count = ::write(descriptor, bytes.data() + at, bytes.size() - at);
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return os_error("the answer cannot be written");
+    if (count <= 0) return os_error("the mesh cannot be handed over in memory");
     at += count;
   }
   return Success{};
 }
 
+// Writes the answer to the program that started this one; this one ends when that one does.
+Status answer(const Options& options) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  ::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is an error of write() then
+  Result<MesherAnswer> made = system_error("out of memory");
+  try {
+    made = load_surface(options.input, options.unit, options.mesh);
+  } catch (const std::bad_alloc&) {
+  }
+  const Status written = write_all(options.answer, encode_answer(made));
+  if (written) return Success{};
+  // The reason in place of the mesh; it is short.
+  const Error reason{written.error().kind, options.input + ": " + written.error().message};
+  if (::ftruncate(options.answer, 0) != 0 || ::lseek(options.answer, 0, SEEK_SET) != 0)
+    return reason;
+  return write_all(options.answer, encode_answer(reason));
+}
+
+// The mesh is written as MSH, which a name of another format would hide.
+Status check_extension(const std::string& path) {
+  const std::string extension = lower_case(std::filesystem::path(path).extension().string());
+  constexpr std::array<std::string_view, 12> kOther = {".vtk",  ".vtu",  ".pvtu", ".inp",
+                                                       ".bdf",  ".nas",  ".fem",  ".veg",
+                                                       ".vegb", ".node", ".ele",  ".tremolo"};
+  const bool other =
+      is_surface_file(path) || std::find(kOther.begin(), kOther.end(), extension) != kOther.end();
+  if (!other) return Success{};
+  return Error{ErrorKind::kUsage,
+               "--output " + path +
+                   ": tetrahedra are written as MSH 2.2, into a file named .msh; " +
+                   "--surface writes the boundary as .obj, .ply or .inc"};
+}
+
 Status run(const Options& options) {
   if (options.answer >= 0) return answer(options);
+  if (Status status = check_extension(options.output); !status) return status;
   // A recipe's name has priority over a file of that name.
   const NamedFile input{find_recipe(options.input) ? "" : options.input, "the surface", true};
   if (Status status = keep_apart({options.output, options.surface}, {input}); !status)

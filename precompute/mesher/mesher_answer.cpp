@@ -38,6 +38,7 @@ std::vector<std::byte> encode_answer(const Result<MesherAnswer>& answer) {
     head["notes"] = answer->notes;
     head["vertices"] = answer->mesh.vertices.size();
     head["tetrahedra"] = answer->mesh.tetrahedra.size();
+    head["turned"] = answer->turned.size();
   } else {
     head["kind"] = static_cast<int>(answer.error().kind);
     head["message"] = answer.error().message;
@@ -50,6 +51,7 @@ std::vector<std::byte> encode_answer(const Result<MesherAnswer>& answer) {
   if (answer) {
     append(bytes, answer->mesh.vertices);
     append(bytes, answer->mesh.tetrahedra);
+    append(bytes, answer->turned);
   }
   return bytes;
 }
@@ -70,15 +72,19 @@ Result<MesherAnswer> decode_answer(std::span<const std::byte> bytes) {
     answer.notes = head.at("notes").get<std::vector<std::string>>();
     const auto vertices = head.at("vertices").get<std::size_t>();
     const auto tetrahedra = head.at("tetrahedra").get<std::size_t>();
+    const auto turned = head.at("turned").get<std::size_t>();
     bytes = bytes.subspan(length + 1);
     constexpr std::size_t kMost = std::size_t{1} << 40;
-    if (vertices > kMost || tetrahedra > kMost ||
-        bytes.size() != vertices * sizeof(Eigen::Vector3d) + tetrahedra * sizeof(Tetrahedron))
+    if (vertices > kMost || tetrahedra > kMost || turned > kMost ||
+        bytes.size() != vertices * sizeof(Eigen::Vector3d) + tetrahedra * sizeof(Tetrahedron) +
+                            turned * sizeof(std::int32_t))
       return no_answer();
     answer.mesh.vertices.resize(vertices);
     answer.mesh.tetrahedra.resize(tetrahedra);
     take(bytes, answer.mesh.vertices);
     take(bytes, answer.mesh.tetrahedra);
+    answer.turned.resize(turned);
+    take(bytes, answer.turned);
     return answer;
   } catch (const nlohmann::json::exception&) {
     return no_answer();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,10 +17,12 @@ struct MesherAnswer {
   TetMesh mesh;                    // only vertices (m) and tetrahedra
   std::string format;              // "Wavefront OBJ"
   std::vector<std::string> notes;  // findings, repairs and results
+  // Triangles of the surface that were turned to face outwards, ascending.
+  std::vector<std::int32_t> turned;
 };
 
 // The answer, or its error, as bytes of this machine: a line of JSON, then the vertices (n times
-// three doubles) and the tetrahedra (m times four int32).
+// three doubles), the tetrahedra (m times four int32) and the turned triangles (k int32).
 std::vector<std::byte> encode_answer(const Result<MesherAnswer>& answer);
 
 // The inverse of encode_answer(); kSystem for bytes that it did not write.

@@ -187,16 +187,42 @@ std::vector<std::string> notes_on(const Outcome& outcome, const MeshQuality& qua
   return notes;
 }
 
+// The error for a surface all of whose triangles are flat, at the scale of its diagonal.
+Error no_area(const RenderSurface& surface) {
+  // A vertex is stray if the others are closer together than this, over its distance.
+  constexpr double kStray = 1e-6;
+  std::vector<VertexId> used;
+  for (const Triangle& t : surface.triangles) used.insert(used.end(), t.begin(), t.end());
+  const auto reach = [&](VertexId v) { return surface.vertices[v].cwiseAbs().maxCoeff(); };
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  std::sort(used.begin(), used.end(), [&](VertexId a, VertexId b) { return reach(a) < reach(b); });
+  if (used.size() > 3) {
+    const VertexId last = used.back();
+    const double others = reach(used[used.size() / 2]);
+    if (others > 0 && others < kStray * reach(last)) {
+      const Eigen::Vector3d& x = surface.vertices[last];
+      return content_error(
+          text("vertex %d (from 0, in the file's order) is at (%.6g, %.6g, %.6g) m, where half of "
+               "the others are within %.3g m of the origin: beside it no triangle has an area. "
+               "Correct its coordinates",
+               last, x[0], x[1], x[2], others));
+    }
+  }
+  return content_error(
+      "no triangle of the surface has an area: is it a drawing of points or lines? Export faces");
+}
+
 }  // namespace
 
 Result<MeshedSurface> mesh_surface(const RenderSurface& given, const SurfaceMeshOptions& options) {
   Scaling scaling;
-  RepairedSurface repaired = repair_surface(scale(given, scaling));
-  if (repaired.mesh.triangles.empty())
-    return content_error(
-        "no triangle of the surface has an area: is it a drawing of points or "
-        "lines? Export faces");
+  RepairedSurface repaired = repair_surface(scale(given, scaling), given.object_of);
+  if (repaired.mesh.triangles.empty()) return no_area(given);
   const SurfaceFindings findings = repaired.findings;
+  std::vector<std::int32_t> turned;
+  for (std::size_t t = 0; t < repaired.turned.size(); ++t)
+    if (repaired.turned[t] != 0) turned.push_back(static_cast<std::int32_t>(t));
   const SurfaceSolid solid(std::move(repaired), options.thicken / scaling.diagonal);
   if (Status status = refuse_hopeless(solid, findings, options, scaling); !status)
     return status.error();
@@ -220,7 +246,7 @@ Result<MeshedSurface> mesh_surface(const RenderSurface& given, const SurfaceMesh
   report.mesh_to_surface = scaling.diagonal * outcome->distances.mesh_to_surface;
   report.surface_to_mesh = scaling.diagonal * outcome->distances.surface_to_mesh;
   report.cap_to_surface = scaling.diagonal * outcome->distances.cap_to_surface;
-  return MeshedSurface{std::move(mesh), std::move(report)};
+  return MeshedSurface{std::move(mesh), std::move(report), std::move(turned)};
 }
 
 void restore_printed_floats(std::vector<Eigen::Vector3d>& vertices, double metres_per_unit) {
@@ -268,7 +294,7 @@ Result<MesherAnswer> load_surface(const std::string& path, const std::string& un
   restore_printed_floats(surface.vertices, file->metres_per_unit);
   Result<MeshedSurface> meshed = mesh_surface(surface, options);
   if (!meshed) return Error{meshed.error().kind, path + ": " + meshed.error().message};
-  MesherAnswer answer{std::move(meshed->mesh), file->format, {}};
+  MesherAnswer answer{std::move(meshed->mesh), file->format, {}, std::move(meshed->turned)};
   answer.notes.push_back(
       file->format +
       text(": a surface of %zu vertices and %zu triangles in %zu object%s, %.4g m across; unit: ",

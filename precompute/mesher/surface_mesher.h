@@ -1,6 +1,7 @@
 // Meshes any surface with tetrahedra: checks, repairs, and chooses the method.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct SurfaceMeshReport {
 struct MeshedSurface {
   TetMesh mesh;
   SurfaceMeshReport report;
+  std::vector<std::int32_t> turned;  // triangles of the surface that were turned, ascending
 };
 
 // The same surface and options give the same mesh. Errors, each with what to do: kContent if the

@@ -95,7 +95,8 @@ void add_solid_options(CLI::App& app, SolidTexts& texts) {
   app.add_option(
          "--order", texts.order,
          "of the elements: 1 (linear), 2 (quadratic: far more accurate in bending, some six "
-         "times the unknowns) or auto: 2 for a quadratic mesh or a small one")
+         "times the unknowns) or auto: 2 for a quadratic mesh, a small one, "
+         "and walls of one layer")
       ->check(CLI::IsMember({"1", "2", "auto"}))
       ->capture_default_str();
   app.add_option("--refine", texts.refine,

@@ -1,10 +1,13 @@
 #include "precompute/problem/element_order.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <optional>
 
 #include "common/mesh/mesh_check.h"
 #include "common/text.h"
+#include "precompute/problem/wall_layers.h"
 #include "precompute/system/failure.h"
 
 namespace tremolo {
@@ -50,6 +53,27 @@ void refuse_misplaced(const Curvature& most) {
            most.edge.point, most.edge.a, most.edge.b, most.share, kMostCurved)));
 }
 
+// Linear elements for a mesh of many tetrahedra, unless they bend too badly: one layer of them
+// across a wall is too stiff by a multiple. Adds a note.
+void choose_order_of_many(const ElementRequest& elements, Problem& problem) {
+  constexpr double kFewLayers = 1.5;
+  const std::optional<WallLayers> walls = find_wall_layers(problem.mesh);
+  const double layers = walls ? std::ldexp(walls->layers, elements.refine) : kFewLayers;
+  const std::string many = std::to_string(kMostAutomaticQuadratic) + " tetrahedra";
+  if (layers >= kFewLayers) {
+    problem.notes.push_back("linear elements, as the mesh has more than " + many +
+                            "; --order 2 makes them quadratic");
+    return;
+  }
+  problem.order = 2;
+  problem.notes.push_back(text(
+      "quadratic elements, although the mesh has more than %s: its thinnest walls, %.3g m, are "
+      "%.2g layers thick, and one layer of linear tetrahedra is far too stiff in bending. "
+      "Fewer elements that are long along the wall are as accurate and much faster: an extruded "
+      "mesh, as of tremolo.box() in Python (docs/meshes.md). --order 1 makes them linear",
+      many.c_str(), walls->thickness, layers));
+}
+
 }  // namespace
 
 int choose_order(const ElementRequest& request, bool imported, const TetMesh& mesh) {
@@ -72,11 +96,8 @@ void prepare_edges(const ProblemRequest& request, Problem& problem) {
   const ElementRequest& elements = request.elements;
   problem.order = choose_order(elements, request.imported, mesh);
   problem.subdivide = elements.subdivide;
-  if (!elements.order && problem.order == 1 &&
-      refined_count(elements, mesh) > kMostAutomaticQuadratic)
-    problem.notes.push_back("linear elements, as the mesh has more than " +
-                            std::to_string(kMostAutomaticQuadratic) +
-                            " tetrahedra; --order 2 makes them quadratic");
+  const bool automatic = !elements.order && elements.mass != MassKind::kLumped && !request.imported;
+  if (automatic && problem.order == 1) choose_order_of_many(elements, problem);
   if (mesh.edges.empty()) return;
   const Curvature most = most_curved(mesh);
   const std::size_t curved = unwrap(straighten_edges(mesh, kStraight));

@@ -11,7 +11,8 @@ inline constexpr std::size_t kMostAutomaticQuadratic = 30'000;
 
 // Returns 1 or 2: what the request says, or else a rule of the mesh alone: 2 for a quadratic mesh
 // and for at most kMostAutomaticQuadratic tetrahedra, refined ones counted. Lumped masses and
-// imported bases are linear. Throws Failure (kUsage) if the request contradicts itself.
+// imported bases are linear. prepare_edges() makes a larger mesh quadratic too if a wall of it has
+// one layer of elements. Throws Failure (kUsage) if the request contradicts itself.
 int choose_order(const ElementRequest& request, bool imported, const TetMesh& mesh);
 
 // Gives the mesh the edges that its file has, straightened, or removes them for order 1; to be

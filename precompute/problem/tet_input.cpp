@@ -180,6 +180,28 @@ int run_mesher(const SolidFiles& files, const MemoryFile& answer) {
                    PassedDescriptor{answer.descriptor(), kAnswerDescriptor}, false);
 }
 
+// Turns the drawn triangles that the mesher turned, and the normals that faced in with them.
+void turn_drawn(const std::vector<std::int32_t>& turned, RenderSurface& surface) {
+  for (const std::int32_t t : turned) {
+    std::swap(surface.triangles[t][1], surface.triangles[t][2]);
+  }
+  if (surface.normals.empty()) return;
+  std::vector<Eigen::Vector3d> outwards(surface.vertices.size(), Eigen::Vector3d::Zero());
+  for (const Triangle& t : surface.triangles) {
+    const Eigen::Vector3d& a = surface.vertices[t[0]];
+    const Eigen::Vector3d normal = (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a);
+    for (const VertexId v : t) outwards[v] += normal;
+  }
+  std::vector<char> seen(surface.vertices.size(), 0);
+  for (const std::int32_t t : turned)
+    for (const VertexId v : surface.triangles[t]) {
+      if (seen[v] != 0) continue;
+      seen[v] = 1;
+      if (outwards[v].dot(surface.normals[v].cast<double>()) < 0)
+        surface.normals[v] = -surface.normals[v];
+    }
+}
+
 }  // namespace
 
 CutSurface cut_surface(const SolidFiles& files) {
@@ -196,7 +218,15 @@ CutSurface cut_surface(const SolidFiles& files) {
   if (bytes.empty())
     throw Failure(system_error(files.mesh + ": tremolo-mesh ended without an answer, exit " +
                                "code " + std::to_string(WEXITSTATUS(status))));
-  result.cut = unwrap(decode_answer(bytes));
+  Result<MesherAnswer> cut = decode_answer(bytes);
+  if (!cut && cut.error().message.rfind(files.mesh, 0) != 0)
+    throw Failure({cut.error().kind, files.mesh + ": " + cut.error().message});
+  result.cut = unwrap(std::move(cut));
+  const auto& turned = result.cut.turned;
+  if (!turned.empty() && (turned.front() < 0 || static_cast<std::size_t>(turned.back()) >=
+                                                    result.render.triangles.size()))
+    throw Failure(system_error(files.mesh + " changed while it was being read"));
+  turn_drawn(turned, result.render);
   return result;
 }
 

@@ -162,14 +162,15 @@ Locking find_locking(const Problem& problem) {
 }
 
 std::vector<std::string> describe(const Locking& locking) {
-  constexpr double kReportedExcess = 0.03;
+  constexpr double kReportedExcess = 0.03, kWarnedExcess = 0.1;
   constexpr double kNearlyIncompressible = 0.4;
   if (!locking.excess || *locking.excess < kReportedExcess) return {};
   return {text(
-      "the thinnest walls, %.3g m, are %.2g layers of linear tetrahedra thick and nu is "
+      "%sthe thinnest walls, %.3g m, are %.2g layers of linear tetrahedra thick and nu is "
       "%.4g: frequencies of bending come out too high, by about %.2g %% (estimated, to a "
       "factor of two)%s; --order 2 helps, or finer elements",
-      locking.walls->thickness, locking.walls->layers, *locking.poisson, 100.0 * *locking.excess,
+      *locking.excess < kWarnedExcess ? "" : "warning: ", locking.walls->thickness,
+      locking.walls->layers, *locking.poisson, 100.0 * *locking.excess,
       *locking.poisson > kNearlyIncompressible ? ", as elements lock that can hardly be compressed"
                                                : "")};
 }

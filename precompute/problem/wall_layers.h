@@ -40,7 +40,8 @@ struct Locking {
 };
 Locking find_locking(const Problem& problem);
 
-// Returns one line if the frequencies are off by 3 % or more, else nothing.
+// Returns one line if the frequencies are off by 3 % or more, else nothing. From 10 % on it begins
+// with "warning: ".
 std::vector<std::string> describe(const Locking& locking);
 
 // Returns the object `locking` of the programs' JSON; unknown values are null.

@@ -43,6 +43,14 @@ by_pkg_config() {
     (cd "$stage/readme" && eval "$line" && LD_LIBRARY_PATH=$library ./a.out "$model")
   done < <(sed -n 's/^    \(cc vibrate\.c .*pkg-config.*\)$/\1/p' "$readme")
   [ $count = 2 ] || fail "README has $count lines with pkg-config, not 2"
+  # Both ways to include the headers go with both packages.
+  printf '#include <%s>\n' tremolo/tremolo.h tremolo/tremolo_scene.h tremolo.h tremolo_scene.h \
+    >"$stage/readme/both.c"
+  for line in tremolo-c tremolo; do
+    # shellcheck disable=SC2046
+    cc -c "$stage/readme/both.c" $(pkg-config --cflags "$line") -o "$stage/readme/both.o" ||
+      fail "the headers are not found with pkg-config --cflags $line"
+  done
   # shellcheck disable=SC2046
   g++ -std=c++20 "$here/vibrate.cpp" $(pkg-config --cflags --libs --static tremolo) \
     -o "$stage/readme/vibrate"

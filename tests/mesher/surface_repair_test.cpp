@@ -4,6 +4,7 @@
 
 #include "common/mesh/winding_number.h"
 #include "precompute/mesher/surface/repair_steps.h"
+#include "precompute/mesher/surface/surface_geometry.h"
 #include "tests/support/meshes/surfaces.h"
 
 namespace tremolo {
@@ -104,6 +105,114 @@ TEST(SurfaceRepair, JoinsBodiesThatShareAWall) {
   EXPECT_TRUE(repaired.findings.clean());
   EXPECT_EQ(repaired.findings.cancelled, 4u);
   EXPECT_NEAR(enclosed_volume(repaired.mesh), 2 * 0.027, kRounding);
+}
+
+// The wall's quad is cut along one diagonal by one body, and along the other by the other.
+SurfaceMesh touching_boxes() {
+  SurfaceMesh second = box_surface({0.3, 0.3, 0.3}, {0.3, 0.0, 0.0});
+  second.triangles[8] = {0, 4, 2};
+  second.triangles[9] = {6, 2, 4};
+  SurfaceMesh first = box_surface({0.3, 0.3, 0.3});
+  first.triangles[10] = {1, 3, 7};
+  first.triangles[11] = {1, 7, 5};
+  return together(first, second);
+}
+
+TEST(SurfaceRepair, JoinsBodiesThatShareAWallCutAlongTheOtherDiagonal) {
+  const SurfaceMesh pair = touching_boxes();
+  // As a file has them, with one vertex at each place, as triangles without common vertices, and
+  // with both or one of the bodies inside out.
+  SurfaceMesh one_inwards = pair;
+  for (std::size_t t = 12; t < 24; ++t)
+    std::swap(one_inwards.triangles[t][1], one_inwards.triangles[t][2]);
+  SurfaceMesh shared = pair;
+  const std::array<VertexId, 8> places = {1, 9, 3, 11, 5, 13, 7, 15};
+  for (std::size_t t = 12; t < 24; ++t)
+    for (VertexId& v : shared.triangles[t]) v = places[static_cast<std::size_t>(v) - 8];
+  for (const SurfaceMesh& surface :
+       {pair, shared, soup(pair), reversed(pair), reversed(soup(pair)), one_inwards}) {
+    const RepairedSurface repaired = repair_surface(surface);
+    EXPECT_TRUE(repaired.findings.clean());
+    EXPECT_EQ(repaired.findings.united, 2u);
+    EXPECT_NEAR(enclosed_volume(repaired.mesh), 2 * 0.027, kRounding);
+  }
+}
+
+TEST(SurfaceRepair, UnitesBodiesWhoseTrianglesCoincideWhereTheyOverlap) {
+  // Two bars of three cells each, the last cell of one being the first of the other: twelve of the
+  // triangles are those of both.
+  const auto bar = [](double low) {
+    SurfaceMesh surface;
+    for (int i = 0; i <= 3; ++i)
+      for (const auto& [y, z] : {std::pair{0.0, 0.0}, {0.1, 0.0}, {0.1, 0.1}, {0.0, 0.1}})
+        surface.vertices.push_back({low + 0.1 * i, y, z});
+    for (VertexId i = 0; i < 3; ++i)
+      for (VertexId k = 0; k < 4; ++k) {
+        const VertexId a = 4 * i + k, b = 4 * i + (k + 1) % 4;
+        surface.triangles.push_back({a, b + 4, b});
+        surface.triangles.push_back({a, a + 4, b + 4});
+      }
+    surface.triangles.insert(surface.triangles.end(),
+                             {{0, 1, 2}, {0, 2, 3}, {12, 14, 13}, {12, 15, 14}});
+    return reversed(surface);
+  };
+  ASSERT_NEAR(enclosed_volume(bar(0)), 0.003, kRounding);
+  SurfaceMesh pair = together(bar(0), bar(0.2));
+  const RepairedSurface repaired = repair_surface(pair);
+  EXPECT_TRUE(repaired.findings.clean());
+  EXPECT_EQ(repaired.findings.united, 2u);
+  EXPECT_NEAR(enclosed_volume(repaired.mesh), 0.005, kRounding);
+  // Objects tell them apart if no triangles have vertices in common.
+  std::vector<std::uint32_t> object_of(pair.triangles.size(), 0);
+  std::fill(object_of.begin() + object_of.size() / 2, object_of.end(), 1);
+  const RepairedSurface objects = repair_surface(soup(pair), object_of);
+  EXPECT_TRUE(objects.findings.clean());
+  EXPECT_NEAR(enclosed_volume(objects.mesh), 0.005, kRounding);
+}
+
+TEST(SurfaceRepair, CountsEdgesAlongWhichBodiesTouch) {
+  const SurfaceMesh box = box_surface({0.3, 0.3, 0.3});
+  const SurfaceMesh hinge = together(box, moved(box, {0.3, 0.3, 0.0}));
+  for (const SurfaceMesh& surface : {hinge, soup(hinge)}) {
+    const RepairedSurface repaired = repair_surface(surface);
+    EXPECT_EQ(repaired.findings.hinges, 1u);
+    EXPECT_EQ(repaired.findings.branching_edges, 1u);
+  }
+  // A wall inside a box, and a fin on it, are none.
+  SurfaceMesh divided = box;
+  divided.triangles.push_back({0, 1, 7});
+  divided.triangles.push_back({0, 7, 6});
+  EXPECT_EQ(repair_surface(divided).findings.hinges, 0u);
+  SurfaceMesh fin = box;
+  fin.vertices.push_back({0, 0, 0.5});
+  fin.triangles.push_back({4, 7, 8});
+  EXPECT_EQ(repair_surface(fin).findings.hinges, 0u);
+}
+
+// With the turned triangles turned, the surface as given is oriented as the repaired one.
+TEST(SurfaceRepair, SaysWhichOfTheGivenTrianglesItTurned) {
+  const SurfaceMesh ball = sphere_surface(0.3);
+  SurfaceMesh twice = reversed(ball);
+  twice.triangles.insert(twice.triangles.begin(), twice.triangles[40]);
+  for (const SurfaceMesh& given :
+       {reversed(ball), soup(reversed(ball)), turned_at_random(ball, 0.3),
+        turned_at_random(ball, 0.7), twice, together(ball, reversed(moved(ball, {0.7, 0, 0})))}) {
+    const RepairedSurface repaired = repair_surface(given);
+    ASSERT_EQ(repaired.turned.size(), given.triangles.size());
+    SurfaceMesh turned = given;
+    std::size_t count = 0;
+    for (std::size_t t = 0; t < given.triangles.size(); ++t) {
+      if (repaired.turned[t] == 0) continue;
+      std::swap(turned.triangles[t][1], turned.triangles[t][2]);
+      ++count;
+    }
+    EXPECT_EQ(repaired.findings.turned, count);
+    for (std::size_t t = 0; t < turned.triangles.size(); ++t) {
+      const auto [a, b, c] = corners(turned, turned.triangles[t]);
+      const Eigen::Vector3d centre(t > ball.triangles.size() ? 0.7 : 0.0, 0, 0);
+      EXPECT_GT((b - a).cross(c - a).dot(a + b + c - 3 * centre), 0) << t;
+    }
+  }
 }
 
 TEST(SurfaceRepair, UnitesBodiesThatOverlap) {

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "precompute/problem/element_order.h"
 #include "precompute/problem/material_rules.h"
 #include "precompute/problem/rigid_motion.h"
 #include "precompute/ranks/halo.h"
@@ -91,6 +92,7 @@ TEST(WallLayers, AreToldWhereTheyMatterAndNotWhereTheyDoNot) {
   const std::vector<std::string> thin =
       describe(find_locking(problem_of(box_mesh({10, 10, 1}, {0.4, 0.4, 0.01}), 0.3)));
   ASSERT_EQ(thin.size(), 1u);
+  EXPECT_EQ(thin[0].rfind("warning: ", 0), 0u) << thin[0];
   EXPECT_NE(thin[0].find("0.01 m, are 1 layers"), std::string::npos) << thin[0];
   EXPECT_NE(thin[0].find("too high, by about"), std::string::npos) << thin[0];
   EXPECT_EQ(thin[0].find("hardly be compressed"), std::string::npos) << thin[0];
@@ -100,6 +102,30 @@ TEST(WallLayers, AreToldWhereTheyMatterAndNotWhereTheyDoNot) {
   ASSERT_EQ(locks.size(), 1u);
   EXPECT_NE(locks[0].find("nu is 0.499"), std::string::npos) << locks[0];
   EXPECT_NE(locks[0].find("lock that can hardly be compressed"), std::string::npos) << locks[0];
+}
+
+// More than kMostAutomaticQuadratic tetrahedra each.
+TEST(WallLayers, OneLayerIsQuadraticHoweverManyElementsThereAre) {
+  const auto prepared = [](const TetMesh& mesh, std::optional<int> order, int refine = 0) {
+    Problem problem = problem_of(mesh, 0.3);
+    ProblemRequest request;
+    request.elements.order = order;
+    request.elements.refine = refine;
+    prepare_edges(request, problem);
+    return problem;
+  };
+  const TetMesh plate = box_mesh({75, 75, 1}, {1.0, 1.0, 0.005});
+  ASSERT_GT(plate.tetrahedra.size(), kMostAutomaticQuadratic);
+  const Problem thin = prepared(plate, std::nullopt);
+  EXPECT_EQ(thin.order, 2);
+  ASSERT_EQ(thin.notes.size(), 1u);
+  EXPECT_NE(thin.notes[0].find("quadratic elements, although"), std::string::npos) << thin.notes[0];
+  EXPECT_EQ(prepared(plate, 1).order, 1);
+  EXPECT_EQ(prepared(plate, std::nullopt, 1).order, 1) << "two layers once it is refined";
+  const Problem solid = prepared(box_mesh({20, 20, 20}, {1.0, 1.0, 1.0}), std::nullopt);
+  EXPECT_EQ(solid.order, 1);
+  ASSERT_EQ(solid.notes.size(), 1u);
+  EXPECT_NE(solid.notes[0].find("linear elements, as the mesh"), std::string::npos);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 """Wrong arguments: every one an exception with words, never a crash."""
 
 import gc
+import os
 import unittest
 
 import numpy as np
@@ -195,6 +196,63 @@ class Files(unittest.TestCase):
                          lambda p: tremolo.write_msh(p, support.bar_mesh())):
                 with self.assertRaises((TypeError, ValueError)):
                     call(path)
+
+
+class Arguments(unittest.TestCase):
+    def test_vertices_that_do_not_exist_are_one_kind_of_error(self):
+        body = support.clamped_bar().body()
+        for vertex in (-1, 10**7, 10**12):
+            with self.assertRaisesRegex(tremolo.UsageError, str(vertex)):
+                body.apply_force(vertex, (0.0, 0.0, 1.0))
+
+    def test_a_box_needs_lengths_above_zero_and_whole_numbers_of_cells(self):
+        for size in ((1, 0, 1), (-1, 1, 1), (1, np.nan, 1), (1, np.inf, 1), (1, 1)):
+            with self.assertRaisesRegex(tremolo.UsageError, "size"):
+                tremolo.box(size=size, cells=(1, 1, 1))
+        for cells in ((1.5, 1, 1), (0, 1, 1), (1, 1), (1, 1, np.nan)):
+            with self.assertRaisesRegex(tremolo.UsageError, "cells"):
+                tremolo.box(size=(1, 1, 1), cells=cells)
+
+    def test_meshes_of_the_other_kind_and_files_that_cannot_be_written_are_refused(self):
+        tets = support.bar_mesh()
+        triangles = tremolo.Mesh(tets.vertices, tets.cells[:, :3])
+        path = os.path.join(support.folder(), "mesh")
+        with self.assertRaisesRegex(tremolo.UsageError, "write_msh writes them"):
+            tremolo.write_ply(path, tets)
+        with self.assertRaisesRegex(tremolo.UsageError, "write_ply writes them"):
+            tremolo.write_msh(path, triangles)
+        for write, mesh in ((tremolo.write_ply, triangles), (tremolo.write_msh, tets)):
+            for bad in ("/dev/full", os.path.join(path, "no", "folder")):
+                with self.assertRaisesRegex(tremolo.FileError, bad + ": cannot be written"):
+                    write(bad, mesh)
+            write(path, mesh)
+            self.assertEqual([name for name in os.listdir(support.folder()) if "part" in name], [])
+
+    def test_a_recorder_refuses_rates_and_late_bodies_at_once(self):
+        for rate in (0, -5, float("nan"), float("inf")):
+            with self.assertRaisesRegex(tremolo.UsageError, "rate"):
+                tremolo.recorder(rate=rate)
+        recorder = tremolo.recorder()
+        recorder.add(support.clamped_bar().body(), "bar")
+        recorder.frame()
+        with self.assertRaisesRegex(tremolo.UsageError, "late.*before the first"):
+            recorder.add(support.clamped_bar().body(), "late")
+        with self.assertRaisesRegex(tremolo.UsageError, r"\.obj, a page of the motion in \.html"):
+            recorder.write("x.foo")
+
+    def test_an_empty_path_is_named(self):
+        with self.assertRaisesRegex(tremolo.UsageError, "the path is empty"):
+            tremolo.load("")
+
+    def test_errors_of_a_scene_that_is_a_dict_name_its_key(self):
+        scene = {"step": 0.003, "no_such_key": 3, "bodies": [{"name": "a", "model": "missing.tremolo", "kind": "free"}]}
+        for make in (tremolo.world, tremolo.load_scene):
+            with self.assertRaises(tremolo.Error) as caught:
+                make(scene)
+            self.assertIn("the scene's 'no_such_key'", str(caught.exception))
+            self.assertNotIn(os.path.join(os.getcwd(), "scene"), str(caught.exception))
+            with self.assertRaisesRegex(tremolo.FileError, "missing.tremolo"):
+                make({key: value for key, value in scene.items() if key != "no_such_key"})
 
 
 class Pickles(unittest.TestCase):

@@ -4,7 +4,6 @@
 #include <queue>
 #include <random>
 #include <span>
-#include <tuple>
 
 #include "precompute/mesher/surface/repair_steps.h"
 #include "precompute/mesher/surface/surface_geometry.h"
@@ -20,39 +19,6 @@ constexpr std::size_t kMostSamples = 64;
 constexpr std::size_t kLeastSamples = 2;
 constexpr int kRays = 4;       // on each side of a sample
 constexpr double kOff = 1e-6;  // of their origins from the surface
-
-struct Edge {
-  VertexId low, high;
-  std::size_t triangle;
-  bool forward;  // from low to high in the triangle's order
-  bool operator<(const Edge& other) const {
-    return std::tie(low, high, triangle) < std::tie(other.low, other.high, other.triangle);
-  }
-  bool same(const Edge& other) const { return low == other.low && high == other.high; }
-};
-
-std::vector<Edge> sorted_edges(const std::vector<Triangle>& triangles) {
-  std::vector<Edge> edges;
-  edges.reserve(3 * triangles.size());
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    for (std::size_t i = 0; i < 3; ++i) {
-      const VertexId a = triangles[t][i], b = triangles[t][(i + 1) % 3];
-      edges.push_back({std::min(a, b), std::max(a, b), t, a < b});
-    }
-  std::sort(edges.begin(), edges.end());
-  return edges;
-}
-
-// Calls visit(uses) for each edge with a span of its uses, one for each of its triangles.
-template <class Visit>
-void for_each_edge(const std::vector<Edge>& edges, const Visit& visit) {
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t next = i;
-    while (next < edges.size() && edges[next].same(edges[i])) ++next;
-    visit(std::span(edges).subspan(i, next - i));
-    i = next;
-  }
-}
 
 double area(const SurfaceMesh& surface, std::size_t triangle) {
   return 0.5 * doubled_area(surface, surface.triangles[triangle]).norm();
@@ -87,10 +53,27 @@ Votes vote(const SurfaceMesh& surface, const TriangleTree& tree, const SurfacePa
 
 }  // namespace
 
-void turn_patch(SurfaceMesh& surface, const SurfacePatch& patch, SurfaceFindings& findings) {
+std::vector<SurfaceEdge> sorted_edges(const std::vector<Triangle>& triangles) {
+  std::vector<SurfaceEdge> edges;
+  edges.reserve(3 * triangles.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const VertexId a = triangles[t][i], b = triangles[t][(i + 1) % 3];
+      edges.push_back({std::min(a, b), std::max(a, b), t, a < b});
+    }
+  std::sort(edges.begin(), edges.end());
+  return edges;
+}
+
+double signed_volume(const SurfaceMesh& surface, const SurfacePatch& patch) {
+  double volume = 0;
+  for (const std::size_t t : patch.triangles) volume += volume_below(surface, surface.triangles[t]);
+  return volume;
+}
+
+void turn_patch(SurfaceMesh& surface, const SurfacePatch& patch) {
   for (const std::size_t t : patch.triangles)
     std::swap(surface.triangles[t][1], surface.triangles[t][2]);
-  findings.turned += patch.triangles.size();
 }
 
 std::vector<SurfacePatch> orient_within_patches(SurfaceMesh& surface,
@@ -102,7 +85,7 @@ std::vector<SurfacePatch> orient_within_patches(SurfaceMesh& surface,
   };
   const std::size_t count = surface.triangles.size();
   std::vector<std::vector<Link>> links(count);
-  for_each_edge(sorted_edges(surface.triangles), [&](std::span<const Edge> edge) {
+  for_each_edge(sorted_edges(surface.triangles), [&](std::span<const SurfaceEdge> edge) {
     if (edge.size() != 2) return;
     const bool agrees = edge[0].forward != edge[1].forward;
     links[edge[0].triangle].push_back({edge[1].triangle, agrees});
@@ -139,10 +122,7 @@ std::vector<SurfacePatch> orient_within_patches(SurfaceMesh& surface,
     }
     const bool turn_rest = turned_area > 0.5 * whole;
     for (const std::size_t t : patch.triangles)
-      if (turned[t] != turn_rest) {
-        std::swap(surface.triangles[t][1], surface.triangles[t][2]);
-        ++findings.turned;
-      }
+      if (turned[t] != turn_rest) std::swap(surface.triangles[t][1], surface.triangles[t][2]);
     patches.push_back(std::move(patch));
   }
   findings.one_sided_edges = conflicts / 2;
@@ -152,14 +132,14 @@ std::vector<SurfacePatch> orient_within_patches(SurfaceMesh& surface,
 void find_holes(const SurfaceMesh& surface, const std::vector<std::size_t>& patch_of,
                 std::vector<SurfacePatch>& patches, SurfaceFindings& findings) {
   std::multimap<VertexId, VertexId> next;
-  for_each_edge(sorted_edges(surface.triangles), [&](std::span<const Edge> edge) {
-    for (const Edge& e : edge) {
+  for_each_edge(sorted_edges(surface.triangles), [&](std::span<const SurfaceEdge> edge) {
+    for (const SurfaceEdge& e : edge) {
       SurfacePatch& patch = patches[patch_of[e.triangle]];
       patch.open = patch.open || edge.size() == 1;
       patch.branching = patch.branching || edge.size() > 2;
     }
     if (edge.size() == 1) {
-      const Edge& e = edge.front();
+      const SurfaceEdge& e = edge.front();
       next.emplace(e.forward ? e.high : e.low, e.forward ? e.low : e.high);
     }
     findings.branching_edges += edge.size() > 2;
@@ -187,8 +167,7 @@ void find_holes(const SurfaceMesh& surface, const std::vector<std::size_t>& patc
   findings.open_share = whole > 0 ? open / whole : 0.0;
 }
 
-void orient_open_patches(SurfaceMesh& surface, const std::vector<SurfacePatch>& patches,
-                         SurfaceFindings& findings) {
+void orient_open_patches(SurfaceMesh& surface, const std::vector<SurfacePatch>& patches) {
   const TriangleTree tree(surface);
   std::mt19937_64 random(1);
   const std::size_t samples =
@@ -197,7 +176,7 @@ void orient_open_patches(SurfaceMesh& surface, const std::vector<SurfacePatch>& 
     if (!patch.open && !patch.branching) continue;
     const Votes votes = vote(surface, tree, patch, samples, random);
     // A sheet that is equally open in front and behind keeps its orientation.
-    if (votes.back > 2 * votes.front) turn_patch(surface, patch, findings);
+    if (votes.back > 2 * votes.front) turn_patch(surface, patch);
   }
 }
 

@@ -14,12 +14,6 @@ namespace {
 
 using Point = Eigen::Vector3d;
 
-double signed_volume(const SurfaceMesh& surface, const SurfacePatch& patch) {
-  double volume = 0;
-  for (const std::size_t t : patch.triangles) volume += volume_below(surface, surface.triangles[t]);
-  return volume;
-}
-
 // A closed patch. parent: the smallest shell around it, an index of shells.
 struct Shell {
   std::size_t patch = 0;
@@ -89,36 +83,58 @@ void settle_closed_shells(SurfaceMesh& surface, const std::vector<SurfacePatch>&
       continue;
     }
     findings.cavities += shell.cavity;
-    if (inverted != shell.cavity) turn_patch(surface, patches[shell.patch], findings);
+    if (inverted != shell.cavity) turn_patch(surface, patches[shell.patch]);
   }
 }
 
-// Closed shells that only cross each other become one surface, of one patch.
-bool unite(SurfaceMesh& surface, const std::vector<SurfacePatch>& patches,
-           std::vector<std::size_t>& patch_of, SurfaceFindings& findings) {
+// Closed shells that only cross each other, as one surface of one patch. They are turned outwards
+// in `surface`. Nothing if they cannot be united.
+std::optional<SurfaceMesh> unite(SurfaceMesh& surface, const std::vector<SurfacePatch>& patches,
+                                 const std::vector<std::size_t>& patch_of) {
   SurfaceMesh outwards = surface;
-  SurfaceFindings turned = findings;
   std::size_t inwards = 0;
   for (const SurfacePatch& patch : patches) {
     if (signed_volume(surface, patch) >= 0) continue;
     ++inwards;
-    turn_patch(outwards, patch, turned);
+    turn_patch(outwards, patch);
   }
   // Some of each: cavities, perhaps.
-  if (inwards > 0 && inwards < patches.size()) return false;
+  if (inwards > 0 && inwards < patches.size()) return std::nullopt;
   std::optional<SurfaceMesh> united = unite_shells(outwards, patch_of);
-  if (!united) return false;
-  findings.turned = turned.turned;
-  findings.united = patches.size();
-  findings.crossings = 0;
-  surface = std::move(*united);
-  patch_of.assign(surface.triangles.size(), 0);
-  return true;
+  if (united) surface = std::move(outwards);
+  return united;
+}
+
+// Marks the given triangles that were turned: those of `turned` unlike those of `welded`, in
+// counts.origin's order, and their twins.
+std::vector<char> turned_triangles(std::size_t given, const std::vector<Triangle>& welded,
+                                   const std::vector<Triangle>& turned, const WeldCounts& counts) {
+  std::vector<char> result(given, 0);
+  for (std::size_t t = 0; t < welded.size(); ++t) result[counts.origin[t]] = welded[t] != turned[t];
+  for (const WeldedTwin& twin : counts.twins) result[twin.dropped] = result[twin.first];
+  return result;
+}
+
+RepairedSurface as_one_body(UnitedBodies united, std::size_t triangles) {
+  RepairedSurface result;
+  result.findings.triangles = triangles;
+  result.findings.welded = united.counts.welded;
+  result.findings.degenerate = united.counts.degenerate;
+  result.findings.repeated = united.counts.repeated;
+  result.findings.cancelled = united.counts.cancelled;
+  result.findings.united = united.bodies;
+  result.findings.shells = united.bodies;
+  result.mesh = std::move(united.mesh);
+  result.shell_of.assign(result.mesh.triangles.size(), 0);
+  result.turned = std::move(united.turned);
+  result.findings.turned = std::count(result.turned.begin(), result.turned.end(), 1);
+  return result;
 }
 
 }  // namespace
 
-RepairedSurface repair_surface(const SurfaceMesh& given) {
+RepairedSurface repair_surface(const SurfaceMesh& given,
+                               const std::vector<std::uint32_t>& object_of) {
   RepairedSurface result;
   SurfaceFindings& findings = result.findings;
   SurfaceMesh surface = given;
@@ -128,8 +144,10 @@ RepairedSurface repair_surface(const SurfaceMesh& given) {
   findings.degenerate = counts.degenerate;
   findings.repeated = counts.repeated;
   findings.cancelled = counts.cancelled;
+  result.turned.assign(given.triangles.size(), 0);
   if (surface.triangles.empty()) return result;
 
+  const std::vector<Triangle> welded = surface.triangles;
   std::vector<std::size_t> patch_of;
   std::vector<SurfacePatch> patches = orient_within_patches(surface, patch_of, findings);
   find_holes(surface, patch_of, patches, findings);
@@ -137,13 +155,29 @@ RepairedSurface repair_surface(const SurfaceMesh& given) {
   if (findings.branching_edges == 0 && findings.one_sided_edges == 0)
     findings.crossings = count_crossings(surface);
   std::vector<bool> dropped(patches.size(), false);
+  std::optional<SurfaceMesh> united;
   if (findings.crossings == 0)
     settle_closed_shells(surface, patches, findings, dropped);
-  else if (findings.holes == 0 && unite(surface, patches, patch_of, findings))
-    dropped.assign(1, false);
+  else if (findings.holes == 0)
+    united = unite(surface, patches, patch_of);
+  if (united) {
+    findings.united = patches.size();
+    findings.crossings = 0;
+  }
   if (!findings.clean()) {
+    if (findings.branching_edges + findings.repeated + findings.cancelled > 0)
+      if (std::optional<UnitedBodies> bodies = unite_bodies(given, object_of))
+        return as_one_body(std::move(*bodies), given.triangles.size());
+    if (findings.branching_edges > 0) findings.hinges = count_hinges(surface);
     for (SurfacePatch& patch : patches) patch.branching = patch.branching || findings.crossings > 0;
-    orient_open_patches(surface, patches, findings);
+    orient_open_patches(surface, patches);
+  }
+  result.turned = turned_triangles(given.triangles.size(), welded, surface.triangles, counts);
+  findings.turned = std::count(result.turned.begin(), result.turned.end(), 1);
+  if (united) {
+    surface = std::move(*united);
+    patch_of.assign(surface.triangles.size(), 0);
+    dropped.assign(1, false);
   }
   result.mesh.vertices = surface.vertices;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
@@ -166,7 +200,7 @@ std::vector<std::string> describe(const SurfaceFindings& f) {
   say(f.repeated, " repeated triangle left out", " repeated triangles left out");
   say(f.cancelled, "", " triangles that lay back to back in pairs left out: an inner wall");
   say(f.turned, " triangle turned to face outwards", " triangles turned to face outwards");
-  say(f.united, "", " shells that overlapped united");
+  say(f.united, "", " bodies that overlap or touch united");
   say(f.inner_shells, " inner shell left out (it faces the same way as the one around it)",
       " inner shells left out (they face the same way as those around them)");
   say(f.cavities, " cavity kept", " cavities kept");
@@ -178,6 +212,11 @@ std::vector<std::string> describe(const SurfaceFindings& f) {
   }
   say(f.branching_edges, " edge where three or more triangles meet",
       " edges where three or more triangles meet");
+  if (f.hinges > 0)
+    lines.push_back("warning: bodies touch along " + std::to_string(f.hinges) +
+                    (f.hinges == 1 ? " edge" : " edges") +
+                    " only: a few tetrahedra join them there, and how stiff that hinge is depends "
+                    "on the mesh. Give the bodies a common face, or move them apart");
   say(f.one_sided_edges, " edge across which no side is the outside",
       " edges across which no side is the outside");
   say(f.crossings, " pair of triangles that cross each other",

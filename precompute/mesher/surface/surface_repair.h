@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -19,12 +20,13 @@ struct SurfaceFindings {
   std::size_t degenerate = 0;
   std::size_t repeated = 0;
   std::size_t cancelled = 0;  // back to back with another: both were taken out
-  std::size_t turned = 0;     // orientation
-  std::size_t united = 0;     // closed shells that overlapped
+  std::size_t turned = 0;     // of the given triangles, those whose orientation was reversed
+  std::size_t united = 0;     // closed shells that overlapped or touched
 
   std::size_t holes = 0;            // closed chains of edges with one triangle
   double hole_share = 0;            // area of the flattest caps over that of the surface
   std::size_t branching_edges = 0;  // edges with three triangles or more
+  std::size_t hinges = 0;           // of these, edges along which closed bodies touch
   std::size_t one_sided_edges = 0;  // where a sheet cannot be oriented, as on a Moebius strip
   std::size_t crossings = 0;        // pairs of triangles
   std::size_t shells = 0;           // parts that are connected by edges
@@ -43,12 +45,15 @@ struct SurfaceFindings {
 struct RepairedSurface {
   SurfaceMesh mesh;
   std::vector<std::size_t> shell_of;
+  std::vector<char> turned;  // one per given triangle: 1 if its orientation was reversed
   SurfaceFindings findings;
 };
 
 // `surface` is best scaled so that its bounding box has a diagonal of 1: lengths below 3e-5 may be
-// closed as gaps. Inner shells are taken out, cavities stay.
-RepairedSurface repair_surface(const SurfaceMesh& surface);
+// closed as gaps. Inner shells are taken out, cavities stay. object_of: one per triangle, or none;
+// objects that touch each other are told apart by it.
+RepairedSurface repair_surface(const SurfaceMesh& surface,
+                               const std::vector<std::uint32_t>& object_of = {});
 
 // One sentence for each finding, "welded 120 vertices"; none for a valid surface.
 std::vector<std::string> describe(const SurfaceFindings& findings);

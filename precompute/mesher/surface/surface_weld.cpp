@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <vector>
 
 #include <CGAL/Polygon_mesh_processing/repair_polygon_soup.h>
@@ -57,8 +58,25 @@ bool is_flat(const SurfaceMesh& surface, const Triangle& t) {
   return !(doubled_area(surface, t).norm() > kFlat * longest * longest);
 }
 
-std::size_t drop_flat(SurfaceMesh& surface) {
-  return std::erase_if(surface.triangles, [&](const Triangle& t) { return is_flat(surface, t); });
+// Removes the triangles for which drop(t), by index, is true, and their entries of `origin`.
+template <class Drop>
+std::size_t drop_triangles(SurfaceMesh& surface, std::vector<std::size_t>& origin,
+                           const Drop& drop) {
+  std::size_t kept = 0;
+  const std::size_t count = surface.triangles.size();
+  for (std::size_t t = 0; t < count; ++t) {
+    if (drop(t)) continue;
+    surface.triangles[kept] = surface.triangles[t];
+    origin[kept++] = origin[t];
+  }
+  surface.triangles.resize(kept);
+  origin.resize(kept);
+  return count - kept;
+}
+
+std::size_t drop_flat(SurfaceMesh& surface, std::vector<std::size_t>& origin) {
+  return drop_triangles(surface, origin,
+                        [&](std::size_t t) { return is_flat(surface, surface.triangles[t]); });
 }
 
 // The fifth percentile of the edges' lengths, so that one bad edge does not decide; 0 without
@@ -80,11 +98,13 @@ void close_gaps(SurfaceMesh& surface, WeldCounts& counts) {
   const std::size_t open = odd_edges(surface);
   if (open == 0) return;
   SurfaceMesh closed = surface;
+  std::vector<std::size_t> origin = counts.origin;
   const double gap = std::min(kGap, kGapOverEdge * short_edge(surface));
   const std::size_t merged = gap > 0 ? merge_near(closed, gap) : 0;
-  const std::size_t flat = drop_flat(closed);
+  const std::size_t flat = drop_flat(closed, origin);
   if (merged == 0 || odd_edges(closed) >= open) return;
   surface = std::move(closed);
+  counts.origin = std::move(origin);
   counts.welded += merged;
   counts.degenerate += flat;
 }
@@ -103,25 +123,48 @@ bool is_even(const Triangle& t) {
 void drop_repeats(SurfaceMesh& surface, WeldCounts& counts) {
   struct Uses {
     std::size_t even = 0, odd = 0;
+    std::size_t first = 0;  // of the given triangles
   };
   std::map<Triangle, Uses> uses;
   auto& triangles = surface.triangles;
-  counts.repeated = std::erase_if(triangles, [&uses](const Triangle& t) {
-    Uses& of_these = uses[sorted(t)];
-    ++(is_even(t) ? of_these.even : of_these.odd);
+  std::vector<WeldedTwin> twins;
+  counts.repeated = drop_triangles(surface, counts.origin, [&](std::size_t t) {
+    Uses& of_these = uses[sorted(triangles[t])];
+    if (of_these.even + of_these.odd == 0)
+      of_these.first = counts.origin[t];
+    else
+      twins.push_back({counts.origin[t], of_these.first});
+    ++(is_even(triangles[t]) ? of_these.even : of_these.odd);
     return of_these.even + of_these.odd > 1;
   });
-  const auto pairs = std::stable_partition(triangles.begin(), triangles.end(), [&](auto& t) {
+  counts.twins = std::move(twins);
+  const auto is_pair = [&](const Triangle& t) {
     const Uses& of_these = uses[sorted(t)];
-    return of_these.even == 0 || of_these.odd == 0;
+    return of_these.even > 0 && of_these.odd > 0;
+  };
+  const std::size_t pairs = std::count_if(triangles.begin(), triangles.end(), is_pair);
+  if (pairs == 0) return;
+  SurfaceMesh without = surface;
+  std::vector<std::size_t> origin = counts.origin, pair_origin;
+  std::vector<Triangle> back_to_back;
+  drop_triangles(without, origin, [&](std::size_t t) {
+    if (!is_pair(triangles[t])) return false;
+    back_to_back.push_back(triangles[t]);
+    pair_origin.push_back(counts.origin[t]);
+    return true;
   });
-  if (pairs == triangles.end()) return;
-  SurfaceMesh without{surface.vertices, {triangles.begin(), pairs}};
-  if (without.triangles.empty() || odd_edges(surface) <= odd_edges(without)) return;
-  const std::size_t count = triangles.end() - pairs;
-  counts.repeated -= count;
-  counts.cancelled = 2 * count;
-  surface = std::move(without);
+  if (!without.triangles.empty() && odd_edges(surface) > odd_edges(without)) {
+    counts.repeated -= pairs;
+    counts.cancelled = 2 * pairs;
+    surface = std::move(without);
+    counts.origin = std::move(origin);
+    return;
+  }
+  // The pairs are last.
+  surface.triangles = std::move(without.triangles);
+  surface.triangles.insert(surface.triangles.end(), back_to_back.begin(), back_to_back.end());
+  counts.origin = std::move(origin);
+  counts.origin.insert(counts.origin.end(), pair_origin.begin(), pair_origin.end());
 }
 
 }  // namespace
@@ -158,10 +201,12 @@ std::size_t odd_edges(const SurfaceMesh& surface) {
 
 WeldCounts weld(SurfaceMesh& surface) {
   WeldCounts counts;
+  counts.origin.resize(surface.triangles.size());
+  std::iota(counts.origin.begin(), counts.origin.end(), 0);
   drop_unused_vertices(surface);
   counts.welded = CGAL::Polygon_mesh_processing::merge_duplicate_points_in_polygon_soup(
       surface.vertices, surface.triangles, CGAL::parameters::geom_traits(SoupTraits{}));
-  counts.degenerate = drop_flat(surface);
+  counts.degenerate = drop_flat(surface, counts.origin);
   drop_unused_vertices(surface);
   close_gaps(surface, counts);
   drop_repeats(surface, counts);

@@ -90,7 +90,7 @@ void apply_force(BodyHandle& self, py::handle at, py::handle force, int steps) {
 VertexId vertex_at(py::handle at, const Model& model) {
   std::vector<VertexId> ids;
   if (PyLong_Check(at.ptr()))
-    ids = vertex_ids(at, "at");
+    ids = vertex_ids(at, "at", ErrorKind::kUsage);
   else
     ids = vertices_at(at, model);
   if (ids.size() != 1)

@@ -143,11 +143,11 @@ std::vector<Eigen::Vector3d> points(py::handle object, const char* name) {
   return made;
 }
 
-std::vector<VertexId> vertex_ids(py::handle object, const char* name) {
+std::vector<VertexId> vertex_ids(py::handle object, const char* name, ErrorKind kind) {
   const py::array given = as_array(object, name);
-  const char kind = given.dtype().kind();
+  const char type = given.dtype().kind();
   if (given.size() == 0) return {};
-  if (kind != 'i' && kind != 'u')
+  if (type != 'i' && type != 'u')
     raise_type(std::string(name) + ": expected integers, found an array of type " +
                text_of(given.dtype()));
   const auto whole =
@@ -157,8 +157,8 @@ std::vector<VertexId> vertex_ids(py::handle object, const char* name) {
   for (std::size_t i = 0; i < made.size(); ++i) {
     const std::int64_t id = whole.data()[i];
     if (id < 0 || id > std::numeric_limits<VertexId>::max())
-      raise(content_error(std::string(name) + ": " + std::to_string(id) +
-                          " is not the index of a vertex"));
+      raise(Error{kind,
+                  std::string(name) + ": " + std::to_string(id) + " is not the index of a vertex"});
     made[i] = static_cast<VertexId>(id);
   }
   return made;
@@ -230,7 +230,9 @@ Pose pose_of(py::handle position, py::handle rotation) {
 std::string path_text(py::handle path) {
   PyObject* bytes = nullptr;
   if (PyUnicode_FSConverter(path.ptr(), &bytes) == 0) throw py::error_already_set();
-  return std::string(py::reinterpret_steal<py::bytes>(bytes));
+  std::string text(py::reinterpret_steal<py::bytes>(bytes));
+  if (text.empty()) raise(usage_error("the path is empty: name a file"));
+  return text;
 }
 
 void InUse::refuse(const char* thing) {

@@ -92,7 +92,9 @@ Eigen::Vector3d vector3(py::handle object, const char* name);
 // n x 3 finite numbers.
 std::vector<Eigen::Vector3d> points(py::handle object, const char* name);
 // Integers of any shape that fit a VertexId; TypeError for numbers that are not integers.
-std::vector<VertexId> vertex_ids(py::handle object, const char* name);
+// Numbers that no VertexId is raise `kind`.
+std::vector<VertexId> vertex_ids(py::handle object, const char* name,
+                                 ErrorKind kind = ErrorKind::kContent);
 // m x 4 integers.
 std::vector<Tetrahedron> tetrahedra(py::handle object, const char* name);
 
@@ -119,7 +121,7 @@ py::tuple tuple_of(const Pose& pose);
 Pose pose_of(py::handle position, py::handle rotation);
 
 // The text of a path: str, bytes or os.PathLike, in the file system's encoding. TypeError for
-// anything else, ValueError for a path with a zero in it.
+// anything else, ValueError for a path with a zero in it, UsageError for an empty one.
 std::string path_text(py::handle path);
 
 // Runs `action(k)` for k in [0, count) without the interpreter's lock, and looks for Ctrl-C about

@@ -56,7 +56,7 @@ PyModelPointer load_model_of_bytes(std::string bytes, const ModelOptions& option
 
 std::vector<VertexId> vertices_at(py::handle at, const Model& model) {
   if (PyUnicode_Check(at.ptr())) return unwrap(vertices_of(at.cast<std::string>(), model));
-  return vertex_ids(at, "at");
+  return vertex_ids(at, "at", ErrorKind::kUsage);
 }
 
 namespace {

@@ -1,4 +1,5 @@
 // The class tremolo.Recorder: motions of bodies as files of other programs.
+#include <cmath>
 #include <string_view>
 #include <utility>
 
@@ -16,6 +17,8 @@ struct Recorder {
 };
 
 void add(Recorder& self, const BodyPointer& body, const std::string& name) {
+  if (self.recording.frames() > 0)
+    raise(usage_error("the recorder has frames already: add '" + name + "' before the first one"));
   const BodyHandle::Call call(*body);
   unwrap(self.recording.add(body->body(), name));
   self.bodies.push_back(body);
@@ -45,7 +48,10 @@ py::list write(const Recorder& self, py::handle path_object) {
     paths.append(unwrap(write_motion_page(path, animation)).path);
     return paths;
   }
-  for (const WrittenFile& file : unwrap(write_animation(path, animation))) paths.append(file.path);
+  Result<std::vector<WrittenFile>> files = write_animation(path, animation);
+  if (!files && files.error().kind == ErrorKind::kUsage)
+    raise(usage_error(files.error().message + ", a page of the motion in .html"));
+  for (const WrittenFile& file : unwrap(std::move(files))) paths.append(file.path);
   return paths;
 }
 
@@ -59,6 +65,9 @@ void add_recorder(py::module_& module) {
   module.def(
       "recorder",
       [](double rate) {
+        if (!std::isfinite(rate) || rate <= 0)
+          raise(usage_error("rate: " + text_of(py::float_(rate)) +
+                            ", must be a number of frames per second above 0"));
         return Recorder{Recording(rate), {}};
       },
       py::kw_only(), py::arg("rate") = 60.0,

@@ -13,7 +13,8 @@ import numpy as np
 
 import tremolo
 
-folder = tempfile.mkdtemp(prefix="tremolo-gripper-")
+files = tempfile.TemporaryDirectory(prefix="tremolo-gripper-")  # removed when Python ends
+folder = files.name
 
 
 def made(name, mesh, **options):

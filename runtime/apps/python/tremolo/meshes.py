@@ -71,8 +71,27 @@ def _path(path: Any) -> str:
     return os.fsdecode(os.fspath(path))
 
 
+def _write(path: Any, data: bytes) -> None:
+    """Writes a file, whole or not at all. FileError names it."""
+    name = _path(path)
+    special = os.path.exists(name) and not os.path.isfile(name)
+    part = name if special else f"{os.path.realpath(name)}.part-{os.getpid()}"
+    try:
+        with open(part, "wb") as file:
+            file.write(data)
+        if not special:
+            os.replace(part, os.path.realpath(name))
+    except OSError as error:
+        if not special and os.path.exists(part):
+            os.remove(part)
+        raise errors.FileError(f"{name}: cannot be written: {error.strerror}") from error
+
+
 def write_msh(path: str, mesh: Mesh) -> None:
     """Writes tetrahedra as Gmsh's MSH 2.2, binary: coordinates and indices arrive with all their bits."""
+    mesh = checked_mesh(mesh[0], mesh[1])
+    if mesh.is_surface:
+        raise errors.UsageError("write_msh writes tetrahedra (m, 4), found triangles: write_ply writes them")
     count = len(mesh.vertices)
     nodes = np.empty(count, dtype=[("number", "<i4"), ("place", "<f8", 3)])
     nodes["number"] = np.arange(1, count + 1)
@@ -80,31 +99,36 @@ def write_msh(path: str, mesh: Mesh) -> None:
     cells = np.empty((len(mesh.cells), 5), dtype="<i4")
     cells[:, 0] = np.arange(1, len(mesh.cells) + 1)
     cells[:, 1:] = mesh.cells + 1
-    with open(_path(path), "wb") as file:
-        file.write(b"$MeshFormat\n2.2 1 8\n" + np.int32(1).tobytes() + b"\n$EndMeshFormat\n")
-        file.write(b"$Nodes\n%d\n" % count + nodes.tobytes() + b"\n$EndNodes\n")
-        header = np.array([4, len(cells), 0], dtype="<i4").tobytes()
-        file.write(b"$Elements\n%d\n" % len(cells) + header + cells.tobytes() + b"\n$EndElements\n")
+    header = np.array([4, len(cells), 0], dtype="<i4").tobytes()
+    _write(path, b"$MeshFormat\n2.2 1 8\n" + np.int32(1).tobytes() + b"\n$EndMeshFormat\n" +
+           b"$Nodes\n%d\n" % count + nodes.tobytes() + b"\n$EndNodes\n" +
+           b"$Elements\n%d\n" % len(cells) + header + cells.tobytes() + b"\n$EndElements\n")
 
 
 def write_ply(path: str, mesh: Mesh) -> None:
     """Writes triangles as binary PLY."""
+    mesh = checked_mesh(mesh[0], mesh[1])
+    if not mesh.is_surface:
+        raise errors.UsageError("write_ply writes triangles (t, 3), found tetrahedra: write_msh writes them")
     faces = np.empty(len(mesh.cells), dtype=[("count", "u1"), ("corners", "<i4", 3)])
     faces["count"] = 3
     faces["corners"] = mesh.cells
-    with open(_path(path), "wb") as file:
-        file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(mesh.vertices))
-        file.write(b"property double x\nproperty double y\nproperty double z\n")
-        file.write(b"element face %d\nproperty list uchar int vertex_indices\nend_header\n" % len(faces))
-        file.write(np.ascontiguousarray(mesh.vertices, dtype="<f8").tobytes() + faces.tobytes())
+    _write(path, b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(mesh.vertices) +
+           b"property double x\nproperty double y\nproperty double z\n" +
+           b"element face %d\nproperty list uchar int vertex_indices\nend_header\n" % len(faces) +
+           np.ascontiguousarray(mesh.vertices, dtype="<f8").tobytes() + faces.tobytes())
 
 
 def box(size: Tuple[float, float, float], cells: Tuple[int, int, int]) -> Mesh:
     """A block [0, size] cut into cells, each into six tetrahedra. size: m."""
-    nx, ny, nz = (int(n) for n in cells)
-    if min(nx, ny, nz) < 1:
-        raise errors.UsageError(f"cells: {cells}, each must be at least 1")
-    axes = [np.linspace(0.0, float(s), n + 1) for s, n in zip(size, (nx, ny, nz))]
+    extents = [float(s) for s in size]
+    if len(extents) != 3 or not all(np.isfinite(s) and s > 0 for s in extents):
+        raise errors.UsageError(f"size: {size}, expected three lengths above 0, m")
+    counts = list(cells)
+    if len(counts) != 3 or not all(np.isfinite(n) and n == int(n) and n >= 1 for n in counts):
+        raise errors.UsageError(f"cells: {cells}, expected three whole numbers of at least 1")
+    nx, ny, nz = (int(n) for n in counts)
+    axes = [np.linspace(0.0, s, n + 1) for s, n in zip(extents, (nx, ny, nz))]
     x, y, z = np.meshgrid(*axes, indexing="ij")
     vertices = np.stack([x, y, z], axis=-1).reshape(-1, 3)
     number = np.arange(len(vertices)).reshape(nx + 1, ny + 1, nz + 1)

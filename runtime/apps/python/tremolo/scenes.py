@@ -2,7 +2,8 @@
 
 import json
 import os
-from typing import Any, Mapping, Tuple, Union
+import re
+from typing import Any, Callable, Mapping, Match, Tuple, TypeVar, Union
 
 import numpy as np
 
@@ -63,6 +64,26 @@ def _text_and_path(scene: Any, folder: Any) -> Tuple[str, str]:
     return text, path
 
 
+_Made = TypeVar("_Made")
+
+
+def _made_of(scene: Any, path: str, make: Callable[[], _Made]) -> _Made:
+    """make(). Errors of a scene that is a dict name its key, as there is no file with lines."""
+    try:
+        return make()
+    except errors.Error as error:
+        if not isinstance(scene, Mapping):
+            raise
+        keys = list(scene)
+
+        def key_of(found: Match[str]) -> str:
+            line = int(found.group(1))
+            return f"the scene's {keys[line - 1]!r}" if 1 <= line <= len(keys) else "the scene"
+
+        text = re.sub(re.escape(path) + r"[:,]? line (\d+)(?:,? column \d+)?", key_of, str(error))
+        raise type(error)(text.replace(path, "the scene")) from None
+
+
 def world(scene: Any, *, folder: Any = ".") -> World:
     """A world of a scene: a path of a scene file with [[bodies]], or a dict with the same keys.
 
@@ -70,7 +91,8 @@ def world(scene: Any, *, folder: Any = ".") -> World:
     "hands": [...], "joints": [...]}; docs/reference.md, "Scenes", lists the keys. Units are SI. The `model` of a body
     is a path, relative to the scene file or, for a dict, to `folder`. Bodies of kind "tets" may be among the others.
     """
-    return world_of_text(*_text_and_path(scene, folder))
+    text, path = _text_and_path(scene, folder)
+    return _made_of(scene, path, lambda: world_of_text(text, path))
 
 
 def load_scene(scene: Any, *, folder: Any = ".") -> Union[World, NodalScene]:
@@ -80,6 +102,10 @@ def load_scene(scene: Any, *, folder: Any = ".") -> Union[World, NodalScene]:
     NodalScene, which has the same step(n), names, body(name), time, steps, step_size and colliders.
     """
     text, path = _text_and_path(scene, folder)
+    return _made_of(scene, path, lambda: _scene_of_text(text, path))
+
+
+def _scene_of_text(text: str, path: str) -> Union[World, NodalScene]:
     kind = kind_of_text(text, path)
     if kind == "body":
         raise errors.ContentError(
