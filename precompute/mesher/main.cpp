@@ -153,11 +153,11 @@ Status check_extension(const std::string& path) {
 
 Status run(const Options& options) {
   if (options.answer >= 0) return answer(options);
-  if (Status status = check_extension(options.output); !status) return status;
   // A recipe's name has priority over a file of that name.
   const NamedFile input{find_recipe(options.input) ? "" : options.input, "the surface", true};
   if (Status status = keep_apart({options.output, options.surface}, {input}); !status)
     return status;
+  if (Status status = check_extension(options.output); !status) return status;
   if (Status status = check_writable({options.output, options.surface}); !status) return status;
   const GuardedInputs guard({input});
   const Result<TetMesh> mesh = make_mesh(options);

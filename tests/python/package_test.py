@@ -145,7 +145,7 @@ class Installation(unittest.TestCase):
             run(python, "-m", "pip", "install", "--no-index", "--no-deps", os.path.join(folder, name), env=environment,
                 cwd=folder)
             program = ("import tremolo; m = tremolo.precompute(*tremolo.box((1, 1, 1), (2, 2, 2)), fixed='z<0.1', r=3, "
-                       "linear_modes=2, order=1); print(tremolo.__file__, tremolo.find_program('tremolo-precompute'), "
+                       "linear_modes=2, order=2); print(tremolo.__file__, tremolo.find_program('tremolo-precompute'), "
                        "m.modes)")
             words = run(python, "-c", program, env=environment, cwd=folder).split()
             self.assertTrue(words[0].startswith(home), words)
