@@ -150,8 +150,7 @@ class MixedGuests final : public IslandGuests {
   std::size_t size() const override { return guests_.size(); }
   void set_gravity(const Eigen::Vector3d& gravity) override;
   void start(std::span<const PlacedCollider> colliders) override;
-  void find_contacts(std::span<ContactStep* const> contacts,
-                     std::span<const char> awake) override;
+  void find_contacts(std::span<ContactStep* const> contacts, std::span<const char> awake) override;
   std::span<const std::pair<std::size_t, std::size_t>> links() const override { return links_; }
   void step_island(std::span<const std::size_t> roots, const HostIsland& island) override;
   void step_others(std::span<const std::size_t> roots) override;
@@ -275,7 +274,7 @@ class MixedGuests final : public IslandGuests {
   std::vector<Loaded> applied_;  // for some steps; those that are not in use are over
   std::vector<std::pair<const TetModel*, std::shared_ptr<const TetPoints>>> points_;
   std::span<const PlacedCollider> colliders_;
-  std::size_t bodies_ = 0;  // of the group
+  std::size_t bodies_ = 0;       // of the group
   std::span<const char> awake_;  // which of them take the step
   PairFilter filter_;
   // Contacts of a step; the first ones are in use.
