@@ -28,10 +28,10 @@ constexpr int kMostLinear = 400;
 constexpr int kStalled = 10;
 // A correction that GMRES did not solve to this is not used.
 constexpr double kUsable = 0.1;
-// Members whose residual after a whole move is at least this fraction of the largest are solved by
-// themselves: in how many rounds of a step, with how many moves each, until their residual has
-// fallen by that factor.
-constexpr double kFarShare = 0.1;
+// Members whose residual after a whole move is at least kFarShare of the largest are solved by
+// themselves, if they have at most kFewUnknowns of all unknowns: in how many rounds of a step, with
+// how many moves each, until their residual has fallen by that factor.
+constexpr double kFarShare = 0.1, kFewUnknowns = 0.6;
 constexpr int kMostRounds = 8, kMovesAlone = 6;
 constexpr double kSolvedAlone = 0.1;
 // They begin at the end of the whole move, unless the residual there is that many times larger.
@@ -177,14 +177,19 @@ double MixedIsland::go(double length, const ContactRenewal& renewal) {
   return evaluate(renewal);
 }
 
-// Notes the members whose residuals are the largest now. False: they are all.
+// Notes the members whose residuals are the largest now. False: they have most of the unknowns, so
+// that solving them by themselves would take as long as all.
 bool MixedIsland::find_farthest() {
   double most = 0.0;
   for (std::size_t i = 0; i < bodies_.size(); ++i) most = std::max(most, sizes_[i] / enough_[i]);
   far_.assign(bodies_.size(), 0);
-  for (std::size_t i = 0; i < bodies_.size(); ++i)
-    far_[i] = sizes_[i] / enough_[i] > kFarShare * most ? 1 : 0;
-  return std::any_of(far_.begin(), far_.end(), [](char far) { return far == 0; });
+  Index unknowns = 0;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (!(sizes_[i] / enough_[i] > kFarShare * most)) continue;
+    far_[i] = 1;
+    unknowns += bodies_[i]->unknowns();
+  }
+  return static_cast<double>(unknowns) <= kFewUnknowns * static_cast<double>(first_.back());
 }
 
 // Same as ContactStep::try_following(). apart: the members that keep a whole move from being
