@@ -113,11 +113,8 @@ bool MixedGuests::load_to_come(std::size_t guest) const {
   const auto is_on = [guest](const Loaded& loaded) {
     return loaded.used && loaded.load.guest == guest;
   };
-  const Guest& of = *guests_[guest];
-  const std::int64_t steps =
-      of.tets != nullptr ? of.tets->body().steps() : of.cloth->body().steps();
   // As sample_signal does, an end within 1e-9 of a step from now counts as now.
-  const double now = (static_cast<double>(steps) + 1e-9) * step_;
+  const double now = (static_cast<double>(steps_of(guest)) + 1e-9) * step_;
   return std::any_of(applied_.begin(), applied_.end(), is_on) ||
          std::any_of(loads_.begin(), loads_.end(), [&](const Loaded& loaded) {
            return is_on(loaded) && signal_end(loaded.load.signal) > now;
@@ -257,13 +254,15 @@ bool MixedGuests::has_load(std::size_t i) const {
          std::any_of(applied_.begin(), applied_.end(), is_on);
 }
 
+std::int64_t MixedGuests::steps_of(std::size_t guest) const {
+  const Guest& of = *guests_[guest];
+  return of.tets != nullptr ? of.tets->body().steps() : of.cloth->body().steps();
+}
+
 // Of the load in the present part of the step, dimensionless.
 double MixedGuests::average_of(const GuestLoad& load) const {
   if (load.steps > 0) return 1.0;
-  const Guest& guest = *guests_[load.guest];
-  const std::int64_t steps =
-      guest.tets != nullptr ? guest.tets->body().steps() : guest.cloth->body().steps();
-  const double begins = (static_cast<double>(steps) + from_) * step_;
+  const double begins = (static_cast<double>(steps_of(load.guest)) + from_) * step_;
   return sample_signal(load.signal, begins, (to_ - from_) * step_).average;
 }
 
@@ -287,7 +286,7 @@ void MixedGuests::meet_loads(std::size_t guest) {
 // by little more than the margin.
 void MixedGuests::prepare_loads(std::size_t guest) {
   const Guest& of = *guests_[guest];
-  const double mass = of.tets != nullptr ? of.tets->body().model().mass() : of.cloth->body().mass();
+  const double mass = of.step->mass();
   Vector3d sum = Vector3d::Zero();
   double most = 0.0;
   for_loads_of(guest, [&](const Loaded& loaded, double average) {

@@ -233,6 +233,7 @@ class MixedGuests final : public IslandGuests {
   void start(std::size_t guest);
   bool is_joined(std::size_t guest) const;
   bool load_to_come(std::size_t guest) const;
+  std::int64_t steps_of(std::size_t guest) const;  // since the start
   double pull_of(std::size_t guest) const;
   void meet_hands(std::size_t guest);
   Status check_load(const GuestLoad& load, ErrorKind of_fixed) const;
