@@ -83,7 +83,8 @@ LaneSystem make_lane_system(std::string_view name, const Model& model,
   const InertiaWeight at_rest = name == "ep4"   ? rational_weight
                                 : name == "ep2" ? cotangent_weight
                                                 : unit_weight;
-  const InertiaDamping damping = make_inertia_damping(model, options, at_rest);
+  const InertiaDamping damping =
+      make_inertia_damping(model, options, at_rest, name == "ep4" ? at_rest : unit_weight);
   const Eigen::Index r = model.modes();
   LaneSystem system;
   system.modes = static_cast<size_t>(r);

@@ -17,7 +17,7 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
     : model_(std::move(model)),
       options_(options),
       eq_(std::move(surface), model_->modes()),
-      damping_(make_inertia_damping(*model_, options, cotangent_weight)),
+      damping_(make_inertia_damping(*model_, options, cotangent_weight, unit_weight)),
       strain_(*model_, options.beta),
       rest_(VectorXd::Zero(model_->modes())),
       rest_middle_(rest_),
@@ -39,7 +39,7 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
 void ContactStep::set_options(const IntegratorOptions& options) {
   if (options.beta != options_.beta) strain_ = StrainDamping(*model_, options.beta);
   options_ = options;
-  damping_ = make_inertia_damping(*model_, options_, cotangent_weight);
+  damping_ = make_inertia_damping(*model_, options_, cotangent_weight, unit_weight);
   use_options();
 }
 

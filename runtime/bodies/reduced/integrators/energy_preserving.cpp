@@ -415,13 +415,32 @@ class EnergyPreserving final : public Integrator {
     apply_broyden(std::span<const VectorXd>(moves_).first(count), move);
   }
 
-  // Solves from newton_.unknowns with the exact Jacobian and the line search; N is unchanged.
+  // Solves from newton_.unknowns with the exact Jacobian and the line search. An N that follows the
+  // state is made again at the midpoint which that gives: it may have been made far from it.
   StepReport solve_exactly(const StepReport& before) {
     if (N_of_last_step_) {
       d_ = h_ * *p0_;
       evaluate_gradient();
       make_filter();
     }
+    StepReport report;
+    int iterations = before.iterations;
+    bool settled = !Filter::kFollowsTheState;
+    for (int round = 1;; ++round) {
+      report = solve_with_filter();
+      iterations += report.iterations;
+      if (settled || !report.converged) break;
+      report.converged = make_filter();
+      const double ratio = evaluate_residual();
+      if (!report.converged || ratio <= 1.0) break;
+      settled = kFilterShare * ratio < 1.0 || round == kFilterFollows;
+      newton_.unknowns = d_;
+    }
+    report.iterations = iterations;
+    return report;
+  }
+
+  StepReport solve_with_filter() {
     for (Index j = 0; j < N_matrix_.cols(); ++j) {
       x_.setZero();
       x_[j] = 1.0;
@@ -430,10 +449,7 @@ class EnergyPreserving final : public Integrator {
       N_.from_basis(x_);
       N_matrix_.col(j) = x_;
     }
-    StepReport report =
-        solve_newton(newton_, options_.max_iterations, [&] { return evaluate_exactly(); });
-    report.iterations += before.iterations;
-    return report;
+    return solve_newton(newton_, options_.max_iterations, [&] { return evaluate_exactly(); });
   }
 
   // The residual and its Jacobian at d = newton_.unknowns, in the model's coordinates.
@@ -515,7 +531,7 @@ IntegratorPointer make_step(std::string_view name, Model::Pointer model,
 
 IntegratorPointer make_diagonal(std::string_view name, Model::Pointer model,
                                 const IntegratorOptions& options, InertiaWeight at_rest) {
-  const InertiaDamping damping = make_inertia_damping(*model, options, at_rest);
+  const InertiaDamping damping = make_inertia_damping(*model, options, at_rest, unit_weight);
   return make_step(name, std::move(model), options, damping, DiagonalFilter(damping));
 }
 
@@ -530,7 +546,8 @@ IntegratorPointer make_ep2(Model::Pointer model, const IntegratorOptions& option
 }
 
 IntegratorPointer make_ep4(Model::Pointer model, const IntegratorOptions& options) {
-  const InertiaDamping damping = make_inertia_damping(*model, options, rational_weight);
+  const InertiaDamping damping =
+      make_inertia_damping(*model, options, rational_weight, rational_weight);
   if (!damping.present) {
     const Index r = model->modes();
     return make_step("ep4", std::move(model), options, damping, MatrixFilter(r));

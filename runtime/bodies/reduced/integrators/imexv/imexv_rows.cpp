@@ -19,7 +19,7 @@ DampedMidpoint make_split_midpoint(const Model& model, const IntegratorOptions& 
       make_damped_midpoint(damping_rates(lambda, options), lambda, options.step);
   midpoint.g.head(split.low).setOnes();
   for (Index i = split.low; i < lambda.size(); ++i) {
-    const double share = stiff_share(options.step * options.beta * lambda[i]);
+    const double share = stiff_share(options.beta, options.step, std::sqrt(lambda[i]));
     midpoint.g[i] = 1.0 + share * (midpoint.g[i] - 1.0);
   }
   return midpoint;

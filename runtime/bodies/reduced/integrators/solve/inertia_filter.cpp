@@ -155,13 +155,14 @@ double rational_weight(double x) {
   return filter_value(kRobustShape, x * x);
 }
 
-double stiff_share(double damping) {
-  const double x = std::clamp(4.0 * damping - 1.0, 0.0, 1.0);
+double stiff_share(double beta, double h, double omega) {
+  const double w = h * omega;
+  const double x = std::clamp(4.0 * beta * omega * std::max(w, 1.0) - 1.0, 0.0, 1.0);
   return 1.0 - x * x * (3.0 - 2.0 * x);
 }
 
 InertiaDamping make_inertia_damping(const Model& model, const IntegratorOptions& options,
-                                    InertiaWeight at_rest) {
+                                    InertiaWeight at_rest, InertiaWeight stiff) {
   const double h = options.step;
   const Index r = model.modes();
   InertiaDamping damping;
@@ -172,12 +173,13 @@ InertiaDamping make_inertia_damping(const Model& model, const IntegratorOptions&
   for (VectorXd* v : {&damping.theta, &damping.n, &damping.shift, &damping.g, &damping.slope})
     v->setZero(r);
   for (Index i = 0; i < r; ++i) {
-    const double c = h * damping.D[i], w = h * std::sqrt(model.lambda()[i]);
+    const double omega = std::sqrt(model.lambda()[i]);
+    const double c = h * damping.D[i], w = h * omega;
     const DampedWeights whole = damped_weights(c, w, at_rest);
     const double rest = at_rest(0.5 * w);
-    const double share = damping.strain > 0.0 ? stiff_share(options.beta * (w * w / h)) : 1.0;
-    const double theta = share * whole.theta;
-    const double n = share == 1.0 ? whole.n : rest + share * (whole.n - rest);
+    const double share = damping.strain > 0.0 ? stiff_share(options.beta, h, omega) : 1.0;
+    const double theta = share * whole.theta, slaved = stiff(0.5 * w);
+    const double n = share == 1.0 ? whole.n : slaved + share * (whole.n - slaved);
     damping.theta[i] = theta;
     damping.n[i] = n;
     damping.shift[i] = n - rest;

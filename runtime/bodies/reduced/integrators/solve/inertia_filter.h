@@ -96,14 +96,14 @@ class RationalFilter {
 double cotangent_weight(double x);
 double rational_weight(double x);
 
-// Fraction of theta and of the change of n (damping.h) for a coordinate whose stiffness damping is
-// h beta omega^2: all below 1/4, none from 1/2 on.
+// Fraction of theta and of the damped n (damping.h) for a coordinate of the frequency omega (1/s)
+// under the stiffness damping beta (s), steps of h: all of it where beta omega, twice the damping
+// ratio, is below 1/4, none from 1/2 on; beyond h omega = 1 these are limits of h beta omega^2.
 //
 // theta takes h theta D Dp^2 also of a coordinate that follows others. There the strains, and with
-// them the true damping, may not change at all, and n changes its inertia; both errors grow as h
-// falls until h D is resolved. A free mode with so much damping decays in a few steps with any
-// roots.
-double stiff_share(double damping);
+// them the true damping, may not change at all, and n changes its inertia. A free mode with so much
+// damping decays in a few steps or within a period with any roots.
+double stiff_share(double beta, double h, double omega);
 
 // Coefficients of the damped step, for each coordinate; r each.
 struct InertiaDamping {
@@ -120,8 +120,11 @@ struct InertiaDamping {
   bool present = false;  // some D is not zero
 };
 
+// stiff: n where stiff_share() is 0. A coordinate follows others there, with its whole inertia:
+// that is 1 for a diagonal N, and N itself (at_rest) where N is a function of Z at the midpoint,
+// which leaves the inertia of slow motion whole.
 InertiaDamping make_inertia_damping(const Model& model, const IntegratorOptions& options,
-                                    InertiaWeight at_rest);
+                                    InertiaWeight at_rest, InertiaWeight stiff);
 
 // J of ep4 with damping, to first order in Z less its value at rest, diag(z): factors times Z,
 // entry by entry, plus the diagonal `slope`. The factors are derivatives of N S N/2 (filter_slope).
