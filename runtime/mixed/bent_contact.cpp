@@ -53,7 +53,8 @@ void BentContact::begin() {
   for (PairPoint& pair : used()) begin_pair(pair);
 }
 
-void BentContact::approach() {
+void BentContact::approach(const ContactRenewal& renewal) {
+  (void)renewal;
   ContactEquations& eq = shape_->equations();
   const double bend = eq.bend_in_step();
   motions_.resize(count_);

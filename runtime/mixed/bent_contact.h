@@ -17,7 +17,7 @@ class BentContact final : public PairForces {
   bool gather(StepBody& points, ContactStep& shape, std::size_t obstacle);
 
   void begin() override;
-  void approach() override;
+  void approach(const ContactRenewal& renewal) override;
   void press(const ContactRenewal& renewal) override;
   void make_slopes(bool follows) override;
   void add_growth(StepBody::In first_x, StepBody::In second_x) override;

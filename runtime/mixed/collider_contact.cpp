@@ -64,7 +64,8 @@ void ColliderContact::begin() {
   for (Touch& touch : touches_) begin(touch);
 }
 
-void ColliderContact::approach() {
+void ColliderContact::approach(const ContactRenewal& renewal) {
+  (void)renewal;
   for (Touch& touch : touches_) {
     touch.motion = points_->motion(touch.point);
     touch.end = contact_end(touch.law, *collider_, turns_, touch.start, touch.motion.end);

@@ -15,7 +15,7 @@ class ColliderContact final : public PairForces {
   bool gather(StepBody& points, const PlacedCollider& collider, std::size_t obstacle, double h);
 
   void begin() override;
-  void approach() override;
+  void approach(const ContactRenewal& renewal) override;
   void press(const ContactRenewal& renewal) override;
   void make_slopes(bool follows) override;
   void add_growth(StepBody::In first_x, StepBody::In second_x) override;

@@ -52,7 +52,7 @@ struct GuestHand {
 // distance to find.
 class SpringPull : public PairForces {
  public:
-  void approach() override {}
+  void approach(const ContactRenewal& renewal) override { (void)renewal; }
   void add_growth(StepBody::In, StepBody::In) override {}
   bool add_missed() override { return false; }
   std::size_t acting() const override { return 1; }
@@ -167,7 +167,7 @@ class LoadPush final : public PairForces {
   void set(GuestStep& body, const GuestLoad& load, double average);
 
   void begin() override {}
-  void approach() override {}
+  void approach(const ContactRenewal& renewal) override { (void)renewal; }
   void press(const ContactRenewal& renewal) override;
   void make_slopes(bool) override {}
   void add_growth(StepBody::In, StepBody::In) override {}

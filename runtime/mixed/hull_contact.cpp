@@ -57,16 +57,23 @@ void HullContact::begin() {
   for (Touch& touch : touches_) {
     touch.now = {};
     touch.held = {};
+    touch.kept_element.reset();
     touch.held.limit = touch.memory.limit;
     touch.held.normal.setZero();
   }
 }
 
-// Finds the point at the end of the step, and the path along the body.
-void HullContact::find_end(Touch& touch) {
-  const std::optional<TetDepth> depth = shape_->depth_at_end(
-      touch.motion.end, touch.inside ? std::optional(touch.element) : std::nullopt);
+// Finds the point at the end of the step, and the path along the body. Distances by different
+// elements differ outside of them: like the normal the element is kept along a move.
+void HullContact::find_end(Touch& touch, bool renews) {
+  if (renews) touch.kept_element.reset();
+  const std::optional<std::uint32_t> start =
+      touch.inside ? std::optional(touch.element) : std::nullopt;
+  const std::optional<TetDepth> depth =
+      shape_->depth_at_end(touch.motion.end, touch.kept_element ? touch.kept_element : start,
+                           touch.kept_element.has_value());
   const bool inside = depth && depth->distance < 0.0;
+  if (inside) touch.kept_element = depth->element;
   touch.near =
       (inside || touch.inside) &&
       shape_->find_site(touch.motion.middle, inside ? depth->element : touch.element, touch.site);
@@ -82,10 +89,10 @@ void HullContact::find_end(Touch& touch) {
   touch.gap = make_gap(touch.law, d0, touch.energy, d1);
 }
 
-void HullContact::approach() {
+void HullContact::approach(const ContactRenewal& renewal) {
   for (Touch& touch : touches_) {
     touch.motion = points_->motion(touch.point);
-    find_end(touch);
+    find_end(touch, renewal.normals);
     touch.now.clear(touch.near ? touch.gap.d1 : 0.0,
                     0.5 * touch.law.shear * touch.memory.slip.squaredNorm());
     if (touch.near) shared->rate.add(touch.gap.pressure, touch.gap.d1 - touch.gap.d0);

@@ -16,6 +16,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "runtime/mixed/pair_forces.h"
@@ -31,7 +32,7 @@ class HullContact final : public PairForces {
   bool gather(StepBody& points, TetStep& shape, std::size_t obstacle, double h);
 
   void begin() override;
-  void approach() override;
+  void approach(const ContactRenewal& renewal) override;
   void press(const ContactRenewal& renewal) override;
   void make_slopes(bool follows) override;
   void add_growth(StepBody::In first_x, StepBody::In second_x) override;
@@ -63,13 +64,14 @@ class HullContact final : public PairForces {
     Eigen::Vector3d end_gradient = Eigen::Vector3d::Zero(), end_normal = end_gradient;
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  // of the element, in the middle
     TetSite site;
+    std::optional<std::uint32_t> kept_element;  // at the end, since the last renewal
     // Slopes of the force on the point: its fall with w, the effect of the pair's rate, and growth
     // of the part that restitution takes with w.
     Eigen::Matrix3d by_way;
     Eigen::Vector3d link, growth;
   };
 
-  void find_end(Touch& touch);
+  void find_end(Touch& touch, bool renews);
   ContactTime time() const { return {h_, shared->rate}; }
 
   StepBody* points_ = nullptr;

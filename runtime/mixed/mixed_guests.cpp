@@ -371,6 +371,7 @@ MixedReport MixedGuests::solve(const HostIsland& island, std::size_t from) {
     of_body = report.converged ? reduced_[members[m].number].report() : StepReport{};
     of_body.converged = report.converged;
     of_body.iterations = report.iterations;
+    if (!report.converged) of_body.residual = 0.5 * length_ * solver_.size_of(m);
   }
   return report;
 }
@@ -429,8 +430,8 @@ bool MixedGuests::step_part(const GuestPart& part, const HostIsland& island) {
   const MixedReport report = solve(island, whole_counts_.met);
   part_report_.iterations += report.iterations;
   part_report_.linear += report.linear;
-  if (!report.converged) return false;
   part_report_.residual = std::max(part_report_.residual, report.residual);
+  if (!report.converged) return false;
   ++part_report_.parts;
   for (const std::size_t guest : who_) guests_[guest]->step->end_part();
   return true;

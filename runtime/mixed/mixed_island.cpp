@@ -60,7 +60,7 @@ double MixedIsland::evaluate(const ContactRenewal& renewal) {
   for (std::size_t i = 0; i < bodies_.size(); ++i)
     if (moves_[i] != 0) bodies_[i]->evaluate(renewal);
   for (PairForces* coupling : seen_) coupling->shared->rate = {};
-  for (PairForces* coupling : seen_) coupling->approach();
+  for (PairForces* coupling : seen_) coupling->approach(renewal);
   for (PairForces* coupling : seen_) coupling->press(renewal);
   for (std::size_t i = 0; i < bodies_.size(); ++i)
     if (moves_[i] != 0) sizes_[i] = bodies_[i]->close();

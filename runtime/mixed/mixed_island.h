@@ -34,6 +34,9 @@ class MixedIsland {
   // fails, no body moves.
   MixedReport step(std::span<StepBody* const> bodies, std::span<PairForces* const> couplings);
 
+  // The size of the residual of member i where the last step ended, whether it was solved or not.
+  double size_of(std::size_t i) const { return sizes_[i]; }
+
  private:
   // kApart: some members, which far_ notes, are to be solved by themselves.
   enum class Outcome { kMoved, kDone, kApart, kFailed };

@@ -34,8 +34,8 @@ class PairForces {
   virtual void begin() = 0;
   // Computes the distances at the present unknowns of both and adds them to the rate; then, with
   // the rate of all, the forces, which are added to the bodies. Call them between evaluate() and
-  // close() of both.
-  virtual void approach() = 0;
+  // close() of both, with the same renewal.
+  virtual void approach(const ContactRenewal& renewal) = 0;
   virtual void press(const ContactRenewal& renewal) = 0;
   // Adds the bodies' own slopes, between make_tangent() and factor().
   virtual void make_slopes(bool follows) = 0;

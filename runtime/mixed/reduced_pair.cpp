@@ -50,7 +50,8 @@ void ReducedPair::begin() {
   }
 }
 
-void ReducedPair::approach() {
+void ReducedPair::approach(const ContactRenewal& renewal) {
+  (void)renewal;
   rate_ = {};
   const StepWay ways[] = {sides_[0].contact->way_in_step(), sides_[1].contact->way_in_step()};
   for (PairPoint& pair : used())

@@ -22,7 +22,7 @@ class ReducedPair final : public PairForces {
   void give_back(std::size_t a, std::size_t b, std::vector<PairPoint>& points, std::size_t& count);
 
   void begin() override;
-  void approach() override;
+  void approach(const ContactRenewal& renewal) override;
   void press(const ContactRenewal& renewal) override;
   void make_slopes(bool follows) override;
   void add_growth(StepBody::In first_x, StepBody::In second_x) override;

@@ -242,20 +242,24 @@ void TetStep::add_slope(std::size_t point, const Matrix3d& by_end, const Vector3
 }
 
 // A point stays with an element until it is outside by this share: at rest on the boundary of two
-// it would change between them.
-constexpr double kKeptShare = 1e-5;
+// it would change between them. The second one is where it stays outside of all elements.
+constexpr double kKeptShare = 1e-5, kContinuedShare = 0.2;
 
 std::optional<TetDepth> TetStep::depth_at(const VectorXd& x, const std::vector<TetTree::Box>& boxes,
                                           const Vector3d& place,
-                                          std::optional<std::uint32_t> element) const {
-  std::optional<TetPlace> found = hull_->tree.find(x, boxes, place);
-  if (!found) return std::nullopt;
+                                          std::optional<std::uint32_t> element, bool stays) const {
+  std::optional<TetPlace> found;
+  if (!stays) found = hull_->tree.find(x, boxes, place);
   // An element of a restored state may not exist.
-  if (element && *element < body_->model().elements().size() && found->element != *element) {
-    const double least = found->weights.minCoeff() < 0.0 ? -kOutsideShare : -kKeptShare;
+  if (element && *element < body_->model().elements().size() &&
+      !(found && found->element == *element)) {
+    const bool inside = found && found->weights.minCoeff() >= 0.0;
+    const double least = inside ? -kKeptShare : -kContinuedShare;
     const std::optional<TetPlace> kept = hull_->tree.solve(*element, x, place, least);
     if (kept && kept->weights.minCoeff() > least) found = kept;
   }
+  if (!found && stays) found = hull_->tree.find(x, boxes, place);
+  if (!found) return std::nullopt;
   const DistanceGrid::Sample sample = hull_->grid->at(hull_->tree.rest_place(*found));
   const auto turned = [&sample](const Matrix3d& slope) {
     return Vector3d(slope.transpose().inverse() * sample.gradient);
@@ -269,12 +273,13 @@ std::optional<TetDepth> TetStep::depth_at(const VectorXd& x, const std::vector<T
 
 std::optional<TetDepth> TetStep::depth_at_start(const Vector3d& place,
                                                 std::optional<std::uint32_t> element) const {
-  return depth_at(body_->now_.x, boxes_at_start_, place, element);
+  return depth_at(body_->now_.x, boxes_at_start_, place, element, element.has_value());
 }
 
 std::optional<TetDepth> TetStep::depth_at_end(const Vector3d& place,
-                                              std::optional<std::uint32_t> element) const {
-  return depth_at(end_, boxes_at_end_, place, element);
+                                              std::optional<std::uint32_t> element,
+                                              bool stays) const {
+  return depth_at(end_, boxes_at_end_, place, element, stays);
 }
 
 bool TetStep::find_site(const Vector3d& place, std::uint32_t element, TetSite& site) const {

@@ -81,12 +81,13 @@ class TetStep final : public GuestStep {
   bool has_hull() const { return hull_ && hull_->grid; }
   void follow_hull() { follows_hull_ = true; }
   const TetTree::Box& box_at_start() const { return boxes_at_start_.front(); }
-  // element: where the point was before; outside of all elements, whose continuations differ, it
-  // stays there. Empty: the point is outside.
+  // element: where the point was before. Outside of all elements, whose continuations differ, it
+  // stays there; if it `stays` also inside of others, until it is far outside of its own. At the
+  // start of a step it does, since the step before ended there. Empty: the point is outside.
   std::optional<TetDepth> depth_at_start(const Eigen::Vector3d& place,
                                          std::optional<std::uint32_t> element) const;
   std::optional<TetDepth> depth_at_end(const Eigen::Vector3d& place,
-                                       std::optional<std::uint32_t> element) const;
+                                       std::optional<std::uint32_t> element, bool stays) const;
   // Finds the point of the element, or of its continuation, that the means of the ends of the step
   // map to `place`. False: there is none.
   bool find_site(const Eigen::Vector3d& place, std::uint32_t element, TetSite& site) const;
@@ -171,7 +172,7 @@ class TetStep final : public GuestStep {
   void condense(std::span<const std::uint32_t> nodes, std::array<double, kMostNodes>& shares) const;
   std::optional<TetDepth> depth_at(const Eigen::VectorXd& x, const std::vector<TetTree::Box>& boxes,
                                    const Eigen::Vector3d& place,
-                                   std::optional<std::uint32_t> element) const;
+                                   std::optional<std::uint32_t> element, bool stays) const;
   double step_size() const { return length(body_->options().step); }  // of the present part, s
   void assemble(double heavier, TangentKind tangent, bool with_contact);
   void add_contact(const Slope& slope);

@@ -66,6 +66,11 @@ TEST(ClothFile, AVertexThatStandsTwiceAlongASeamIsOneParticle) {
   EXPECT_EQ(parts->drawn->vertices.size(), 12U);
   ASSERT_EQ(parts->drawn->uvs.size(), 12U);
   EXPECT_EQ(parts->drawn->uvs[6], Eigen::Vector2f(0.5F, 0));
+  const ClothLook look = look_of(*parts);
+  ASSERT_EQ(look.particles.size(), 12U);
+  EXPECT_EQ(look.particles[4], look.particles[6]);
+  EXPECT_EQ(look.uvs.size(), 12U);
+  EXPECT_EQ(look.triangles.size(), 8U);
 }
 
 TEST(ClothFile, ColumnsThatAreApartStayApart) {

@@ -156,5 +156,54 @@ TEST(TetsAsObstacle, CarryABodyOfTheSameWidth) {
   }
 }
 
+// A cube with one rim pushed in, so that the elements on both sides of y = 0 continue in different
+// ways outside. A point that passes there stays in the element in which it was before, however far
+// from the others; without one it is given to the nearest, and none is near enough far outside.
+TEST(TetsAsObstacle, APointOutsideOfAllElementsStaysInItsOwn) {
+  const MixedKind kind;
+  MixedWorld world(kind.step);
+  const TetModelPointer model = testing::tets_cube(1e5, 2);
+  TetBody body =
+      testing::tets_body(model, kind, Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero());
+  const Vector3d out(1, 0, 1);
+  Eigen::VectorXd x = model->rest();
+  for (Eigen::Index i = 0; i < x.size(); i += 3) {
+    const Vector3d at = model->rest().segment<3>(i);
+    if (at.x() > 0.049 && at.z() > 0.049) x.segment<3>(i) -= (0.02 - 8.0 * at.y() * at.y()) * out;
+  }
+  ASSERT_TRUE(body.set_state(x, Eigen::VectorXd::Zero(x.size())));
+  ASSERT_TRUE(world.add("cube", std::move(body), testing::contact_of(kind, Vector3d::Ones()),
+                        testing::cube_hull(model)));
+  ASSERT_TRUE(world.step());  // finds the body's boxes
+  const TetStep& step = *world.guests().tets(0);
+  x = step.body().positions();
+  Vector3d rim = Vector3d::Zero();
+  for (Eigen::Index i = 0; i < x.size(); i += 3)
+    if ((model->rest().segment<3>(i) - Vector3d(0.05, 0.0, 0.05)).norm() < 1e-9)
+      rim = x.segment<3>(i);
+  ASSERT_FALSE(rim.isZero());
+  for (const double far : {2e-4, 4e-3}) {
+    const auto place = [&](int k, double off) {
+      return Vector3d(rim + off * out + Vector3d(0, 1e-4 * k, 0));
+    };
+    const std::optional<TetDepth> first = step.depth_at_start(place(-8, 1e-4), std::nullopt);
+    ASSERT_TRUE(first);
+    std::optional<TetDepth> before;
+    bool others = false;
+    for (int k = -8; k <= 4; ++k) {
+      const auto nearest = step.depth_at_start(place(k, far), std::nullopt);
+      others = others || !nearest || nearest->element != first->element;
+      const auto now = step.depth_at_start(place(k, far), first->element);
+      ASSERT_TRUE(now) << far << ", " << k;
+      EXPECT_EQ(now->element, first->element) << far << ", " << k;
+      if (before) {
+        EXPECT_LT(std::abs(now->distance - before->distance), 1e-4) << far << ", " << k;
+      }
+      before = now;
+    }
+    EXPECT_TRUE(others) << far;
+  }
+}
+
 }  // namespace
 }  // namespace tremolo

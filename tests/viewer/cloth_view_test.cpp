@@ -3,6 +3,7 @@
 
 #include "runtime/apps/view/cloth/cloth_scenes.h"
 #include "runtime/apps/view/picture/png_file.h"
+#include "tests/viewer/masks.h"
 #include "tests/viewer/viewer_files.h"
 
 namespace tremolo {
@@ -231,14 +232,68 @@ TEST(ClothView, ShadowsAreNotSeenOnWallsThatAreGlass) {
   EXPECT_GT(least, 0.85 * largest);
 }
 
+// An upright grid has the whole image, u along `along`: red on the left, blue on the right. So has
+// a file with a seam in the middle, whose two sides have different texture coordinates.
+TEST(ClothView, ATextureIsDrawnOnGridsAndFilesAloneAndAmongOthers) {
+  if (const std::string why = testing::no_pictures(); !why.empty()) GTEST_SKIP() << why;
+  const std::string folder = fresh_folder();
+  Picture image{8, 2, {}};
+  for (int k = 0; k < 16; ++k)
+    for (const int channel : {255 * (k % 8 < 4), 0, 255 * (k % 8 >= 4)})
+      image.pixels.push_back(static_cast<std::uint8_t>(channel));
+  ASSERT_TRUE(write_png(folder + "/skin.png", image));
+  std::ofstream(folder + "/seam.obj")
+      << "v -0.5 0 0\nv 0 0 0\nv 0.5 0 0\nv -0.5 0 1\nv 0 0 1\nv 0.5 0 1\n"
+         "vt 0 0\nvt 0.4 0\nvt 0.4 1\nvt 0 1\nvt 0.6 0\nvt 1 0\nvt 1 1\nvt 0.6 1\n"
+         "f 1/1 2/2 5/3\nf 1/1 5/3 4/4\nf 2/5 3/6 6/7\nf 2/5 6/7 5/8\n";
+  const std::string head = "duration = 1\nstep = 0.01\ngravity = [0, 0, 0]\n";
+  const std::string grid =
+      "columns = 11\nrows = 11\ncorner = [-0.5, 0, 0]\nalong = [1, 0, 0]\nacross = [0, 0, 1]\n";
+  const std::string file = "file = \"seam.obj\"\n";
+  const std::string ball =
+      "[[bodies]]\nname = \"ball\"\nkind = \"rigid\"\nshape = \"sphere\"\nradius = 0.02\n"
+      "position = [0, 0.5, 0.5]\n";
+  int number = 0;
+  for (const std::string& cut : {grid, file})
+    for (const bool alone : {true, false}) {
+      const std::string scene = "scene" + std::to_string(number++) + ".toml";
+      std::ofstream(folder + "/" + scene)
+          << head << (alone ? "" : ball)
+          << (alone ? "[[cloths]]\n" : "[[bodies]]\nkind = \"cloth\"\n") << "name = \"sheet\"\n"
+          << cut;
+      const testing::Shots shots =
+          testing::shoot(folder, scene,
+                         "--size 300x300 --background white --lights 2 --camera 0,0 "
+                         "--texture skin.png");
+      ASSERT_EQ(shots.result.code, 0) << scene << shots.result.err;
+      const Picture picture = testing::picture_of(shots, 0);
+      int red = 0, blue = 0, wrong = 0;
+      for (int y = 0; y < picture.height; ++y)
+        for (int x = 0; x < picture.width; ++x) {
+          const std::uint8_t* at = picture.pixels.data() + 3 * (y * picture.width + x);
+          const bool is_red = at[0] > at[2] + 60, is_blue = at[2] > at[0] + 60;
+          red += is_red ? 1 : 0;
+          blue += is_blue ? 1 : 0;
+          wrong += (x < 145 && is_blue) || (x > 155 && is_red) ? 1 : 0;
+        }
+      EXPECT_GT(red, 5000) << scene;
+      EXPECT_GT(blue, 5000) << scene;
+      EXPECT_EQ(wrong, 0) << scene;
+    }
+  std::ofstream(folder + "/square.toml") << kSquare;
+  const ProgramResult named = run_program(
+      folder, testing::kView + "square.toml --texture side=skin.png --offscreen --out a");
+  EXPECT_EQ(named.code, 3);
+  EXPECT_NE(named.err.find("no names"), std::string::npos) << named.err;
+}
+
 TEST(ClothView, FlagsThatAreOfBodiesAreRefused) {
   const std::string folder = fresh_folder();
   std::ofstream(folder + "/square.toml") << kSquare;
   for (const char* flags :
        {"--colour stress --offscreen --out a", "--record-hand a.toml --offscreen --out a",
-        "--record-hand a.toml --beside square.toml", "--texture a.png --offscreen --out a",
-        "--colour degree --offscreen --out a", "--offscreen", "--video a.mp4",
-        "--beside square.toml --step 0 --offscreen --out a"}) {
+        "--record-hand a.toml --beside square.toml", "--colour degree --offscreen --out a",
+        "--offscreen", "--video a.mp4", "--beside square.toml --step 0 --offscreen --out a"}) {
     const ProgramResult result = run_program(folder, testing::kView + "square.toml " + flags);
     EXPECT_TRUE(result.code == 2 || result.code == 3) << flags << result.err;
   }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -35,6 +36,9 @@ struct ClothParts {
   // the numbers are the same.
   std::vector<VertexId> particle_of;
   std::size_t joined = 0;  // vertices of the file that have no particle of their own
+  // Texture coordinates of a grid's particles, (0, 0) at its corner to (1, 1): u along its columns,
+  // v along its rows. Empty: a file, whose surface may have its own.
+  std::vector<Eigen::Vector2f> uvs;
 
   std::size_t particles() const { return static_cast<std::size_t>(x.size()) / 3; }
   // Numbers of vertices in the file or of grid points, as scenes have them, and of particles.
@@ -47,6 +51,26 @@ struct ClothParts {
 
 // The drawn surface of a file with the particles at x, 3n; its normals are those at rest.
 RenderSurface drawn_at(const ClothParts& parts, const Eigen::VectorXd& x);
+
+// The surface as which a cloth is drawn: of a file with texture coordinates that of the file, in
+// which several vertices may be one particle; of all others the particles. Valid as long as the
+// parts.
+struct ClothLook {
+  std::span<const Triangle> triangles;
+  std::span<const Eigen::Vector2f> uvs;  // of each vertex; empty: it has no texture coordinates
+  std::vector<std::uint32_t> particles;  // of each vertex
+};
+ClothLook look_of(const ClothParts& parts);
+
+// Values of particles, `count` each, for the vertices of a look.
+template <class Number>
+void spread_to_look(const ClothLook& look, std::span<const Number> of_particles, std::size_t count,
+                    std::vector<Number>& of_vertices) {
+  of_vertices.clear();
+  for (const std::size_t particle : look.particles)
+    for (std::size_t k = 0; k < count; ++k)
+      of_vertices.push_back(of_particles[count * particle + k]);
+}
 
 // Sets the rest lengths of the pairs to those at x. Errors (kContent): two particles at one
 // position, with their numbers and `kind`.

@@ -70,6 +70,10 @@ Result<ClothParts> make_grid_cloth(const SceneCloth& cloth) {
       parts.x.segment<3>(3 * grid_id(grid, row, column)) =
           cloth.placed(grid.corner + static_cast<double>(column) * wide * grid.along +
                        static_cast<double>(row) * high * grid.across);
+  for (std::size_t row = 0; row < grid.rows; ++row)
+    for (std::size_t column = 0; column < grid.columns; ++column)
+      parts.uvs.emplace_back(static_cast<float>(column) / static_cast<float>(grid.columns - 1),
+                             static_cast<float>(row) / static_cast<float>(grid.rows - 1));
   add_cells(grid, cloth.density * wide * high, parts);
   parts.structural.law = cloth.structural;
   parts.shear.law = cloth.shear;

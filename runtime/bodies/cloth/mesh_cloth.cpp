@@ -130,6 +130,24 @@ std::size_t ClothParts::vertex_of_particle(std::size_t particle) const {
   return static_cast<std::size_t>(found - particle_of.begin());
 }
 
+ClothLook look_of(const ClothParts& parts) {
+  ClothLook look{parts.triangles, parts.uvs, {}};
+  if (parts.drawn == nullptr || parts.drawn->uvs.empty()) {
+    look.particles.resize(parts.particles());
+    std::iota(look.particles.begin(), look.particles.end(), 0U);
+    return look;
+  }
+  const RenderSurface& drawn = *parts.drawn;
+  look.triangles = drawn.triangles;
+  look.uvs = drawn.uvs;
+  for (std::size_t v = 0; v < drawn.vertices.size(); ++v) {
+    const std::size_t vertex =
+        drawn.sources.empty() ? v : static_cast<std::size_t>(drawn.sources[v]);
+    look.particles.push_back(static_cast<std::uint32_t>(parts.particle_of_vertex(vertex)));
+  }
+  return look;
+}
+
 RenderSurface drawn_at(const ClothParts& parts, const Eigen::VectorXd& x) {
   RenderSurface surface = *parts.drawn;
   for (std::size_t v = 0; v < surface.vertices.size(); ++v) {

@@ -36,6 +36,7 @@ Result<AnimatedShape> cloth_shape(const SceneCloth& cloth) {
   for (std::size_t i = 0; i < surface.vertices.size(); ++i)
     surface.vertices[i] = parts->x.segment<3>(3 * i);
   surface.triangles = parts->triangles;
+  surface.uvs = parts->uvs;
   surface.object_of.assign(surface.triangles.size(), 0);
   surface.material_of.assign(surface.triangles.size(), 0);
   surface.objects = surface.materials = {cloth.name};

@@ -76,6 +76,7 @@ void ClothScenes::place_beside() {
 void ClothScenes::list_parts() {
   for (std::size_t s = 0; s < shown_.size(); ++s)
     for (std::size_t i = 0; i < shown_[s].world.cloths(); ++i) sheets_.push_back({s, i});
+  find_looks();
   for (const bool colliders : {false, true})
     for (std::size_t s = 0; s < shown_.size(); ++s) {
       const ClothScene& scene = shown_[s].file.scene;
@@ -84,14 +85,23 @@ void ClothScenes::list_parts() {
     }
 }
 
+void ClothScenes::find_looks() {
+  looks_.clear();
+  for (const Part& sheet : sheets_)
+    looks_.push_back(look_of(shown_[sheet.scene].world.model(sheet.number).parts()));
+}
+
 std::vector<ShownSheet> ClothScenes::sheets() const {
   std::vector<ShownSheet> sheets;
   for (const Part& part : sheets_) {
     const Shown& shown = shown_[part.scene];
-    ShownSheet sheet{shown.file.scene.cloths[part.number].name, shown.world.triangles(part.number),
-                     shown.world.particles(part.number)};
+    const ClothLook& look = looks_[sheets.size()];
+    ShownSheet sheet{shown.file.scene.cloths[part.number].name, look.triangles,
+                     look.particles.size()};
     const Eigen::VectorXd& x = shown.world.model(part.number).parts().x;
-    for (Eigen::Index k = 0; k + 2 < x.size(); k += 3) sheet.rest.emplace_back(x.segment<3>(k));
+    for (const std::uint32_t particle : look.particles)
+      sheet.rest.emplace_back(x.segment<3>(3 * static_cast<Eigen::Index>(particle)));
+    sheet.uvs = look.uvs;
     sheets.push_back(std::move(sheet));
   }
   return sheets;
@@ -111,9 +121,16 @@ std::vector<ShownSolid> ClothScenes::solids() const {
 
 void ClothScenes::place(std::size_t sheet, SheetNow& now) const {
   const Shown& shown = shown_[sheets_[sheet].scene];
-  const Eigen::VectorXd& x = shown.world.positions(sheets_[sheet].number);
-  now.positions.assign(x.begin(), x.end());
+  const std::size_t cloth = sheets_[sheet].number;
+  const Eigen::VectorXd& x = shown.world.positions(cloth);
+  spread_to_look<double>(looks_[sheet], {x.data(), static_cast<std::size_t>(x.size())}, 3,
+                         now.positions);
   for (std::size_t k = 0; k < now.positions.size(); ++k) now.positions[k] += shown.aside[k % 3];
+  // Vertices of one particle on both sides of a seam have one normal.
+  if (looks_[sheet].particles.size() == shown.world.particles(cloth)) return;
+  particles_.assign(x.begin(), x.end());
+  mean_normals(shown.world.triangles(cloth), particles_, normals_);
+  spread_to_look<float>(looks_[sheet], normals_, 3, now.normals);
 }
 
 Pose ClothScenes::pose(std::size_t solid) const {
@@ -164,6 +181,7 @@ Status ClothScenes::begin_again() {
     if (!world) return error_of_file(one.file.path, value_error(world.error()));
     one.world = std::move(*world);
   }
+  find_looks();
   record_.clear();
   return Success{};
 }
@@ -250,10 +268,6 @@ namespace {
 
 Result<int> view_cloth(const ViewerOptions& options, const GivenFlags& flags) {
   if (Status s = refuse_body_flags(options, "cloth"); !s) return s.error();
-  if (!options.textures.empty())
-    return usage_error(
-        "--texture does not apply to cloth: it is drawn by its particles, which have no texture "
-        "coordinates");
   if (options.colour == "stress" || options.colour == "degree")
     return usage_error("--colour " + options.colour +
                        " does not apply to cloth, which consists of springs: use body or moved");

@@ -9,6 +9,7 @@
 #include "runtime/apps/view/live/viewed_scene.h"
 #include "runtime/apps/view/setup/viewer_options.h"
 #include "runtime/apps/view/surfaces/moving_surfaces.h"
+#include "runtime/bodies/cloth/cloth_parts.h"
 #include "runtime/bodies/cloth/cloth_world.h"
 #include "runtime/io/scenes/nodal_readers.h"
 
@@ -103,9 +104,12 @@ class ClothScenes : public MovingSurfaces {
   ClothScenes() = default;
   void place_beside();
   void list_parts();
+  void find_looks();
 
   std::vector<Shown> shown_;
   std::vector<Part> sheets_, solids_;
+  std::vector<ClothLook> looks_;                    // of each sheet
+  mutable std::vector<float> particles_, normals_;  // room of place()
   std::optional<Hand> hand_;
   ClothHandRecord record_;
   bool records_ = false;

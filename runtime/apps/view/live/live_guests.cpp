@@ -16,6 +16,11 @@ float quadratic_share(const TetModel& model, const TetModelElement& element,
   return static_cast<float>(quadratic) / 6.0F;
 }
 
+LiveGuests::LiveGuests(WorldGuests guests) : guests_(std::move(guests)) {
+  for (std::size_t i = 0; i < size(); ++i)
+    looks_.push_back(is_cloth(i) ? look_of(cloth(i).model().parts()) : ClothLook{});
+}
+
 std::string LiveGuests::method(std::size_t i) const {
   return is_cloth(i) ? cloth(i).integrator()
                      : std::string(tet_method_name(tets(i).options().method));
@@ -28,7 +33,7 @@ bool LiveGuests::is_held(std::size_t i) const {
 }
 
 std::span<const Triangle> LiveGuests::triangles(std::size_t i) const {
-  if (is_cloth(i)) return cloth(i).model().parts().triangles;
+  if (is_cloth(i)) return looks_[i].triangles;
   return guests_.kind(i).surface->rest().triangles;
 }
 
@@ -36,7 +41,8 @@ std::vector<Vector3d> LiveGuests::rest(std::size_t i) const {
   if (!is_cloth(i)) return guests_.kind(i).surface->rest().vertices;
   const Eigen::VectorXd& x = cloth(i).model().parts().x;
   std::vector<Vector3d> rest;
-  for (Eigen::Index k = 0; k + 2 < x.size(); k += 3) rest.emplace_back(x.segment<3>(k));
+  for (const std::uint32_t particle : looks_[i].particles)
+    rest.emplace_back(x.segment<3>(3 * static_cast<Eigen::Index>(particle)));
   return rest;
 }
 
@@ -57,7 +63,7 @@ std::vector<std::optional<Material>> materials_of(const TetsKind& kind) {
 }
 
 std::span<const Eigen::Vector2f> LiveGuests::uvs(std::size_t i) const {
-  if (is_cloth(i)) return {};
+  if (is_cloth(i)) return looks_[i].uvs;
   return guests_.kind(i).surface->rest().uvs;
 }
 
@@ -69,8 +75,10 @@ std::vector<std::optional<Material>> LiveGuests::materials(std::size_t i) const 
 void LiveGuests::look(std::size_t i, BodyMoment& moment) const {
   if (is_cloth(i)) {
     const Eigen::VectorXd& x = cloth(i).state().x;
-    moment.positions.assign(x.begin(), x.end());
-    mean_normals(triangles(i), moment.positions, moment.normals);
+    particles_.assign(x.begin(), x.end());
+    mean_normals(cloth(i).model().parts().triangles, particles_, particle_normals_);
+    spread_to_look<float>(looks_[i], particles_, 3, moment.positions);
+    spread_to_look<float>(looks_[i], particle_normals_, 3, moment.normals);
     return;
   }
   const TetSurface& surface = *guests_.kind(i).surface;

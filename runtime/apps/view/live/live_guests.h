@@ -16,6 +16,7 @@
 #include "common/result.h"
 #include "runtime/apps/view/camera/camera.h"
 #include "runtime/apps/view/live/world_moment.h"
+#include "runtime/bodies/cloth/cloth_parts.h"
 #include "runtime/world/world_guests.h"
 
 namespace tremolo {
@@ -32,7 +33,7 @@ class LiveGuests {
  public:
   LiveGuests() = default;  // none
   // The world owns the guests and outlives this object.
-  explicit LiveGuests(WorldGuests guests) : guests_(std::move(guests)) {}
+  explicit LiveGuests(WorldGuests guests);
 
   std::size_t size() const { return guests_.guests == nullptr ? 0 : guests_.guests->size(); }
   const std::string& name(std::size_t i) const { return guests_.guests->name(i); }
@@ -43,12 +44,11 @@ class LiveGuests {
   // True if some of its vertices are fixed or moved by pins.
   bool is_held(std::size_t i) const;
 
-  // The surface: of a cloth its particles, of tetrahedra the drawn surface of their file.
+  // The surface: of a cloth as in look_of(), of tetrahedra the drawn surface of their file.
   std::span<const Triangle> triangles(std::size_t i) const;
   // At rest, m: of a cloth as it is cut, of tetrahedra in their file's frame.
   std::vector<Eigen::Vector3d> rest(std::size_t i) const;
-  // Texture coordinates of the surface's vertices; empty: there are none. A cloth is drawn by its
-  // particles, which have none.
+  // Texture coordinates of the surface's vertices; empty: there are none.
   std::span<const Eigen::Vector2f> uvs(std::size_t i) const;
   // Of each triangle; empty for a cloth.
   std::vector<std::optional<Material>> materials(std::size_t i) const;
@@ -83,9 +83,11 @@ class LiveGuests {
   TetBody& tets(std::size_t i) const { return guests_.guests->tets(i)->body(); }
 
   WorldGuests guests_;
+  std::vector<ClothLook> looks_;  // of each guest; empty of tetrahedra
   // Room of look().
   mutable std::vector<Eigen::Vector3d> places_;
   mutable std::vector<Eigen::Vector3f> normals_;
+  mutable std::vector<float> particles_, particle_normals_;
 };
 
 }  // namespace tremolo

@@ -95,7 +95,8 @@ Status SurfaceStage::add_images(const std::vector<StageImage>& images) {
     if (!any) return content_error("--texture: no body has texture coordinates");
     if (!image.material.empty())
       return content_error("--texture " + image.material +
-                           "=...: the materials of tetrahedra have no names: leave it out");
+                           "=...: the materials of cloths and of tetrahedra have no names: leave "
+                           "it out");
     images_.push_back(make_image(image.picture));
   }
   return Success{};
