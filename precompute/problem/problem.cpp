@@ -164,7 +164,7 @@ void attach_render(Problem& problem, RenderSurface surface, unsigned threads) {
   const auto note = [&problem](std::vector<std::string> notes) {
     for (std::string& each : notes) problem.notes.push_back(std::move(each));
   };
-  problem.embedding = embed(surface.vertices, problem.mesh, threads);
+  problem.embedding = embed_surface(surface, problem.mesh, threads);
   note(describe(problem.embedding, problem.mesh));
   note(add_surface_sets(surface, problem.mesh));
   problem.render = std::move(surface);
