@@ -155,7 +155,7 @@ TEST(RigidContact, GivesBallsOnSpringsTheirRestitution) {
         SceneJoint joint;
         joint.body = body.name;
         joint.at = "near:0,0,0.03";
-        joint.options.stiffness = 1e-9;
+        joint.options.stiffness = 1e-12;
         scene.joints.push_back(joint);
       }
       EXPECT_NEAR(rebound(scene), restitution, 0.01) << step;
