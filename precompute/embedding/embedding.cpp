@@ -150,7 +150,11 @@ class Locator {
 
 }  // namespace
 
-Embedding embed(const std::vector<Eigen::Vector3d>& points, const TetMesh& mesh, unsigned threads) {
+namespace {
+
+// used: which points the counts and distances are of; empty: all.
+Embedding embed_points(const std::vector<Eigen::Vector3d>& points, const std::vector<bool>& used,
+                       const TetMesh& mesh, unsigned threads) {
   const Locator locator(mesh);
   std::vector<Locator::Place> places(points.size());
   constexpr std::size_t kChunk = 1024;
@@ -161,9 +165,12 @@ Embedding embed(const std::vector<Eigen::Vector3d>& points, const TetMesh& mesh,
   Embedding embedding;
   embedding.tetrahedra.reserve(points.size());
   embedding.weights.reserve(points.size());
-  for (const Locator::Place& place : places) {
+  for (std::size_t v = 0; v < places.size(); ++v) {
+    const Locator::Place& place = places[v];
     embedding.tetrahedra.push_back(place.tet);
     embedding.weights.push_back(place.weights);
+    if (!used.empty() && !used[v]) continue;
+    ++embedding.counted;
     if (place.distance > 0.0) ++embedding.outside;
     embedding.largest_distance = std::max(embedding.largest_distance, place.distance);
     if (!place.clamped) continue;
@@ -171,6 +178,19 @@ Embedding embed(const std::vector<Eigen::Vector3d>& points, const TetMesh& mesh,
     embedding.clamped_distance = std::max(embedding.clamped_distance, place.distance);
   }
   return embedding;
+}
+
+}  // namespace
+
+Embedding embed(const std::vector<Eigen::Vector3d>& points, const TetMesh& mesh, unsigned threads) {
+  return embed_points(points, {}, mesh, threads);
+}
+
+Embedding embed_surface(const RenderSurface& surface, const TetMesh& mesh, unsigned threads) {
+  std::vector<bool> used(surface.vertices.size(), false);
+  for (const Triangle& triangle : surface.triangles)
+    for (const VertexId id : triangle) used[id] = true;
+  return embed_points(surface.vertices, used, mesh, threads);
 }
 
 BasisRows embedded_rows(const Embedding& embedding, const TetMesh& mesh, const BasisRows& basis) {
@@ -203,7 +223,7 @@ std::vector<std::string> describe(const Embedding& embedding, const TetMesh& mes
   std::snprintf(text, sizeof(text),
                 "render surface: %zu vertices inside the tetrahedra, %zu outside, the farthest by "
                 "%.3g m (%.2g %% of the size)",
-                embedding.weights.size() - embedding.outside, embedding.outside,
+                embedding.counted - embedding.outside, embedding.outside,
                 embedding.largest_distance, 100.0 * embedding.largest_distance / size);
   notes.emplace_back(text);
   if (embedding.clamped > 0) {

@@ -27,6 +27,7 @@ inline constexpr double kLargestWeight = 3.0;
 struct Embedding {
   std::vector<std::size_t> tetrahedra;
   std::vector<Eigen::Vector4d> weights;
+  std::size_t counted = 0;  // points that the next four values are of
   std::size_t outside = 0;
   double largest_distance = 0;  // of those outside
   std::size_t clamped = 0;      // of those, follow the nearest point
@@ -37,6 +38,10 @@ struct Embedding {
 // on the number of threads.
 Embedding embed(const std::vector<Eigen::Vector3d>& points, const TetMesh& mesh,
                 unsigned threads = 1);
+
+// Attaches the vertices of a surface. The counts and distances leave out those that belong to no
+// triangle: nobody sees where they are.
+Embedding embed_surface(const RenderSurface& surface, const TetMesh& mesh, unsigned threads = 1);
 
 // W U, 3s x r; basis: U, 3n x r.
 BasisRows embedded_rows(const Embedding& embedding, const TetMesh& mesh, const BasisRows& basis);

@@ -8,6 +8,7 @@
 #include "common/mesh/selector.h"
 #include "common/mesh/surface_mesh.h"
 #include "common/packed_index.h"
+#include "common/text.h"
 #include "common/units.h"
 #include "formats/basis/selector_reader.h"
 #include "formats/surface/surface_reader.h"
@@ -143,8 +144,15 @@ DefaultLoad make_load(const LoadRequest& request, const Problem& problem) {
     of_free.push_back(shares[n]);
     total += shares[n];
   }
-  if (load.vertices.empty())
-    throw Failure(content_error("--load-at " + request.at.text + ": every such vertex is fixed"));
+  if (load.vertices.empty()) {
+    std::string message = "--load-at " + request.at.text + ": every such vertex is fixed";
+    const std::vector<std::string> near = near_notes(request.at, problem.mesh);
+    for (const std::string& each : near) message += "; " + each;
+    if (!near.empty())
+      message += ". The mesh is " + number_text(bounding_box(problem.mesh.vertices).diagonal()) +
+                 " m across: if its unit is not 1 m, say so by --unit";
+    throw Failure(content_error(message));
+  }
   // The part of the force on a face's fixed vertices is distributed over the others.
   const auto count = static_cast<double>(load.vertices.size());
   for (const double share : of_free)
@@ -156,7 +164,7 @@ void attach_render(Problem& problem, RenderSurface surface, unsigned threads) {
   const auto note = [&problem](std::vector<std::string> notes) {
     for (std::string& each : notes) problem.notes.push_back(std::move(each));
   };
-  problem.embedding = embed(surface.vertices, problem.mesh, threads);
+  problem.embedding = embed_surface(surface, problem.mesh, threads);
   note(describe(problem.embedding, problem.mesh));
   note(add_surface_sets(surface, problem.mesh));
   problem.render = std::move(surface);

@@ -62,7 +62,7 @@ void refine(int times, unsigned threads, Problem& problem) {
   }
   const std::string name = problem.mesh_hash + " refined " + std::to_string(times);
   problem.mesh_hash = hash_text(hash_bytes(std::as_bytes(std::span(name))));
-  if (problem.render) problem.embedding = embed(problem.render->vertices, problem.mesh, threads);
+  if (problem.render) problem.embedding = embed_surface(*problem.render, problem.mesh, threads);
   problem.notes.push_back("--refine " + std::to_string(times) + ": " +
                           std::to_string(problem.mesh.tetrahedra.size()) +
                           " tetrahedra; what selectors chose on the mesh as it is given holds");

@@ -61,6 +61,7 @@ void ContactRecord::reset() {
 void ContactRecord::begin(const ContactAccount& begun) {
   clear_contacts();
   account = begun;
+  rounding = 0.0;
 }
 
 void ContactRecord::add_part(const ContactRecord& part) {
@@ -73,6 +74,7 @@ void ContactRecord::add_part(const ContactRecord& part) {
   }
   for (const ContactedPoint& point : part.contacted) add_point(contacted, point);
   held_steps = part.held_steps;
+  rounding += part.rounding;
 }
 
 }  // namespace tremolo

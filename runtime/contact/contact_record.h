@@ -22,6 +22,8 @@ struct ContactRecord {
   // Number of steps since the start that kept friction limits as a last resort (renewal() in
   // solve/contact_step.h).
   std::int64_t held_steps = 0;
+  // Most energy that the rounding of positions at hands and joints may have given in the step, J.
+  double rounding = 0.0;
 
   // Makes room for the contacts of that many points with that many colliders.
   void reserve(std::size_t points, std::size_t colliders);

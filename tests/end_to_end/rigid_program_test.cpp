@@ -51,6 +51,21 @@ TEST_F(RigidProgram, BodiesJoinedAtRestStayThere) {
   }
 }
 
+// A ball hangs at rest. Its energy is that of a millionth of a metre, and rounding at the string,
+// which grows with the weight and the string's length, is more than a millionth of that.
+TEST_F(RigidProgram, RoundingAtAStringIsNoErrorOfTheBalance) {
+  for (const char* step : {"0.003", "0.001", "0.0003"})
+    for (const char* duration : {"0.1", "10"}) {
+      const nlohmann::json report =
+          run(fmt::format("step = {}\nduration = {}\n", step, duration) +
+              "gravity = [0, 0, -9.81]\n[[bodies]]\nname = \"ball\"\nkind = \"rigid\"\n"
+              "shape = \"sphere\"\nradius = 0.05\nmass = 1\n[[joints]]\nbody = \"ball\"\n"
+              "at = \"near:0,0,0.05\"\nto = \"world\"\npoint = [0, 0, 20.05]\nlength = 20\n");
+      EXPECT_EQ(report["exit_code"], 0);
+      EXPECT_LT(report["bodies"][0]["energy_max"], 1e-6);
+    }
+}
+
 // The force at the end of the motion without contact, a thousand times the weight, is no measure of
 // the step's accuracy.
 TEST_F(RigidProgram, HardBodiesBalanceTheirEnergyAtLongSteps) {

@@ -110,6 +110,22 @@ TEST(Embedding, RowsAreTheWeightsTimesTheBasis) {
               kRounding);
 }
 
+// Scans have vertices that no triangle uses, far from the surface.
+TEST(Embedding, VerticesThatNoTriangleUsesAreNotCounted) {
+  const TetMesh mesh = bar();
+  RenderSurface surface;
+  surface.vertices = {{0.0, 0.0, 0.0}, {0.1, 0.0, 0.0}, {0.0, 0.1, 0.01}, {9.0, 0.0, 0.0}};
+  surface.triangles = {{0, 1, 2}};
+  const Embedding embedding = embed_surface(surface, mesh);
+  EXPECT_EQ(embedding.weights.size(), 4u);
+  EXPECT_EQ(embedding.counted, 3u);
+  EXPECT_EQ(embedding.outside, 0u);
+  EXPECT_EQ(embedding.clamped, 0u);
+  EXPECT_EQ(embedding.largest_distance, 0.0);
+  EXPECT_EQ(describe(embedding, mesh).size(), 1u);  // no warning
+  EXPECT_EQ(embed(surface.vertices, mesh).outside, 1u);
+}
+
 TEST(Embedding, TheDistanceIsThatToTheBoundary) {
   const TetMesh mesh = bar();
   const Embedding embedding =

@@ -224,6 +224,16 @@ class Programs(unittest.TestCase):
                              check=False)
         self.assertIn("FileError: /nowhere/tremolo-precompute: there is no such program", run.stderr)
 
+    def test_are_found_in_a_folder_that_is_given_from_here(self):
+        folder = os.path.dirname(tremolo.find_program("tremolo-precompute"))
+        environment = {**os.environ, "TREMOLO_BIN": os.path.relpath(folder)}
+        # The program runs in another folder.
+        command = ("import tremolo; print(tremolo.precompute(*tremolo.box((1, 1, 1), (1, 1, 1)), young=1e6, "
+                   "poisson=0.3, density=1000, fixed='x<0.1', order=1, r=2).modes)")
+        run = subprocess.run([sys.executable, "-c", command], env=environment, capture_output=True, text=True,
+                             check=False)
+        self.assertEqual((run.returncode, run.stdout.strip()), (0, "2"), run.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -22,6 +22,8 @@ constexpr double kFarthestFix = 0.1;
 typedef float HalfVector __attribute__((vector_size(32), may_alias));
 typedef std::int64_t LaneBits __attribute__((vector_size(64), may_alias));
 
+}  // namespace
+
 template <class Real>
 struct VectorOf;
 template <>
@@ -56,6 +58,8 @@ struct SegmentHalf {
     return *reinterpret_cast<typename VectorOf<Real>::Type*>(row + i * rows.stride + lane);
   }
 };
+
+namespace {
 
 [[gnu::always_inline]] inline void assign(const LaneVector& v, LaneVector& out) {
   out = v;

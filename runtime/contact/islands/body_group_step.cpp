@@ -150,8 +150,13 @@ bool BodyGroup::step_impact(const Island& island, std::size_t points, Worker& wo
   // Parts cost up to 80 times the step, so that heaps take it whole.
   constexpr std::size_t kMostBodies = 16, kDeformable = 12;
   std::size_t bodies = 0;
-  for (const IslandMember& member : worker.members)
-    bodies += member.contact->surface().points->rigid() ? 1 : kDeformable;
+  for (const IslandMember& member : worker.members) {
+    const ContactPoints& solid = *member.contact->surface().points;
+    if (solid.rigid())
+      ++bodies;
+    else if (solid.reach.maxCoeff() > 0.0)  // not the world's end of a joint
+      bodies += kDeformable;
+  }
   const double h = bodies_[islands_[island.first]]->options_.step;
   if (bodies > kMostBodies ||
       !worker.impacts.divides(worker.members, std::span(worker.points).first(points), h, false))

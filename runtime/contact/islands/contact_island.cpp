@@ -332,9 +332,14 @@ void ContactIsland::begin() {
   for (PairPoint& pair : points_) begin_pair(pair);
   for (IslandJoint& link : joints_) {
     const Joint& joint = *link.joint;
-    begin_joint(link, body(link.a).equations(), body(link.b).equations());
-    members_[link.a].contact->hold_at(joint.first, joint.stiffness + 2.0 * joint.damping / h_);
-    members_[link.b].contact->hold_at(joint.second, joint.stiffness + 2.0 * joint.damping / h_);
+    const ContactEquations &one = body(link.a).equations(), &two = body(link.b).equations();
+    begin_joint(link, one, two);
+    const double stiffness = joint.stiffness + 2.0 * joint.damping / h_;
+    const auto far = [](const ContactEquations& of, const JointPlace& place) {
+      return of.motion.c0.norm() + place.rest.norm();
+    };
+    members_[link.a].contact->hold_at(joint.first, stiffness, far(two, joint.second));
+    members_[link.b].contact->hold_at(joint.second, stiffness, far(one, joint.first));
   }
 }
 

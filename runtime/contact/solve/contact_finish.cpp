@@ -98,6 +98,7 @@ void ContactStep::finish(State& state, StepReport& report, const ContactAccount&
   VectorXd& d = middle_;
   d = eq_.z.head(model_->modes());
   settle_account(pairs, start);
+  record_.rounding = work_of_rounding();
   remember();
   if (free_ != nullptr) {
     free_->set_contact(eq_.force, eq_.torque);

@@ -20,6 +20,11 @@ constexpr int kMostRenewals = 20;            // iterations that renew limits in 
 constexpr int kFullRenewals = 8;             // iterations in which limits are renewed wholly
 constexpr double kRoundedWay = 1e-14;        // shortest move, as a fraction of the body's extent
 
+// A bound of the rounding error of a position at that distance from the world's origin, m.
+double rounding_of_place(double far) {
+  return 4.0 * std::numeric_limits<double>::epsilon() * far;
+}
+
 }  // namespace
 
 // Unit of size_of_residual(): momenta, and forces times h. The first residual of a step has the
@@ -47,8 +52,23 @@ double ContactStep::grips_rounding() const {
   return sum;
 }
 
-void ContactStep::hold_at(const VertexRows& place, double stiffness) {
-  joints_rounding_ += eq_.spring_rounding(place, 0.5 * stiffness, 2.0 * eq_.motion.c0.norm());
+void ContactStep::hold_at(const VertexRows& place, double stiffness, double other) {
+  const double own = eq_.motion.c0.norm(), far = own + std::max(own, other);
+  joints_rounding_ += eq_.spring_rounding(place, 0.5 * stiffness, far);
+  joints_far_ = std::max(joints_far_, far);
+}
+
+// What is left of the residual does work along the motion, and the force along the rounding errors
+// of the positions.
+double ContactStep::work_of_rounding() const {
+  const double left = near_rounding(false) * (grips_rounding() + joints_rounding_);
+  if (!(left > 0.0)) return 0.0;
+  double work = left * std::sqrt(surface().mass) * eq_.way_of(eq_.z) / options_.step;
+  if (free_ == nullptr) return work;
+  double far = joints_far_;
+  for (std::size_t i = 0; i < grips_.size(); ++i)
+    far = std::max(far, held_[i].x1.norm() + grips_[i].end.norm());
+  return work + eq_.force.norm() * rounding_of_place(far + eq_.points().extent);
 }
 
 double ContactStep::enough() const {

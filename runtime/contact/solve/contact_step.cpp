@@ -79,7 +79,7 @@ void ContactStep::begin(const State& state, const StepLoad& load, FreeFrame* fre
   eq_.z.head(r) = h * v0_;
   if (on_bones()) follow_bones();
   for (Candidate& candidate : touching()) begin_candidate(candidate);
-  joints_rounding_ = 0.0;
+  joints_rounding_ = joints_far_ = 0.0;
   first_size_ = -1.0;
   if (free_ != nullptr) {
     eq_.z.segment<3>(r) = free_->rigid().spin;

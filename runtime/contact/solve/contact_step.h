@@ -131,8 +131,9 @@ class ContactStep {
   const ContactEquations& equations() const { return eq_; }
   void begin(const State& state, const StepLoad& load, FreeFrame* free);
   // Declares that a joint of this stiffness, N/m, acts at the point: the rounding error that it
-  // causes there counts as small. Call it after begin().
-  void hold_at(const VertexRows& place, double stiffness);
+  // causes there counts as small. other: distance of the joint's other end from the world's origin,
+  // m; 0: no more than that of the body. Call it after begin().
+  void hold_at(const VertexRows& place, double stiffness, double other = 0.0);
   void evaluate(const ContactRenewal& renewal);
   double close();         // size of the residual, all rows as momenta, kg^1/2 m/s
   double enough() const;  // size below which a residual is small
@@ -199,6 +200,7 @@ class ContactStep {
   double size_without_contact();
   double size_of_motion() const;
   double grips_rounding() const;
+  double work_of_rounding() const;  // J, of all hands and joints, at most
   bool solve(double heavier, bool hold, StepReport& report);
   bool try_following(int iteration, double size, double& reached);
   void settle_grips();
@@ -232,6 +234,7 @@ class ContactStep {
   std::vector<StepMotion> grip_motions_;  // of a body on several bones, one a grip
   ContactRecord record_;
   double joints_rounding_ = 0.0;  // kg^1/2 m/s
+  double joints_far_ = 0.0;       // largest distance of their ends from the world's origin, m
   // Of the first residual of a step without forces at positions; below 0 before it.
   double first_size_ = 0.0;
   const StepLoad* load_ = nullptr;

@@ -21,7 +21,7 @@ def find_program(name: str) -> str:
     """
     given = os.environ.get("TREMOLO_BIN")
     if given:
-        path = pathlib.Path(given) / name
+        path = pathlib.Path(given).absolute() / name
         if not os.access(path, os.X_OK):
             raise errors.FileError(f"{path}: there is no such program, although TREMOLO_BIN names its folder")
         return str(path)

@@ -147,6 +147,8 @@ Status BodyLog::observe(const SceneWorld& world) {
   const EnergyAccount account = world.account(body_);
   report_.account = account;
   report_.balance.observe(account.total(), account.remainder(), turnover(account));
+  if (const ContactStep* contact = body.contact(); contact != nullptr && !world.asleep(body_))
+    report_.rounding_of_springs += contact->record().rounding;
   report_.slip_max = larger(report_.slip_max, body.contact_account().slip);
   if (shape_looks_.due(moment_.steps, moment_.state.q)) note_shape(world);
   // The drawn surface can be at its deepest only if the contact points are.
@@ -223,7 +225,7 @@ void BodyLog::judge_balance() {
   if (method != "avf" && method != "ep2" && method != "ep4") return;
   const EnergyBalance& balance = report_.balance;
   if (report_.exit_code != 0 || balance.remainder_max <= kBalanceBound * balance.most() ||
-      balance.remainder_max <= report_.rounding)
+      balance.remainder_max <= report_.rounding + report_.rounding_of_springs)
     return;
   report_.exit_code = exit_code(ErrorKind::kBound);
   report_.reason = fmt::format(

@@ -46,6 +46,8 @@ struct SceneBodyReport : BodyReport {
   // J; what contact and joints may leave of a body at rest by rounding of its positions. No smaller
   // energy or error is judged.
   double rounding = 0.0;
+  // J; ContactRecord::rounding, the sum of all steps. No smaller error is judged.
+  double rounding_of_springs = 0.0;
   double contact_speed_max = 0.0;  // m/s
   std::int64_t passed_through = 0;
 
