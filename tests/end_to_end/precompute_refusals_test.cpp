@@ -272,9 +272,9 @@ TEST_F(PrecomputeRefusals, ImpossibleConstraintsAndCountsAreRefused) {
                  "--modes 10");
   expect_failure(run(std::string("block.veg --load-at 'x<0.001' --load-force 0,0,1 ") + kGood), 3,
                  "fixed");
-  expect_failure(run(std::string("block.veg --load-at near:-30,0,0 --load-force 0,0,1 ") + kGood),
-                 3, "is fixed; near:-30,0,0: vertex ");
-  expect_failure(run(std::string("block.veg --load-at near:-30,0,0 --load-force 0,0,1 ") + kGood),
+  expect_failure(run(std::string("block.veg --load-at near:-0.1,0,0 --load-force 0,0,1 ") + kGood),
+                 3, "is fixed; near:-0.1,0,0: vertex ");
+  expect_failure(run(std::string("block.veg --load-at near:-0.1,0,0 --load-force 0,0,1 ") + kGood),
                  3, "m across: if its unit is not 1 m");
   expect_failure(run(std::string("block.veg --load-at 'x>0.39' ") + kGood), 3, "--load-force");
 }
