@@ -24,24 +24,12 @@ out=${2:?usage: error_against_r.sh BIN OUT [MODEL...]}
 shift 2
 models=${*:-beam horse heart bridge basket tower}
 root=$(cd "$(dirname "$0")/../.." && pwd)
+. "$root/tests/bench/readers.sh"
 orders=${ORDERS:-5 10 15 20 30 40 60}
 target=${TARGET-0.02} elements=${ELEMENTS:-1} derivatives=${DERIVATIVES:-3}
 step=${STEP:-0.003} duration=${DURATION:-0.45} threads=${THREADS:-1}
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 mkdir -p "$out"
-
-# max |q - q'| / max |q'| of two run.csv with rows at the same times; empty if one broke off.
-distance() {
-  [ -s "$1" ] && [ -s "$2" ] && [ "$(wc -l < "$1")" = "$(wc -l < "$2")" ] || return 0
-  paste -d, "$1" "$2" | awk -F, '
-    NR == 1 { for (i = 1; i <= NF; i++) if ($i ~ /^q[0-9]+$/) column[++count] = i; next }
-    { off = 0; size = 0
-      for (i = 1; i <= count / 2; i++) {
-        a = $column[i]; b = $column[i + count / 2]; off += (a - b)^2; size += b * b }
-      if (off > worst) worst = off
-      if (size > largest) largest = size }
-    END { if (largest > 0) printf "%.6g", sqrt(worst / largest) }'
-}
 
 simulate() { # FILE LOAD INTEGRATOR PARTS FOLDER: steps of STEP / PARTS
   local r coordinates=()
@@ -52,10 +40,6 @@ simulate() { # FILE LOAD INTEGRATOR PARTS FOLDER: steps of STEP / PARTS
     --step "$(awk -v h="$step" -v n="$4" 'BEGIN { printf "%.17g", h / n }')" --every "$4" \
     --duration "$duration" "${coordinates[@]}" --json > "$5.json" 2> "$5.log" ||
     rm -f "$5/run.csv"
-}
-
-field() { # FILE NAME: a number that inspect prints
-  "$bin/tremolo" inspect "$1" --json | sed -n "s/^ *\"$2\": *\([0-9]*\).*/\1/p" | head -n 1
 }
 
 # The numbers of a file, as the reference printed them.

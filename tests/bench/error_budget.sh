@@ -16,6 +16,7 @@ out=${2:?usage: error_budget.sh BIN OUT [MODEL...]}
 shift 2
 models=${*:-beam horse heart bridge basket tower}
 root=$(cd "$(dirname "$0")/../.." && pwd)
+. "$root/tests/bench/readers.sh"
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 mkdir -p "$out"
 
@@ -29,10 +30,6 @@ for model in $models; do
     mv "$name.partial" "$name.json"
   done
 done
-
-# number FILE NAME: a number of the JSON, or nothing.
-number() { sed -n "s/^ *\"$2\": *\([-+0-9.e]*\).*/\1/p" "$1" | head -n 1; }
-percent() { [ -z "$1" ] && echo - || awk -v x="$1" 'BEGIN { printf "%.2g %%\n", 100 * x }'; }
 
 {
   echo "| model | order | tetrahedra | dofs | mesh | mesh, off its limit | basis | step |"
