@@ -68,7 +68,10 @@ void add_outputs(CLI::App& app, CommandLine& line) {
 }
 
 void add_model_options(CLI::App& app, CommandLine& line) {
-  app.add_option("--linear-modes", line.basis.linear_modes, "K, linear modes (default 20)");
+  app.add_option(
+      "--linear-modes", line.basis.linear_modes,
+      "K, linear modes (default: R/2, at most 20; 20 if R is below 30, with --linear and "
+      "with --target-error)");
   app.add_option("--modes", line.basis.modes,
                  "R, coordinates to keep (default 30; with --linear all linear modes)");
   CLI::Option* target_error = app.add_option(

@@ -11,6 +11,8 @@
 namespace tremolo {
 namespace {
 
+constexpr int kDefaultModes = 30, kMostDefaultLinear = 20;
+
 // Rejects --error-budget where it cannot be measured.
 void require_measurable(const OutputRequest& output, const std::optional<LoadRequest>& load) {
   if (!output.error_budget) return;
@@ -42,11 +44,21 @@ void require_reachable(const BasisRequest& basis, const std::optional<LoadReques
          "--target-error works in one process: start it without mpiexec, with --threads"});
 }
 
+// Half of the coordinates are left for derivatives: 30 coordinates from 20 modes leave 61 % of the
+// motion of a sample tower out, from 15 modes 12 % (docs/error.md, "Time to 1 % error"). Fewer
+// coordinates are asked for where the modes themselves are wanted.
+int default_linear_modes(const BasisRequest& request) {
+  const int r = request.modes.value_or(kDefaultModes);
+  return request.linear || request.target_error || r < kDefaultModes
+             ? kMostDefaultLinear
+             : std::min(kMostDefaultLinear, r / 2);
+}
+
 }  // namespace
 
 ModeCounts choose_mode_counts(const BasisRequest& request, int free_dofs) {
   ModeCounts counts;
-  counts.linear = request.linear_modes.value_or(std::min(20, free_dofs));
+  counts.linear = request.linear_modes.value_or(std::min(default_linear_modes(request), free_dofs));
   const auto refuse = [](const std::string& text) { throw Failure(content_error(text)); };
   if (counts.linear < 1)
     refuse("--linear-modes " + std::to_string(counts.linear) + ": at least one is needed");
@@ -56,7 +68,7 @@ ModeCounts choose_mode_counts(const BasisRequest& request, int free_dofs) {
   const std::size_t k = counts.linear;
   const int most =
       static_cast<int>(std::min<std::size_t>(k + (request.linear ? 0 : pair_count(k)), free_dofs));
-  counts.modes = request.modes.value_or(request.linear ? most : std::min(30, most));
+  counts.modes = request.modes.value_or(request.linear ? most : std::min(kDefaultModes, most));
   if (counts.modes < 1 || counts.modes > most)
     refuse("--modes " + std::to_string(counts.modes) + ": " + std::to_string(counts.linear) +
            " linear modes" + (request.linear ? "" : " and their derivatives") + " give at most " +

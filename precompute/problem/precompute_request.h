@@ -15,8 +15,10 @@ inline constexpr int kMostTargetModes = 60;  // most coordinates with --target-e
 inline constexpr int kLoadVectors = 2;       // of them, columns for the load's own response
 
 struct BasisRequest {
-  std::optional<int> linear_modes;  // k; default 20, or the number of free dofs if smaller
-  std::optional<int> modes;         // r; default 30 or the most that k allows; k for a linear model
+  // k; default half of the coordinates, at most 20; 20 for fewer than 30 coordinates, for linear
+  // models and with target_error; never more than the free dofs
+  std::optional<int> linear_modes;
+  std::optional<int> modes;  // r; default 30 or the most that k allows; k for a linear model
   std::optional<double>
       target_error;     // choose the smallest r that reaches it (target_error.h), dimensionless
   bool linear = false;  // the basis is the linear modes; no derivatives, no C, no Q

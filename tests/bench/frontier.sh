@@ -82,7 +82,7 @@ make() {
   median <"$name.times" >"$name.time"
 }
 
-basis() { # MODEL ELEMENTS REFINED NAME: of r coordinates, of the sample's own file, or of the program's defaults
+basis() { # MODEL ELEMENTS REFINED NAME: of r coordinates, of the sample's own file, or of 20 modes (default)
   case $4 in
     own) make "$@" ;;
     default) make "$@" --linear-modes 20 --modes 30 --derivatives 3 ;;

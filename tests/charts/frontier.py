@@ -75,7 +75,7 @@ def seconds(x):
 
 
 def named(point):
-    basis = {"own": "own file", "default": "defaults"}.get(point["basis"], f"r = {point['basis']}")
+    basis = {"own": "own file", "default": "20 modes"}.get(point["basis"], f"r = {point['basis']}")
     method, step = point["step"].split(":")
     what = "whole mesh" if point["basis"] == "whole" else f"{basis}, {method} {1000 * float(step):g} ms"
     return f"{MESHES[point['mesh']]}, {what}"
@@ -121,7 +121,7 @@ for model in models:
         if reduced:
             curves.append(curve(label, frontier(reduced), "lines and points", ink))
     curves.append(curve("whole meshes", [p for p in points if p["basis"] == "whole"], "points", report.INKS[4]))
-    curves.append(curve("own file and defaults", [p for p in points if p["basis"] in ("own", "default")
+    curves.append(curve("own file and 20 modes", [p for p in points if p["basis"] in ("own", "default")
                                                   and (p["mesh"], p["step"]) == ("2-0", "ep4:0.003")], "points", "#000000"))
     curves.append(curve("frontier", edge, "dashes", report.INKS[6]))
     charts.append(report.chart(model, curves, x_label=f"s: precompute and {SPAN} simulated seconds", y_label="total error, %",

@@ -268,8 +268,11 @@ TEST(ModeClusters, TheModelOfASymmetricBodyIsTheSameBySlepc) {
 }
 
 TEST(ModeClusters, DefaultsDoNotCutBetweenEquals) {
-  const BasisData data = precompute(square_beam(), 0, 0);
-  EXPECT_EQ(data.linear_mode_count, 21u) << "modes 20 and 21 are a pair";
+  const auto modes = [](int r) { return precompute(square_beam(), 0, r).linear_mode_count; };
+  EXPECT_EQ(modes(0), 15U);
+  EXPECT_EQ(modes(32), 16U);
+  EXPECT_EQ(modes(29), 21U) << "modes 20 and 21 are a pair";
+  EXPECT_EQ(modes(48), 21U);
 }
 
 }  // namespace

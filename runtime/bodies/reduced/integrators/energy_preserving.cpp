@@ -183,14 +183,14 @@ class EnergyPreserving final : public Integrator {
     }
     if (!report.converged && std::isfinite(report.residual)) {
       newton_.unknowns = h_ * z0.p;
-      report = solve_exactly(report);
+      report = solve_exactly(report, true);
     }
     if (report.converged && !can_be_given_back() && tolerance_ > kStrict) {
       set_tolerance(kStrict);
       ends_.forget();
       ends_.start_at(*q0_);  // with the exact K0
       newton_.unknowns = d_;
-      report = solve_exactly(report);
+      report = solve_exactly(report, false);
       set_tolerance(options_.tolerance);
     }
     return report;
@@ -415,9 +415,9 @@ class EnergyPreserving final : public Integrator {
     apply_broyden(std::span<const VectorXd>(moves_).first(count), move);
   }
 
-  // Solves from newton_.unknowns with the exact Jacobian and the line search. An N that follows the
-  // state is made again at the midpoint which that gives: it may have been made far from it.
-  StepReport solve_exactly(const StepReport& before) {
+  // Solves from newton_.unknowns with the exact Jacobian and the line search. far: N may have been
+  // made far from the step; if it follows the state it is made again at the midpoint found.
+  StepReport solve_exactly(const StepReport& before, bool far) {
     if (N_of_last_step_) {
       d_ = h_ * *p0_;
       evaluate_gradient();
@@ -425,7 +425,7 @@ class EnergyPreserving final : public Integrator {
     }
     StepReport report;
     int iterations = before.iterations;
-    bool settled = !Filter::kFollowsTheState;
+    bool settled = !far || !Filter::kFollowsTheState;
     for (int round = 1;; ++round) {
       report = solve_with_filter();
       iterations += report.iterations;
