@@ -173,7 +173,7 @@ TEST_F(Resume, EveryWayOfSolvingGoesOnFromItsStages) {
 // A default number of modes that is raised so as not to cut a pair.
 TEST_F(Resume, AnExtendedNumberOfModesIsFoundAgain) {
   write_veg(folder_ + "/bar.veg", testing::symmetric_box({8, 2, 2}, {0.4, 0.1, 0.1}));
-  const std::string arguments = "bar.veg -o a.tremolo --order 1 --fix 'x<-0.19' ";
+  const std::string arguments = "bar.veg -o a.tremolo --order 1 --modes 29 --fix 'x<-0.19' ";
   const std::string bytes = undisturbed(arguments);
   for (int done = 1; done < 5; ++done) {
     end_after(done, arguments);
