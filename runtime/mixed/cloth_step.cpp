@@ -42,7 +42,7 @@ bool is_pinned(const ClothBody& body) {
   return std::any_of(held.begin(), held.end(), [](std::uint8_t flag) { return flag != 0; });
 }
 
-std::optional<BlockCholesky> make_factor(const ClothBody& body) {
+std::optional<QuickFactor> make_factor(const ClothBody& body) {
   if (body.options().solver == NodalSolver::kConjugateGradients) return std::nullopt;
   return make_guest_factor(body.model().pattern());
 }
@@ -244,7 +244,7 @@ bool ClothStep::factor(bool fresh) {
     if (lacks_.fraction() == 1.0) {
       exact_ = false;
       assemble(false);
-      return static_cast<bool>(factor_->factor(matrix_));
+      return factor_->factor(matrix_);
     }
     lacks_.more();
   }

@@ -19,7 +19,7 @@
 
 #include "runtime/bodies/cloth/cloth_body.h"
 #include "runtime/contact/solve/contact_surface.h"
-#include "runtime/math/sparse/block_cholesky.h"
+#include "runtime/math/sparse/quick_factor.h"
 #include "runtime/mixed/guest_step.h"
 #include "runtime/mixed/point_law.h"
 #include "runtime/step/halved_step.h"
@@ -129,7 +129,7 @@ class ClothStep final : public GuestStep {
   bool pinned_ = false;    // some particles are held from the beginning
   double stiffest_ = 0.0;  // largest coefficient of the matrix at rest, N/m
   BlockMatrix matrix_;
-  std::optional<BlockCholesky> factor_;
+  std::optional<QuickFactor> factor_;
   std::vector<Eigen::Matrix3d> inverse_;  // of the diagonal's blocks, without a factor
   StepLedger ledger_;
   double heavier_ = 0.0;

@@ -11,9 +11,9 @@ static void carry(StateStream& stream, ContactedPoint& point) {
   stream(point.vertex, point.on_body, point.obstacle, point.position, point.normal, point.impulse);
 }
 
-std::optional<BlockCholesky> make_guest_factor(const BlockPatternPointer& pattern) {
+std::optional<QuickFactor> make_guest_factor(const BlockPatternPointer& pattern) {
   constexpr std::size_t kMostBytes = std::size_t{1} << 30;
-  Result<BlockCholesky> made = BlockCholesky::create(pattern, kMostBytes);
+  Result<QuickFactor> made = QuickFactor::create(pattern, kMostBytes);
   if (!made) return std::nullopt;
   return std::move(*made);
 }

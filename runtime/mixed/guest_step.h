@@ -9,7 +9,7 @@
 
 #include "common/result.h"
 #include "runtime/contact/contact_record.h"
-#include "runtime/math/sparse/block_cholesky.h"
+#include "runtime/math/sparse/quick_factor.h"
 #include "runtime/mixed/step_body.h"
 
 namespace tremolo {
@@ -23,7 +23,7 @@ inline Eigen::Index row_of(std::size_t point) {
 }
 
 // Room for a decomposition of matrices of that pattern; empty if it would take more than 1 GiB.
-std::optional<BlockCholesky> make_guest_factor(const BlockPatternPointer& pattern);
+std::optional<QuickFactor> make_guest_factor(const BlockPatternPointer& pattern);
 
 class GuestStep : public StepBody {
  public:

@@ -21,7 +21,7 @@ constexpr double kConverged = 0.02;  // fraction of the small size at which a re
 constexpr double kLeastOfLargest = 0.01;
 // GMRES solves a correction to within these fractions: as far as the method converges anyway.
 constexpr double kLeastTolerance = 1e-4, kMostTolerance = 0.1;
-constexpr int kMoreLinear = 8;  // of needs_factor()
+constexpr int kMoreLinear = 3;  // of needs_factor()
 constexpr int kMostLinear = 400;
 // After so many corrections that do not lower the least residual it is rounding, if it is as small
 // as the last resort would take.

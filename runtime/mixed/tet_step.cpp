@@ -340,7 +340,7 @@ bool TetStep::factor(bool fresh) {
   assemble(heavier_, TangentKind::kFrozen, true);
   if (factor_->factor(body_->matrix_)) return true;
   assemble(heavier_, TangentKind::kFrozen, false);
-  return static_cast<bool>(factor_->factor(body_->matrix_));
+  return factor_->factor(body_->matrix_);
 }
 
 void TetStep::multiply(In x, Out rows) const {

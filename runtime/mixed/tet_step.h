@@ -17,7 +17,7 @@
 #include "runtime/bodies/tets/motion/tet_body.h"
 #include "runtime/bodies/tets/motion/tet_sums.h"
 #include "runtime/contact/solve/contact_surface.h"
-#include "runtime/math/sparse/block_cholesky.h"
+#include "runtime/math/sparse/quick_factor.h"
 #include "runtime/mixed/guest_step.h"
 #include "runtime/mixed/point_law.h"
 
@@ -198,7 +198,7 @@ class TetStep final : public GuestStep {
   std::vector<TetTree::Box> boxes_at_start_, boxes_at_end_;
   Eigen::VectorXd end_, middle_;     // positions at the end and in the middle of the step, m
   std::vector<std::uint8_t> still_;  // a flag for each control point that is not active
-  std::optional<BlockCholesky> factor_;
+  std::optional<QuickFactor> factor_;
   std::vector<Eigen::Matrix3d> inverse_;  // of the diagonal's blocks, without a factor
   Whole whole_;
 };

@@ -9,6 +9,7 @@
 
 #include "runtime/math/sparse/block_cholesky.h"
 #include "runtime/math/sparse/conjugate_gradients.h"
+#include "runtime/math/sparse/quick_factor.h"
 
 namespace tremolo {
 namespace {
@@ -82,6 +83,42 @@ TEST(SparseBlocks, TheFactorSolvesAsTheDenseOneForEverySizeAndAgain) {
       EXPECT_LE((x - exact).norm(), 1e-11 * exact.norm()) << columns;
     }
   }
+}
+
+// How far a quick factor's solution is off, relative.
+double error_of(QuickFactor& factor, const Case& made) {
+  VectorXd x = right_side(made.dense.rows());
+  const VectorXd exact = made.dense.llt().solve(x);
+  factor.solve(x);
+  return (x - exact).norm() / exact.norm();
+}
+
+TEST(SparseBlocks, AQuickFactorHasFloatsUntilTheirDigitsAreNotEnough) {
+  for (std::size_t columns = 1; columns < 24; ++columns) {
+    Case made = random_grid(columns % 7 + 1, columns, static_cast<unsigned>(columns));
+    auto factor = QuickFactor::create(made.sparse.shared_pattern(), 1 << 20);
+    ASSERT_TRUE(factor);
+    ASSERT_TRUE(factor->factor(made.sparse)) << columns;
+    EXPECT_TRUE(factor->in_floats()) << columns;
+    EXPECT_LE(error_of(*factor, made), 1e-4) << columns;
+    // Nothing but the springs' own stiffness and a hundred-millionth of it: what a float leaves of
+    // the last pivots is rounding.
+    const double less = 0.3 - 1e-8;
+    for (std::size_t i = 0; i < made.sparse.pattern().size(); ++i)
+      made.sparse.diagonal(i) -= less * Eigen::Matrix3d::Identity();
+    made.dense.diagonal().array() -= less;
+    ASSERT_TRUE(factor->factor(made.sparse)) << columns;
+    EXPECT_EQ(factor->in_floats(), made.sparse.pattern().size() == 1) << columns;
+    EXPECT_LE(error_of(*factor, made), 1e-5) << columns;
+  }
+}
+
+TEST(SparseBlocks, AQuickFactorRefusesWhatIsFarFromPositiveWithoutDoubles) {
+  Case made = random_grid(4, 4, 5);
+  made.sparse.diagonal(7) -= 50.0 * Eigen::Matrix3d::Identity();
+  auto factor = QuickFactor::create(made.sparse.shared_pattern(), 1 << 20);
+  EXPECT_FALSE(factor->factor(made.sparse));
+  EXPECT_TRUE(factor->in_floats());
 }
 
 // Conjugate gradients from nothing until |b - A x| is at most `wanted`. left: its value then.

@@ -10,16 +10,26 @@ namespace tremolo {
 namespace {
 
 // C -= A B^T for matrices by columns. c: rows x columns, a: rows x depth, b: columns x depth; a may
-// be read up to seven doubles behind its end.
+// be read up to a vector behind its end.
+template <class Scalar>
 struct PanelProduct {
-  double* c;
+  Scalar* c;
   std::size_t c_stride;
-  const double* a;
+  const Scalar* a;
   std::size_t a_stride;
-  const double* b;
+  const Scalar* b;
   std::size_t b_stride;
   std::size_t rows, columns, depth;
 };
+
+// Entries in a vector of 64 bytes, to which columns are padded.
+template <class Scalar>
+constexpr std::size_t kInVector = 64 / sizeof(Scalar);
+
+template <class Scalar>
+std::size_t padded_to_vectors(std::size_t count) {
+  return (count + kInVector<Scalar> - 1) / kInVector<Scalar> * kInVector<Scalar>;
+}
 
 constexpr std::uint32_t kNobody = static_cast<std::uint32_t>(-1);
 
@@ -32,37 +42,42 @@ constexpr std::uint32_t kNobody = static_cast<std::uint32_t>(-1);
 
 namespace tremolo {
 
-BlockCholesky::BlockCholesky(BlockPatternPointer pattern)
+template <class Scalar>
+BlockFactor<Scalar>::BlockFactor(BlockPatternPointer pattern)
     : pattern_(std::move(pattern)), shape_(eliminate(*pattern_)) {}
 
-Result<BlockCholesky> BlockCholesky::create(BlockPatternPointer pattern, std::size_t most_bytes) {
-  BlockCholesky factor(std::move(pattern));
+template <class Scalar>
+Result<BlockFactor<Scalar>> BlockFactor<Scalar>::create(BlockPatternPointer pattern,
+                                                        std::size_t most_bytes) {
+  BlockFactor factor(std::move(pattern));
   const std::size_t n = factor.pattern_->size();
   const std::size_t entries = factor.count_panels();
-  if (entries > most_bytes / sizeof(double))
-    return system_error("a factor of " + std::to_string(entries / 131072) +
+  if (entries > most_bytes / sizeof(Scalar))
+    return system_error("a factor of " + std::to_string(entries * sizeof(Scalar) >> 20) +
                         " MB is more than may be taken");
   factor.place_entries();
-  factor.values_.assign(entries + kVectorLanes, 0.0);
+  factor.values_.assign(entries + kInVector<Scalar>, Scalar{});
   factor.local_.assign(n, 0);
   factor.waiting_.assign(factor.shape_.supernodes(), kNobody);
   factor.next_.assign(factor.shape_.supernodes(), kNobody);
   factor.done_.assign(factor.shape_.supernodes(), 0);
-  factor.x_.assign(3 * n, 0.0);
+  factor.x_.assign(3 * n, Scalar{});
+  factor.diagonal_.assign(3 * n, Scalar{});
   return factor;
 }
 
 // Sets the start of each panel, and the size of the largest product.
-std::size_t BlockCholesky::count_panels() {
+template <class Scalar>
+std::size_t BlockFactor<Scalar>::count_panels() {
   std::size_t entries = 0, largest = 0, longest = 0;
   for (std::size_t s = 0; s < shape_.supernodes(); ++s) {
     panel_.push_back(entries);
-    stride_.push_back(padded(height(s)));
+    stride_.push_back(padded_to_vectors<Scalar>(height(s)));
     entries += stride_[s] * 3 * shape_.width(s);
     const std::size_t below = 3 * shape_.rows_below(s);
     const double rows = static_cast<double>(height(s)), width = static_cast<double>(below);
     multiplications_ += (rows * rows * rows - width * width * width) / 6.0;
-    longest = std::max(longest, below);
+    longest = std::max(longest, height(s));
     // One contribution goes to the rows of one other panel.
     std::size_t most = 0;
     for (std::size_t k = shape_.row_first[s]; k < shape_.row_first[s + 1];) {
@@ -70,14 +85,15 @@ std::size_t BlockCholesky::count_panels() {
       while (k < shape_.row_first[s + 1] && shape_.owner[shape_.rows[k]] == owner) ++k;
       most = std::max(most, k - begin);
     }
-    largest = std::max(largest, padded(below) * 3 * most);
+    largest = std::max(largest, padded_to_vectors<Scalar>(below) * 3 * most);
   }
-  update_.assign(largest + kVectorLanes, 0.0);
-  below_.assign(longest + kVectorLanes, 0.0);
+  update_.assign(largest + kInVector<Scalar>, Scalar{});
+  local_x_.assign(longest + kInVector<Scalar>, Scalar{});
   return entries;
 }
 
-void BlockCholesky::place_entries() {
+template <class Scalar>
+void BlockFactor<Scalar>::place_entries() {
   const std::size_t n = pattern_->size();
   std::vector<std::uint32_t> place(n);
   for (std::size_t k = 0; k < n; ++k) place[shape_.order[k]] = static_cast<std::uint32_t>(k);
@@ -98,10 +114,11 @@ void BlockCholesky::place_entries() {
 }
 
 // Copies A's columns of supernode s, and sets the indices of its panel's rows.
-void BlockCholesky::assemble(std::size_t s, const BlockMatrix& a) {
+template <class Scalar>
+void BlockFactor<Scalar>::assemble(std::size_t s, const BlockMatrix& a) {
   const std::size_t begin = shape_.first[s], width = shape_.width(s), stride = stride_[s];
-  double* panel = values_.data() + panel_[s];
-  std::fill(panel, panel + stride * 3 * width, 0.0);
+  Scalar* panel = values_.data() + panel_[s];
+  std::fill(panel, panel + stride * 3 * width, Scalar{});
   for (std::size_t k = 0; k < width; ++k) local_[begin + k] = static_cast<std::uint32_t>(3 * k);
   const std::size_t rows = shape_.row_first[s];
   for (std::size_t k = 0; k < shape_.rows_below(s); ++k)
@@ -109,37 +126,38 @@ void BlockCholesky::assemble(std::size_t s, const BlockMatrix& a) {
   for (std::size_t j = begin; j < begin + width; ++j)
     for (std::size_t e = entry_first_[j]; e < entry_first_[j + 1]; ++e) {
       const Entry& entry = entries_[e];
-      Eigen::Map<Eigen::Matrix3d, 0, Eigen::OuterStride<>> to(
+      Eigen::Map<Eigen::Matrix<Scalar, 3, 3>, 0, Eigen::OuterStride<>> to(
           panel + 3 * (j - begin) * stride + local_[entry.row], Eigen::OuterStride<>(stride));
       if (entry.turned)
-        to = a.block(entry.place).transpose();
+        to = a.block(entry.place).transpose().template cast<Scalar>();
       else
-        to = a.block(entry.place);
+        to = a.block(entry.place).template cast<Scalar>();
     }
 }
 
 // Subtracts from panel s the contribution of an earlier supernode, whose rows from done_ on begin
 // in s; that supernode then waits for the owner of its next row.
-void BlockCholesky::subtract_from(std::size_t s, std::size_t descendant) {
+template <class Scalar>
+void BlockFactor<Scalar>::subtract_from(std::size_t s, std::size_t descendant) {
   const std::uint32_t* rows = shape_.rows.data() + shape_.row_first[descendant];
   const std::size_t all = shape_.rows_below(descendant), begin = done_[descendant];
   std::size_t end = begin;
   while (end < all && rows[end] < shape_.first[s + 1]) ++end;
   const std::size_t width = shape_.width(descendant), stride = stride_[descendant];
-  const double* from = values_.data() + panel_[descendant] + 3 * (width + begin);
+  const Scalar* from = values_.data() + panel_[descendant] + 3 * (width + begin);
   const std::size_t height = 3 * (all - begin), columns = 3 * (end - begin);
-  const std::size_t update_stride = padded(height);
-  std::fill(update_.data(), update_.data() + update_stride * columns, 0.0);
-  const PanelProduct product{update_.data(), update_stride, from,    stride,   from,
-                             stride,         height,        columns, 3 * width};
-  TREMOLO_CALL(subtract_product, product);
+  const std::size_t update_stride = padded_to_vectors<Scalar>(height);
+  std::fill(update_.data(), update_.data() + update_stride * columns, Scalar{});
+  const PanelProduct<Scalar> product{update_.data(), update_stride, from,    stride,   from,
+                                     stride,         height,        columns, 3 * width};
+  TREMOLO_CALL(subtract_product<Scalar>, product);
   for (std::size_t j = begin; j < end; ++j)
     for (std::size_t d = 0; d < 3; ++d) {
-      double* to = values_.data() + panel_[s] + (3 * (rows[j] - shape_.first[s]) + d) * stride_[s];
-      const double* column = update_.data() + (3 * (j - begin) + d) * update_stride;
+      Scalar* to = values_.data() + panel_[s] + (3 * (rows[j] - shape_.first[s]) + d) * stride_[s];
+      const Scalar* column = update_.data() + (3 * (j - begin) + d) * update_stride;
       for (std::size_t i = j; i < all; ++i) {
-        double* at = to + local_[rows[i]];
-        const double* value = column + 3 * (i - begin);
+        Scalar* at = to + local_[rows[i]];
+        const Scalar* value = column + 3 * (i - begin);
         at[0] += value[0];
         at[1] += value[1];
         at[2] += value[2];
@@ -149,26 +167,36 @@ void BlockCholesky::subtract_from(std::size_t s, std::size_t descendant) {
   wait_for_rows(descendant);
 }
 
-void BlockCholesky::wait_for_rows(std::size_t s) {
+template <class Scalar>
+void BlockFactor<Scalar>::wait_for_rows(std::size_t s) {
   if (done_[s] == shape_.rows_below(s)) return;
   const std::uint32_t owner = shape_.owner[shape_.rows[shape_.row_first[s] + done_[s]]];
   next_[s] = waiting_[owner];
   waiting_[owner] = static_cast<std::uint32_t>(s);
 }
 
-Status BlockCholesky::factor(const BlockMatrix& a) {
+template <class Scalar>
+Status BlockFactor<Scalar>::factor(const BlockMatrix& a) {
   std::fill(waiting_.begin(), waiting_.end(), kNobody);
   std::fill(done_.begin(), done_.end(), 0);
+  weakest_ = 1.0;
   for (std::size_t s = 0; s < shape_.supernodes(); ++s) {
     assemble(s, a);
+    const Scalar* panel = values_.data() + panel_[s];
+    Scalar* given = diagonal_.data() + 3 * std::size_t{shape_.first[s]};
+    for (std::size_t j = 0; j < 3 * shape_.width(s); ++j) given[j] = panel[j * stride_[s] + j];
     for (std::uint32_t k = waiting_[s]; k != kNobody;) {
       const std::uint32_t after = next_[k];
       subtract_from(s, k);
       k = after;
     }
     const std::size_t columns = 3 * shape_.width(s);
-    const std::size_t good =
-        TREMOLO_CALL(factor_panel, values_.data() + panel_[s], stride_[s], height(s), columns);
+    const std::size_t good = TREMOLO_CALL(factor_panel<Scalar>, values_.data() + panel_[s],
+                                          stride_[s], height(s), columns);
+    for (std::size_t j = 0; j < good; ++j)
+      weakest_ = std::min(weakest_, static_cast<double>(panel[j * stride_[s] + j] *
+                                                        panel[j * stride_[s] + j] / given[j]));
+    if (good < columns) weakest_ = panel[good * stride_[s] + good] / given[good];
     if (good < columns)
       return Error{ErrorKind::kSolver,
                    "the matrix is not positive definite: the pivot of node " +
@@ -179,28 +207,43 @@ Status BlockCholesky::factor(const BlockMatrix& a) {
   return Success{};
 }
 
-void BlockCholesky::solve(Eigen::VectorXd& x) {
+template <class Scalar>
+void BlockFactor<Scalar>::solve(Eigen::VectorXd& x) {
   for (std::size_t k = 0; k < shape_.order.size(); ++k)
-    std::copy_n(x.data() + 3 * std::size_t{shape_.order[k]}, 3, x_.data() + 3 * k);
+    for (std::size_t d = 0; d < 3; ++d)
+      x_[3 * k + d] = static_cast<Scalar>(x.data()[3 * std::size_t{shape_.order[k]} + d]);
   for (std::size_t s = 0; s < shape_.supernodes(); ++s) {
     const std::uint32_t* rows = shape_.rows.data() + shape_.row_first[s];
-    const std::size_t count = shape_.rows_below(s);
-    std::fill_n(below_.begin(), 3 * count, 0.0);
-    TREMOLO_CALL(solve_forward, values_.data() + panel_[s], stride_[s], height(s),
-                 3 * shape_.width(s), x_.data() + 3 * std::size_t{shape_.first[s]}, below_.data());
+    const std::size_t count = shape_.rows_below(s), width = 3 * shape_.width(s);
+    Scalar* own = x_.data() + 3 * std::size_t{shape_.first[s]};
+    Scalar* below = local_x_.data() + width;
+    std::copy_n(own, width, local_x_.data());
+    std::fill_n(below, 3 * count + kInVector<Scalar>, Scalar{});
+    TREMOLO_CALL(solve_forward<Scalar>, values_.data() + panel_[s], stride_[s], height(s), width,
+                 local_x_.data());
+    std::copy_n(local_x_.data(), width, own);
     for (std::size_t k = 0; k < count; ++k)
-      for (std::size_t d = 0; d < 3; ++d) x_[3 * std::size_t{rows[k]} + d] += below_[3 * k + d];
+      for (std::size_t d = 0; d < 3; ++d) x_[3 * std::size_t{rows[k]} + d] += below[3 * k + d];
   }
   for (std::size_t s = shape_.supernodes(); s-- > 0;) {
     const std::uint32_t* rows = shape_.rows.data() + shape_.row_first[s];
-    const std::size_t count = shape_.rows_below(s);
+    const std::size_t count = shape_.rows_below(s), width = 3 * shape_.width(s);
+    Scalar* own = x_.data() + 3 * std::size_t{shape_.first[s]};
+    Scalar* below = local_x_.data() + width;
+    std::copy_n(own, width, local_x_.data());
     for (std::size_t k = 0; k < count; ++k)
-      std::copy_n(x_.data() + 3 * std::size_t{rows[k]}, 3, below_.data() + 3 * k);
-    TREMOLO_CALL(solve_backward, values_.data() + panel_[s], stride_[s], height(s),
-                 3 * shape_.width(s), x_.data() + 3 * std::size_t{shape_.first[s]}, below_.data());
+      std::copy_n(x_.data() + 3 * std::size_t{rows[k]}, 3, below + 3 * k);
+    std::fill_n(below + 3 * count, kInVector<Scalar>, Scalar{});
+    TREMOLO_CALL(solve_backward<Scalar>, values_.data() + panel_[s], stride_[s], height(s), width,
+                 local_x_.data());
+    std::copy_n(local_x_.data(), width, own);
   }
   for (std::size_t k = 0; k < shape_.order.size(); ++k)
-    std::copy_n(x_.data() + 3 * k, 3, x.data() + 3 * std::size_t{shape_.order[k]});
+    for (std::size_t d = 0; d < 3; ++d)
+      x.data()[3 * std::size_t{shape_.order[k]} + d] = x_[3 * k + d];
 }
+
+template class BlockFactor<double>;
+template class BlockFactor<float>;
 
 }  // namespace tremolo

@@ -38,20 +38,27 @@ struct Elimination {
 // 1990) in postorder.
 Elimination eliminate(const BlockPattern& pattern);
 
-class BlockCholesky {
+// The factor's entries are doubles or floats; a float one takes half of the memory and time and
+// leaves errors of 1e-7 times the matrix's condition, as what preconditions a solve may.
+template <class Scalar>
+class BlockFactor {
  public:
   // Finds the order and the nonzero entries of the factor, and allocates all memory. Error
   // (kSystem): a factor of more than `most_bytes`.
-  static Result<BlockCholesky> create(BlockPatternPointer pattern,
-                                      std::size_t most_bytes = std::size_t{8} << 30);
+  static Result<BlockFactor> create(BlockPatternPointer pattern,
+                                    std::size_t most_bytes = std::size_t{8} << 30);
 
   // The factor's bytes, and the multiplications of a factorisation.
-  std::size_t bytes() const { return values_.size() * sizeof(double); }
+  std::size_t bytes() const { return values_.size() * sizeof(Scalar); }
   double multiplications() const { return multiplications_; }
 
   // a: of the pattern. Error kSolver, naming the node: a pivot is not positive or not finite; there
   // is no factor then. Nothing is allocated except an error's message.
   Status factor(const BlockMatrix& a);
+
+  // The smallest pivot of the last factor() as a fraction of A's diagonal there: rounding is that
+  // much larger in the factor than in A. The first one that is not positive, where there is one.
+  double weakest_pivot() const { return weakest_; }
 
   // x <- A^-1 x for the last factored matrix; 3 size() long. Nothing is allocated.
   void solve(Eigen::VectorXd& x);
@@ -64,7 +71,7 @@ class BlockCholesky {
     bool turned = false;  // its transpose is stored
   };
 
-  explicit BlockCholesky(BlockPatternPointer pattern);
+  explicit BlockFactor(BlockPatternPointer pattern);
   void place_entries();
   std::size_t count_panels();
   std::size_t height(std::size_t s) const { return 3 * (shape_.width(s) + shape_.rows_below(s)); }
@@ -76,14 +83,20 @@ class BlockCholesky {
   Elimination shape_;
   std::vector<std::size_t> entry_first_;  // by columns
   std::vector<Entry> entries_;
-  std::vector<std::size_t> panel_;             // start of each panel in values_
-  std::vector<std::size_t> stride_;            // between its columns
-  AlignedDoubles values_, update_;             // update_: the present product
+  std::vector<std::size_t> panel_;   // start of each panel in values_
+  std::vector<std::size_t> stride_;  // between its columns
+  std::vector<Scalar, CacheLineAllocator<Scalar>> values_;
+  std::vector<Scalar, CacheLineAllocator<Scalar>> update_;  // the present product
   std::vector<std::uint32_t> local_;           // of the present panel: index of a node's row
   std::vector<std::uint32_t> waiting_, next_;  // supernodes that a panel still needs, as lists
-  std::vector<std::size_t> done_;  // number of its rows that a supernode has contributed
-  std::vector<double> x_, below_;
-  double multiplications_ = 0.0;
+  std::vector<std::size_t> done_;    // number of its rows that a supernode has contributed
+  std::vector<Scalar> x_, local_x_;  // local_x_: of a panel's rows
+  std::vector<Scalar> diagonal_;     // of A
+  double multiplications_ = 0.0, weakest_ = 1.0;
 };
+
+extern template class BlockFactor<double>;
+extern template class BlockFactor<float>;
+using BlockCholesky = BlockFactor<double>;
 
 }  // namespace tremolo
