@@ -282,6 +282,10 @@ ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const
   slopes.point.by_taken = gap.pressure * m;
   slopes.bend.by_taken = gap.pressure * (n - c * w);
   slopes.taken_by_distance = taken_by_distance(law, gap, time);
+  // psi is zero at d0, so that the pressure is psi(d1) over the way from d0.
+  const bool begins = !(gap.d0 < law.begins) && gap.d1 < gap.d0;
+  const double start_fall = begins ? part.factor * gap.pressure / (gap.d0 - gap.d1) : 0.0;
+  slopes.by_start = begins ? Vector3d(start_fall * m + (s * shorter2) * p) : Vector3d::Zero();
   const bool rolls = law.radius > 0.0;
   if (rolls) {
     slopes.rub = {Vector3d::Zero(), drag, -drag, Vector3d::Zero()};
@@ -300,6 +304,9 @@ ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const
       slope->by_bend += friction.by_limit * fall_by_bend;
       slope->by_taken += (law.friction * gap.pressure * length) * friction.by_limit;
     }
+    if (begins)
+      slopes.by_start +=
+          (law.friction * start_fall * length + sizes * shorter2 * m.dot(p)) * friction.by_limit;
     if (rolls) {
       slopes.rub.by_distance = fall * friction.by_limit;
       slopes.rub.by_path += friction.by_limit * fall_by_path;

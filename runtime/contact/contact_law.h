@@ -147,6 +147,9 @@ struct ContactSlopes {
   ContactSlope rub;
   Eigen::Matrix3d by_roll;
   double taken_by_distance = 0.0;  // growth of that fraction with d1, 1/m
+  // Fall of the force on the point with the distance d0 where the point begins outside, N/m; else
+  // zero. Only an obstacle that deforms changes d0.
+  Eigen::Vector3d by_start;
 };
 
 // The force of a contact over the step.

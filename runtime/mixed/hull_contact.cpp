@@ -78,9 +78,14 @@ void HullContact::find_end(Touch& touch, bool renews) {
       (inside || touch.inside) &&
       shape_->find_site(touch.motion.middle, inside ? depth->element : touch.element, touch.site);
   if (!touch.near) return;
+  touch.end_site = touch.site;
+  if (inside) {
+    touch.end_site.element = depth->element;
+    touch.end_site.values = depth->values;
+  }
   touch.axes = nearest_rotation(touch.site.gradient);
   touch.way.path = touch.motion.end - touch.motion.start - shape_->way_of(touch.site);
-  touch.end_gradient = inside ? depth->gradient : touch.gradient;
+  touch.end_gradient = inside ? depth->gradient : touch.normal;
   touch.end_element = inside ? depth->element : touch.element;
   touch.end_normal = inside ? depth->normal : touch.normal;
   double d0 = touch.distance, d1 = inside ? depth->distance : 0.0;
@@ -124,12 +129,24 @@ void HullContact::make_slopes(bool follows) {
     const ContactSlopes slopes =
         contact_slopes(touch.law, touch.gap, touch.way, time(), touch.held, follows);
     touch.by_way = slopes.point.by_path + slopes.point.by_distance * touch.end_gradient.transpose();
+    touch.by_distance = slopes.point.by_distance;
+    // d0 = d1 - n.w.
+    if (!touch.inside) {
+      touch.by_distance += slopes.by_start;
+      touch.by_way += slopes.by_start * (touch.end_gradient - touch.end_normal).transpose();
+    }
     touch.link = slopes.point.by_taken;
     touch.growth = slopes.taken_by_distance * touch.end_gradient;
     points_->add_slope(touch.point, touch.by_way, touch.now.force);
     shape_->condense(touch.site);
+    shape_->condense(touch.end_site);
     shape_->add_site_slope(touch.site, touch.by_way);
   }
+}
+
+double HullContact::change_beyond(const Touch& touch, StepBody::In second_x) const {
+  return touch.end_gradient.dot(shape_->change_of(touch.end_site, second_x) -
+                                shape_->change_of(touch.site, second_x));
 }
 
 void HullContact::add_growth(StepBody::In first_x, StepBody::In second_x) {
@@ -137,14 +154,15 @@ void HullContact::add_growth(StepBody::In first_x, StepBody::In second_x) {
   for (const Touch& touch : touches_)
     if (touch.near && touch.now.acts)
       shared->growth += touch.growth.dot(points_->change_at(touch.point, first_x) -
-                                         shape_->change_of(touch.site, second_x));
+                                         shape_->change_of(touch.end_site, second_x));
 }
 
 void HullContact::multiply(StepBody::In first_x, StepBody::In second_x, StepBody::Out first_rows,
                            StepBody::Out second_rows) const {
   for (const Touch& touch : touches_) {
     if (!touch.near || !touch.now.acts) continue;
-    const Vector3d taken = shared->growth * touch.link;
+    const Vector3d taken =
+        shared->growth * touch.link - change_beyond(touch, second_x) * touch.by_distance;
     points_->add_image(touch.point, taken - touch.by_way * shape_->change_of(touch.site, second_x),
                        first_rows);
     shape_->add_site_image(

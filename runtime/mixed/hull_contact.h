@@ -64,14 +64,18 @@ class HullContact final : public PairForces {
     Eigen::Vector3d end_gradient = Eigen::Vector3d::Zero(), end_normal = end_gradient;
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  // of the element, in the middle
     TetSite site;
+    TetSite end_site;  // the point of the body that is at the contact point at the end
     std::optional<std::uint32_t> kept_element;  // at the end, since the last renewal
-    // Slopes of the force on the point: its fall with w, the effect of the pair's rate, and growth
-    // of the part that restitution takes with w.
+    // Slopes of the force on the point: its fall with w, the effect of the pair's rate, growth of
+    // the part that restitution takes with the distance, and the fall with that.
     Eigen::Matrix3d by_way;
-    Eigen::Vector3d link, growth;
+    Eigen::Vector3d link, growth, by_distance;
   };
 
   void find_end(Touch& touch, bool renews);
+  // Change of the body's path at the end's point beyond that at the point of the force, along the
+  // gradient of the distance, m.
+  double change_beyond(const Touch& touch, StepBody::In second_x) const;
   ContactTime time() const { return {h_, shared->rate}; }
 
   StepBody* points_ = nullptr;

@@ -22,12 +22,16 @@ constexpr double kLeastOfLargest = 0.01;
 // GMRES solves a correction to within these fractions: as far as the method converges anyway.
 constexpr double kLeastTolerance = 1e-4, kMostTolerance = 0.1;
 constexpr int kMoreLinear = 3;  // of needs_factor()
-constexpr int kMostLinear = 400;
+constexpr int kMostLinear = 100;
 // After so many corrections that do not lower the least residual it is rounding, if it is as small
 // as the last resort would take.
 constexpr int kStalled = 10;
-// A correction that GMRES did not solve to this is not used.
+// After so many of them the attempt has failed.
+constexpr int kHopeless = 20;
+// A correction that GMRES did not solve to this is not used. After so many of them the step has
+// failed: a shorter one costs less than the rest of its attempts.
 constexpr double kUsable = 0.1;
+constexpr int kMostUnsolved = 6;
 // Members whose residual after a whole move is at least kFarShare of the largest are solved by
 // themselves, if they have at most kFewUnknowns of all unknowns: in how many rounds of a step, with
 // how many moves each, until their residual has fallen by that factor.
@@ -138,6 +142,7 @@ bool MixedIsland::needs_factor(double heavier) const {
 
 // Newton's correction at the present unknowns, in move_. False: there is none.
 bool MixedIsland::find_move(double heavier, bool follows) {
+  if (unsolved_ >= kMostUnsolved) return false;
   // The others take up slopes of their contacts with those that move, too.
   for (StepBody* body : bodies_) body->make_tangent(heavier, follows);
   for (PairForces* coupling : seen_) coupling->make_slopes(follows);
@@ -160,6 +165,7 @@ bool MixedIsland::find_move(double heavier, bool follows) {
   factored_ = heavier;
   if (fresh) first_linear_ = gmres_.iterations();
   if (!solved && gmres_.residual() <= kUsable * residual_.head(n).norm()) solved = true;
+  if (!solved) ++unsolved_;
   return solved && move_.head(n).allFinite();
 }
 
@@ -239,7 +245,7 @@ MixedIsland::Outcome MixedIsland::move(int iteration, bool hold, bool apart, dou
   const auto find = [this](double added) { return find_move(added, false) ? slope() : 0.0; };
   LineTrial reached;
   const bool near = size <= near_rounding(hold);
-  if (!newton_move(find, trial, size, near, heavier, reached))
+  if (!newton_move(find, trial, size, near, heavier, reached) || unsolved_ >= kMostUnsolved)
     return near ? Outcome::kDone : Outcome::kFailed;
   // At rounding level no move lowers the residual.
   if (!(reached.size < 0.9 * size) && near) {
@@ -293,6 +299,7 @@ bool MixedIsland::solve(double heavier, bool hold) {
     stalled = size < 0.9 * least ? 0 : stalled + 1;
     least = std::min(least, size);
     if (stalled > kStalled && size <= near_rounding(true)) return true;
+    if (stalled > kHopeless) return false;
   }
   return false;
 }
@@ -326,6 +333,7 @@ MixedReport MixedIsland::step(std::span<StepBody* const> bodies,
   bodies_ = bodies;
   couplings_ = couplings;
   report_ = {};
+  unsolved_ = 0;
   struct Attempt {
     double heavier;
     bool hold;
@@ -345,7 +353,7 @@ MixedReport MixedIsland::step(std::span<StepBody* const> bodies,
     do {
       report_.converged = solve(heavier, hold);
     } while (report_.converged && add_missed());
-    if (report_.converged) break;
+    if (report_.converged || unsolved_ >= kMostUnsolved) break;
   }
   for (std::size_t i = 0; i < bodies_.size(); ++i)
     report_.residual = std::max(report_.residual, sizes_[i] / enough_[i]);

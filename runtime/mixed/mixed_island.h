@@ -81,6 +81,7 @@ class MixedIsland {
   Gmres gmres_;
   double factored_ = -1.0;  // heavier of the last decomposition; below 0: there is none
   int first_linear_ = 0;    // iterations of GMRES right after it
+  int unsolved_ = 0;        // corrections of the step that GMRES did not solve
   double before_ = -1.0;    // size at the last move; below 0: there is none
   double tolerance_ = 0.0;  // of GMRES
 };

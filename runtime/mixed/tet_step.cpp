@@ -268,7 +268,7 @@ std::optional<TetDepth> TetStep::depth_at(const VectorXd& x, const std::vector<T
   const Vector3d normal = turned(hull_->tree.smooth_gradient(*found, x));
   if (!(gradient.squaredNorm() > 1e-12) || !gradient.allFinite()) return std::nullopt;
   if (!(normal.squaredNorm() > 1e-12) || !normal.allFinite()) return std::nullopt;
-  return TetDepth{sample.distance, gradient, normal, found->element};
+  return TetDepth{sample.distance, gradient, normal, found->element, found->values};
 }
 
 std::optional<TetDepth> TetStep::depth_at_start(const Vector3d& place,

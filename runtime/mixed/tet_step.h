@@ -37,6 +37,7 @@ struct TetDepth {
   double distance = 0.0;
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero(), normal = gradient;
   std::uint32_t element = 0;
+  std::array<double, kMostNodes> values{};  // B_I at the position in the element
 };
 
 // A point of an element on which the forces of others act.

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime/mixed/hull_contact.h"
 #include "tests/mixed/mixed_bodies.h"
 
 namespace tremolo {
@@ -202,6 +203,93 @@ TEST(TetsAsObstacle, APointOutsideOfAllElementsStaysInItsOwn) {
       before = now;
     }
     EXPECT_TRUE(others) << far;
+  }
+}
+
+// Two cubes in a step in which points of the first slide by 3 cm along the second, more than half
+// an element: the point of the force is then far from where they end.
+struct Blow {
+  Blow(double gap, double friction)
+      : kind{.step = 1e-2, .friction = friction},
+        model(testing::tets_cube(1e5, 2)),
+        first(
+            testing::tets_body(model, kind, {-0.05 - gap, 0.012, -0.021}, {0.05, 2, 0}, {0, 0, 0})),
+        second(testing::tets_body(model, kind, {0.05, 0, 0}, {0, -1, 0}, {0, 0, 0})),
+        points(make_tet_points(*model)),
+        a(first, points, testing::contact_of(kind, Vector3d::Ones()), testing::cube_hull(model)),
+        b(second, points, testing::contact_of(kind, Vector3d::Ones()), testing::cube_hull(model)) {
+    contact.first = 0;
+    contact.second = 1;
+    contact.shared = &rate;
+    a.start();
+    b.start();
+    EXPECT_TRUE(contact.gather(a, b, 1, kind.step));
+    a.begin();
+    b.begin();
+    contact.begin();
+  }
+
+  // Both residuals, of a and then of b.
+  Eigen::VectorXd residuals(const ContactRenewal& renewal) {
+    a.evaluate(renewal);
+    b.evaluate(renewal);
+    rate.rate = {};
+    contact.approach(renewal);
+    contact.press(renewal);
+    a.close();
+    b.close();
+    Eigen::VectorXd both(2 * a.unknowns());
+    a.residual(both.head(a.unknowns()));
+    b.residual(both.tail(a.unknowns()));
+    return both;
+  }
+  Eigen::VectorXd residuals_at(double length, const Eigen::VectorXd& direction) {
+    a.go(length, direction.head(a.unknowns()));
+    b.go(length, direction.tail(a.unknowns()));
+    return residuals({.normals = false, .limits = 1.0});
+  }
+
+  MixedKind kind;
+  TetModelPointer model;
+  TetBody first, second;
+  std::shared_ptr<const TetPoints> points;
+  TetStep a, b;
+  HullContact contact;
+  SharedRate rate;
+};
+
+TEST(TetsAsObstacle, TheDerivativeHoldsOnLongPathsToo) {
+  struct Way {
+    double gap, friction, error;
+  };
+  // From inside, and from outside, where the turn of the normal at the end is left out.
+  for (const auto [gap, friction, error] : {Way{-2e-4, 0.0, 0.005}, Way{-2e-4, 0.4, 0.005},
+                                            Way{2e-4, 0.0, 0.04}, Way{2e-4, 0.4, 0.04}}) {
+    Blow blow(gap, friction);
+    blow.residuals({.normals = true, .limits = 1.0});
+    ASSERT_GT(blow.contact.acting(), 3U);
+    const Eigen::Index n = blow.a.unknowns();
+    Eigen::VectorXd direction(2 * n), product(2 * n);
+    for (Eigen::Index i = 0; i < 2 * n; ++i)
+      direction[i] = 1e-3 * std::sin(1.7 * static_cast<double>(i));
+    blow.a.keep();
+    blow.b.keep();
+    constexpr double kLength = 1e-4;
+    const Eigen::VectorXd numeric =
+        (blow.residuals_at(-kLength, direction) - blow.residuals_at(kLength, direction)) /
+        (2.0 * kLength);
+    blow.residuals_at(0.0, direction);
+    blow.a.make_tangent(0.0, true);
+    blow.b.make_tangent(0.0, true);
+    blow.contact.make_slopes(true);
+    ASSERT_TRUE(blow.a.factor(true));
+    ASSERT_TRUE(blow.b.factor(true));
+    blow.a.multiply(direction.head(n), product.head(n));
+    blow.b.multiply(direction.tail(n), product.tail(n));
+    blow.rate.growth = 0.0;
+    blow.contact.add_growth(direction.head(n), direction.tail(n));
+    blow.contact.multiply(direction.head(n), direction.tail(n), product.head(n), product.tail(n));
+    EXPECT_LT((product - numeric).norm(), error * numeric.norm()) << gap << ", " << friction;
   }
 }
 
