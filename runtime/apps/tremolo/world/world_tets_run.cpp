@@ -40,6 +40,14 @@ Result<WorldTetsRun> WorldTetsRun::create(const MixedFile& mixed, const WorldGue
   return run;
 }
 
+// midpoint and newmark add energy where stiff elements rotate in long steps.
+void WorldTetsRun::Watched::leave_bound(double own, TetMethod method, double time) {
+  RunEnding::leave_bound(own, time);
+  const bool adds = method == TetMethod::kMidpoint || method == TetMethod::kNewmark;
+  reason += fmt::format("; try a shorter step{}, or a larger beta",
+                        adds ? ", `integrator = \"bdf2\"`" : "");
+}
+
 // The energy put in is the work of gravity, contact, hands, joints and loads.
 void WorldTetsRun::watch(std::size_t i, bool first) {
   Watched& watched = watched_[i];
@@ -59,7 +67,7 @@ void WorldTetsRun::watch(std::size_t i, bool first) {
   if (tets_->guests->failed(i))
     watched.give_up(body.time());
   else if (!sound)
-    watched.leave_bound(own, body.time());
+    watched.leave_bound(own, body.options().method, body.time());
 }
 
 Status WorldTetsRun::observe() {

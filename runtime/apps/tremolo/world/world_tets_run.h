@@ -46,6 +46,8 @@ class WorldTetsRun {
     double energy_max = 0.0;
     GuestBound bound;
     Momenta momenta_start, momenta_now;
+
+    void leave_bound(double own, TetMethod method, double time);  // own: energy, J
   };
 
   void watch(std::size_t i, bool first);
