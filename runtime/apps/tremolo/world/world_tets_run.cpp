@@ -94,6 +94,17 @@ void WorldTetsRun::ended(RunEnding& ending) const {
   for (std::size_t i = 0; i < watched_.size(); ++i) ending.take(mixed_->tets[i].name, watched_[i]);
 }
 
+std::string WorldTetsRun::inverted_text() const {
+  std::string text;
+  for (std::size_t i = 0; i < logs_.size(); ++i)
+    if (const std::size_t count = logs_[i].report().inverted; tets_->guests->failed(i) && count > 0)
+      text += fmt::format(
+          "; {} elements of '{}' are inside out: it is too soft for its load, or held or pulled at "
+          "too few vertices",
+          count, mixed_->tets[i].name);
+  return text;
+}
+
 Status WorldTetsRun::finish() {
   for (TetsLog& log : logs_)
     if (Status s = log.finish(); !s) return s;
