@@ -36,6 +36,16 @@ inline constexpr double kEnergyLimit = 100.0;
 // of V cancel, and lanes compute them in float.
 inline constexpr double kEnergyRounding = 1e-5;
 
+// Fraction of a body's size: a body whose points move less than this in a step is at rest.
+inline constexpr double kRoundedMove = 1e-11;
+
+// Largest energy of a body at rest, J. Contact that only just begins leaves such energies, which
+// are rounding. mass: kg; size: m; step: s.
+inline double energy_at_rest(double mass, double size, double step) {
+  const double speed = kRoundedMove * size / step;
+  return 0.5 * mass * speed * speed;
+}
+
 // Result of an energy check: a state to return to; one above that but within the limit; a failed
 // step.
 enum class EnergyFound { kSound, kWithinLimit, kExploded };
@@ -49,6 +59,9 @@ class EnergyBound {
   void start(double energy) {
     balance_ = most_ = std::isnan(energy) ? std::numeric_limits<double>::infinity() : energy;
   }
+
+  // J, 0 by default. No smaller energy is an explosion, whatever was put in: energy_at_rest().
+  void set_rest(double energy) { rest_ = energy; }
 
   // Adds a step that succeeded. work: of the loads in it. kick: 1/2 (h |f|)^2, zero without a load.
   void put_in(double work, double kick) {       // otherwise the energy is not finite either
@@ -87,11 +100,12 @@ class EnergyBound {
  private:
   bool is_within(double factor, double energy, double harmonic) const {
     if (!std::isfinite(energy)) return false;
-    return most_ <= 0.0 || energy <= factor * most_ + kEnergyRounding * harmonic;
+    return most_ <= 0.0 || energy <= rest_ || energy <= factor * most_ + kEnergyRounding * harmonic;
   }
 
   double balance_ = 0.0;  // energy at the start plus the work since
   double most_ = 0.0;     // highest value of balance_
+  double rest_ = 0.0;     // set_rest()
 };
 
 }  // namespace tremolo

@@ -269,5 +269,27 @@ TEST_F(TetsProgram, WhatASceneGetsWrongIsRefusedByItsKey) {
   EXPECT_NE(missing.err.find("make it"), std::string::npos) << missing.err;
 }
 
+// A very soft cube that hangs on one corner, with a box on it: the step that fails names both, and
+// the cube's elements that are inside out.
+TEST_F(TetsProgram, AStepThatFailsNamesItsBodiesAndTheElementsInsideOut) {
+  const ProgramResult made =
+      run_program(folder_, kPrecompute +
+                               "tets cube.veg -o soft.tets --young 3e3 --poisson 0.4 "
+                               "--density 1000 --fix none --cells 20");
+  ASSERT_EQ(made.code, 0) << made.err;
+  const ProgramResult result =
+      run("step = 0.003\nduration = 0.4\ngravity = [0, 0, -9.81]\n"
+          "[[bodies]]\nname = \"soft\"\nkind = \"tets\"\nmodel = \"soft.tets\"\n"
+          "degree = \"quadratic\"\n"
+          "[[bodies]]\nname = \"box\"\nkind = \"rigid\"\nshape = \"box\"\n"
+          "half-extents = [0.04, 0.03, 0.02]\nfriction = 0\nrestitution = 0\n"
+          "position = [0.05, 0.05, 0.125]\n"
+          "[[joints]]\nbody = \"soft\"\nat = \"near:0,0,0.1\"\nto = \"world\"\n");
+  EXPECT_EQ(result.code, 4) << result.err;
+  EXPECT_NE(result.err.find("tremolo: bodies 'box', 'soft': the step from"), std::string::npos)
+      << result.err;
+  EXPECT_NE(result.err.find("elements of 'soft' are inside out"), std::string::npos) << result.err;
+}
+
 }  // namespace
 }  // namespace tremolo

@@ -400,6 +400,33 @@ TEST(SavedBody, EveryMethodGoesOnWithTheSameBits) {
     }
 }
 
+// A step at rest evaluates nothing. What the next ones read is that of the present state all the
+// same, also in a body that was restored and never evaluated anything.
+TEST(SavedBody, AtRestItIsStruckWithTheSameBits) {
+  for (const char* method : {"avf", "ep2", "ep4"})
+    for (const FrameKind frame : {FrameKind::kFixed, FrameKind::kFree})
+      for (const int steps : {4, 5}) {
+        SCOPED_TRACE(std::string(method) + " after " + std::to_string(steps));
+        const auto make = [&] {
+          IntegratorOptions options;
+          options.step = 1e-3;
+          return testing::make_framed(
+              testing::frame_model(6, frame == FrameKind::kFree, 30.0, 400.0, 0.3), frame, options,
+              method);
+        };
+        ContactBody straight = make();
+        for (int k = 0; k < steps; ++k) (void)straight.step();
+        ContactBody fresh = make();
+        ASSERT_TRUE(fresh.restore(straight.save()));
+        for (ContactBody* body : {&straight, &fresh}) {
+          for (int k = 0; k < 3; ++k) (void)body->step();
+          ASSERT_TRUE(body->apply_force(5, {30.0, 20.0, -50.0}, 2));
+          for (int k = 0; k < 20; ++k) (void)body->step();
+        }
+        EXPECT_EQ(state_bytes(straight), state_bytes(fresh));
+      }
+}
+
 // A step whose solve fails is subdivided, and the integrators of its parts have saved state too.
 TEST(SavedBody, StepsInPartsComeAlong) {
   for (const char* method : {"ep4", "newmark", "midpoint"}) {

@@ -53,6 +53,18 @@ TEST(EnergyBound, RoundingOfAPotentialWhoseTermsCancelIsNoExplosion) {
   EXPECT_TRUE(bound.holds(1e-6, 1.0));
 }
 
+TEST(EnergyBound, RoundingOfABodyAtRestIsNoExplosion) {
+  EnergyBound bound;
+  bound.put_in(1e-60, 0.0);
+  EXPECT_FALSE(bound.holds(1e-45));
+  const double rest = energy_at_rest(2.0, 0.4, 1e-3);
+  EXPECT_DOUBLE_EQ(rest, 1.6e-17);  // 2 kg at 4e-9 m/s
+  bound.set_rest(rest);
+  EXPECT_EQ(bound.look(1e-45, 0.0), EnergyFound::kSound);
+  EXPECT_TRUE(bound.sound(0.99 * rest));
+  EXPECT_FALSE(bound.holds(1.01 * rest));
+}
+
 // h omega of the highest mode is 5.4 for the explicit methods, and a large motion stiffens what the
 // others kick explicitly.
 constexpr double kTooLong = 6e-3;

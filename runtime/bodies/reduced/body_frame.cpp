@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/mesh/surface_mesh.h"
+#include "common/mesh/tet_mesh.h"
 #include "common/overflow.h"
 #include "common/text.h"
 #include "runtime/body.h"
@@ -22,6 +23,10 @@ Status check_frame_motion(const FrameMotion& motion) {
 void Body::begin_frame(FrameKind frame) {
   frame_ = frame;
   energy_method_ = is_energy_method(integrator_->name());
+  if (const InertiaIntegrals* inertia = model_->inertia()) {
+    const BoundingBox box = bounding_box(model_->surface().rest);
+    bound_.set_rest(energy_at_rest(inertia->mass, (box.high - box.low).maxCoeff(), options_.step));
+  }
   if constexpr (kHasFrames) {
     if (frame == FrameKind::kDriven) begin_driven();
     if (frame == FrameKind::kFree) {

@@ -259,7 +259,10 @@ void ContactBody::book_step(const StepReport& report) {
   touched_.given += account.given;
   touched_.error += account.surplus;
   const double kick = free_ ? 0.5 * account.impulse * account.impulse / free_->mass() : 0.0;
-  Body::book_step(report, account.work + account.hand_work + account.joint_work, kick);
+  // What rounding gives a body that stiff springs hold is no explosion.
+  const double rounding = contact_ ? contact_->record().rounding : 0.0;
+  Body::book_step(report, account.work + account.hand_work + account.joint_work,
+                  std::max(kick, rounding));
 }
 
 StepReport ContactBody::end_step(StepReport report) {

@@ -10,12 +10,10 @@
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/world/world_commands.h"
 #include "runtime/contact/solve/contact_step.h"
+#include "runtime/energy_bound.h"
 
 namespace tremolo {
 namespace {
-
-// Of a body's size: a body whose points move so little in a step is at rest.
-constexpr double kRoundedWay = 1e-11;
 
 constexpr std::int64_t kStepsBetweenShapes = 10;
 constexpr std::size_t kMostOpen = 64;  // files of one run
@@ -130,10 +128,9 @@ Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, 
   log.report_.model = solid_name(known);
   log.report_.integrator = known.integrator;
   log.report_.size = surface_size(model);
-  if (const ContactStep* contact = world.body(body).contact()) {
-    const double speed = kRoundedWay * log.report_.size / world.step_size();
-    log.report_.rounding = 0.5 * contact->surface().mass * speed * speed;
-  }
+  if (const ContactStep* contact = world.body(body).contact())
+    log.report_.rounding =
+        energy_at_rest(contact->surface().mass, log.report_.size, world.step_size());
   log.report_.start = place_of(world, body);
   return log;
 }
@@ -193,7 +190,8 @@ Status BodyLog::observe(const SceneWorld& world) {
   if (Status s = files_.write_surface(moment_, body); !s) return s;
   // Energy stored in contact is not yet energy of the body.
   const double own = account.total() - account.contact;
-  if (!(own <= report_.rounding) && !moment_.bound.sound(own))
+  const double rounding = report_.rounding + report_.rounding_of_springs;
+  if (!(own <= rounding) && !moment_.bound.sound(own))
     report_.leave_bound(account.total(), moment_.time);
   return Success{};
 }

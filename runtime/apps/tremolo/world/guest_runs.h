@@ -28,6 +28,7 @@ class GuestRuns {
   const MixedGuests* guests() const { return guests_; }  // null: none
   std::size_t size() const { return tets_.size() + cloths_.size(); }
   std::vector<nlohmann::ordered_json> json() const;  // one per body
+  std::string inverted_text() const { return tets_.inverted_text(); }
   void print() const;
   std::vector<std::string> files() const;  // paths of all that was written
 

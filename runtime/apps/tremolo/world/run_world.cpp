@@ -61,6 +61,8 @@ struct WorldRun : WorldWatch {
               WorldEnding& ending) override;
   // Takes the ending of the first body that has one.
   void end(WorldEnding& ending) const;
+  // Names all bodies whose step failed: any of them may be the cause.
+  void name_failed(std::span<const SceneWorld::Failure> failures, WorldEnding& ending) const;
 };
 
 Status WorldRun::look(const SceneWorld& world, std::span<const SceneWorld::Failure> failures,
@@ -76,9 +78,28 @@ Status WorldRun::look(const SceneWorld& world, std::span<const SceneWorld::Failu
     sound->add(world.steps(), [&world](std::size_t i) -> const Eigen::VectorXd& {
       return world.body(i).state().q;
     });
+  const bool ended_before = ending.exit_code != 0;
   end(ending);
   guests.ended(ending);
+  if (!ended_before) name_failed(failures, ending);
   return Success{};
+}
+
+void WorldRun::name_failed(std::span<const SceneWorld::Failure> failures,
+                           WorldEnding& ending) const {
+  std::string names;
+  int count = 0;
+  const auto add = [&](const std::string& name) {
+    names += (names.empty() ? "'" : ", '") + name + "'";
+    ++count;
+  };
+  for (const auto& [body, report] : failures) add(logs[body].report().name);
+  for (std::size_t i = 0; guests.guests() != nullptr && i < guests.guests()->size(); ++i)
+    if (guests.guests()->failed(i)) add(guests.guests()->name(i));
+  if (ending.exit_code != exit_code(ErrorKind::kSolver) || count == 0) return;
+  if (const std::size_t end = ending.reason.find("': "); count > 1 && end != std::string::npos)
+    ending.reason = "bodies " + names + ": " + ending.reason.substr(end + 3);
+  ending.reason += guests.inverted_text();
 }
 
 void WorldRun::end(WorldEnding& ending) const {

@@ -4,7 +4,9 @@
 #include <optional>
 #include <string>
 
+#include "common/mesh/tet_mesh.h"
 #include "runtime/bodies/reduced/frames/frame_inertia.h"
+#include "runtime/energy_bound.h"
 
 namespace tremolo {
 
@@ -19,6 +21,18 @@ bool any(std::span<const std::uint8_t> flags) {
 Vector3d momentum_of(const MixedGuests& guests, std::size_t guest) {
   if (const TetStep* tets = guests.tets(guest)) return tets->body().momentum();
   return guests.cloth(guest)->body().momenta().linear;
+}
+
+double longest_side(const BoundingBox& box) {
+  return (box.high - box.low).maxCoeff();
+}
+
+double size_of(const MixedGuests& guests, std::size_t guest) {
+  if (const TetStep* tets = guests.tets(guest))
+    return longest_side(bounding_box(tets->body().model().mesh().vertices));
+  const Eigen::VectorXd& x = guests.cloth(guest)->body().model().parts().x;
+  const Eigen::Map<const Eigen::Matrix3Xd> particles(x.data(), 3, x.size() / 3);
+  return (particles.rowwise().maxCoeff() - particles.rowwise().minCoeff()).maxCoeff();
 }
 
 }  // namespace
@@ -90,6 +104,10 @@ void WorldMomentum::add_joints(const SceneWorld& world, const MixedGuests* guest
   }
 }
 
+void WorldMomentum::add_at_rest(const Known& known, double size) {
+  if (known.free) at_rest_ += known.mass * kRoundedMove * size / step_;
+}
+
 void WorldMomentum::observe(const SceneWorld& world, const MixedGuests* guests) {
   const bool starts = known_.empty();
   step_ = world.step_size();
@@ -105,6 +123,7 @@ void WorldMomentum::observe(const SceneWorld& world, const MixedGuests* guests) 
       known.mass = free ? body.model().inertia_about_centre()->mass : 0.0;
       known.momentum = momentum;
       exchanged_ += momentum.norm();
+      add_at_rest(known, longest_side(bounding_box(body.model().surface().rest)));
     } else if (!world.failed(i)) {
       add(known, momentum, world.asleep(i), impulses_of(body), gravity);
     }
@@ -114,6 +133,7 @@ void WorldMomentum::observe(const SceneWorld& world, const MixedGuests* guests) 
     if (starts) {
       known = start_of(*guests, i);
       exchanged_ += known.momentum.norm();
+      add_at_rest(known, size_of(*guests, i));
       continue;
     }
     Impulses impulses;

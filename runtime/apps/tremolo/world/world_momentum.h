@@ -25,8 +25,9 @@ class WorldMomentum {
   void observe(const SceneWorld& world, const MixedGuests* guests);
 
   // The largest |R| of all steps, relative to the momentum that was there or was exchanged: the sum
-  // of |p| at the start and of the lengths of all impulses since; 0 where nothing moved.
-  double error() const { return exchanged_ > 0.0 ? largest_ / exchanged_ : 0.0; }
+  // of |p| at the start and of the lengths of all impulses since; 0 where nothing moved but by
+  // rounding (kRoundedMove).
+  double error() const { return exchanged_ > at_rest_ ? largest_ / exchanged_ : 0.0; }
 
  private:
   // The impulses on a body in a step, N s, world.
@@ -46,12 +47,14 @@ class WorldMomentum {
   static Known start_of(const MixedGuests& guests, std::size_t guest);
   void add(Known& known, const Eigen::Vector3d& momentum, bool asleep, const Impulses& impulses,
            const Eigen::Vector3d& gravity);
+  void add_at_rest(const Known& known, double size);  // size: of the body, m
   void add_joints(const SceneWorld& world, const MixedGuests* guests);
 
   std::vector<Known> known_;                        // bodies of the world, then guests
   Eigen::Vector3d rest_ = Eigen::Vector3d::Zero();  // R, kg m/s
   double largest_ = 0.0, exchanged_ = 0.0;          // kg m/s
-  double step_ = 0.0;                               // s
+  double at_rest_ = 0.0;  // kg m/s, sum over the bodies that nothing holds: that of kRoundedMove
+  double step_ = 0.0;     // s
 };
 
 }  // namespace tremolo

@@ -40,6 +40,14 @@ Result<WorldTetsRun> WorldTetsRun::create(const MixedFile& mixed, const WorldGue
   return run;
 }
 
+// midpoint and newmark add energy where stiff elements rotate in long steps.
+void WorldTetsRun::Watched::leave_bound(double own, TetMethod method, double time) {
+  RunEnding::leave_bound(own, time);
+  const bool adds = method == TetMethod::kMidpoint || method == TetMethod::kNewmark;
+  reason += fmt::format("; try a shorter step{}, or a larger beta",
+                        adds ? ", `integrator = \"bdf2\"`" : "");
+}
+
 // The energy put in is the work of gravity, contact, hands, joints and loads.
 void WorldTetsRun::watch(std::size_t i, bool first) {
   Watched& watched = watched_[i];
@@ -59,7 +67,7 @@ void WorldTetsRun::watch(std::size_t i, bool first) {
   if (tets_->guests->failed(i))
     watched.give_up(body.time());
   else if (!sound)
-    watched.leave_bound(own, body.time());
+    watched.leave_bound(own, body.options().method, body.time());
 }
 
 Status WorldTetsRun::observe() {
@@ -84,6 +92,17 @@ Status WorldTetsRun::observe() {
 
 void WorldTetsRun::ended(RunEnding& ending) const {
   for (std::size_t i = 0; i < watched_.size(); ++i) ending.take(mixed_->tets[i].name, watched_[i]);
+}
+
+std::string WorldTetsRun::inverted_text() const {
+  std::string text;
+  for (std::size_t i = 0; i < logs_.size(); ++i)
+    if (const std::size_t count = logs_[i].report().inverted; tets_->guests->failed(i) && count > 0)
+      text += fmt::format(
+          "; {} elements of '{}' are inside out: it is too soft for its load, or held or pulled at "
+          "too few vertices",
+          count, mixed_->tets[i].name);
+  return text;
 }
 
 Status WorldTetsRun::finish() {

@@ -32,6 +32,8 @@ class WorldTetsRun {
 
   nlohmann::ordered_json body_json(std::size_t i) const;
   std::size_t size() const { return logs_.size(); }
+  // "; 2 elements of 'cube' are inside out ..." for each body whose step failed; else empty.
+  std::string inverted_text() const;
   void print() const;
   std::vector<std::string> files() const;  // paths of all that was written
 
@@ -46,6 +48,8 @@ class WorldTetsRun {
     double energy_max = 0.0;
     GuestBound bound;
     Momenta momenta_start, momenta_now;
+
+    void leave_bound(double own, TetMethod method, double time);  // own: energy, J
   };
 
   void watch(std::size_t i, bool first);

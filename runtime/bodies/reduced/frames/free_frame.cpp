@@ -18,6 +18,9 @@ using Eigen::VectorXd;
 constexpr int kSpinIterations = 12;  // of Newton's method; two are usual
 // A shorter move, relative to omega1, is below rounding: the next would be about its square.
 constexpr double kLastMove = 1e-9;
+// The same relative to the momenta of the equation, which may cancel in omega1. What a longer move
+// leaves is no rounding.
+constexpr double kSmallMove = 1e-7;
 
 }  // namespace
 
@@ -137,18 +140,22 @@ void FreeFrame::end_spin(const VectorXd& S, const VectorXd& dp) {
   v1_ = v0_ + dp - (1.0 - 0.5 * S.array()).matrix().cwiseProduct(kappa_);
 }
 
-// Finds omega1 by Newton's method to rounding.
+// Finds omega1 by Newton's method to rounding. It may fail for a body that turns by several radians
+// in a step.
 void FreeFrame::find_spin(const VectorXd& S, const VectorXd& dp) {
   const Matrix3d inertia = begin_spin(S, dp);
   const Vector3d coupled = at1_.C * v1_;
   double last = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kSpinIterations; ++i) {
     const SpinTrial trial = spin_equation(inertia, coupled, spin1_);
-    const Vector3d move = -(trial.jacobian.inverse() * trial.residual);
+    const Matrix3d inverse = trial.jacobian.inverse();
+    const Vector3d move = -(inverse * trial.residual);
     spin1_ += move;
     const double size = move.norm();
+    const bool small = size <= kSmallMove * inverse.norm() * (momentum1_.norm() + coupled.norm());
+    unsolved_ = small ? 0.0 : trial.residual.norm();
     // At rounding level the moves no longer shrink.
-    if (size <= kLastMove * spin1_.norm() || size >= last) break;
+    if (size <= kLastMove * spin1_.norm() || (small && size >= last)) break;
     last = size;
   }
   end_spin(S, dp);

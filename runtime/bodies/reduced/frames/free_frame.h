@@ -112,6 +112,7 @@ class FreeFrame final : public StepCoupling {
   void begin(double h, const Eigen::VectorXd& q0, const Eigen::VectorXd& v0) override;
   void evaluate(const Eigen::VectorXd& d, const Eigen::VectorXd& S, Eigen::VectorXd& dp,
                 Eigen::VectorXd& force) override;
+  double unsolved() const override { return unsolved_; }
   bool changes_momentum() const override { return true; }
   double force_scale() const override { return force_norm_; }
   bool finish(const Eigen::VectorXd& d, double defect, Eigen::VectorXd& v) override;
@@ -145,6 +146,7 @@ class FreeFrame final : public StepCoupling {
   Eigen::VectorXd added_;                                    // added by evaluate() to the force
   Eigen::Vector3d momentum0_;                                // Ro0^T l0
   Eigen::Vector3d spin1_;                                    // omega1
+  double unsolved_ = 0.0;                                    // of find_spin(), N m s
   Eigen::Vector3d momentum1_;                                // Ro1^T l1
   Eigen::Vector3d torque_ = Eigen::Vector3d::Zero();         // mean, along the axes at the start
   Eigen::Vector3d total_force_ = Eigen::Vector3d::Zero();    // world, without contact

@@ -26,6 +26,10 @@ class StepCoupling {
   virtual void evaluate(const Eigen::VectorXd& d, const Eigen::VectorXd& S, Eigen::VectorXd& dp,
                         Eigen::VectorXd& force) = 0;
 
+  // Not 0: the last evaluate() could not solve an equation of its own, and this is left of it. Such
+  // a step must not be accepted.
+  virtual double unsolved() const { return 0.0; }
+
   // False: evaluate() never changes dp.
   virtual bool changes_momentum() const = 0;
 

@@ -126,7 +126,8 @@ class EnergyPreserving final : public Integrator {
       strain_.stand_at(middle_);
     }
     StepReport report = solve(state);
-    report.converged = report.converged && q1_.allFinite() && dp_hat_.allFinite();
+    report.converged = report.converged && q1_.allFinite() && dp_hat_.allFinite() &&
+                       (load.coupling == nullptr || load.coupling->unsolved() == 0.0);
     if (!report.converged) return report;
     const double defect = energy_defect();
     VectorXd& dp = dp_hat_;

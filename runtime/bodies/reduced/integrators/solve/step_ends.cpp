@@ -27,6 +27,7 @@ StepEnds::StepEnds(const Potential& potential)
       end_move_(bend_) {}
 
 void StepEnds::start_at(const VectorXd& q0) {
+  end_known_ = false;
   if (start_q_ == q0) return;
   potential_.evaluate(q0, kAll, workspace_, start_);
   start_q_ = q0;
@@ -34,9 +35,14 @@ void StepEnds::start_at(const VectorXd& q0) {
 }
 
 void StepEnds::end_at(const VectorXd& q1, const VectorXd& d, VectorXd& G) {
+  evaluate_end(q1);
+  set_mean(d, G);
+}
+
+void StepEnds::evaluate_end(const VectorXd& q1) {
   potential_.evaluate(q1, kAll, workspace_, end_);
   end_move_.setZero();
-  set_mean(d, G);
+  end_known_ = true;
 }
 
 void StepEnds::end_near(const VectorXd& move, const VectorXd& q1, const VectorXd& d, VectorXd& G) {
@@ -68,7 +74,13 @@ void StepEnds::move_end(const VectorXd& move, const VectorXd& q1, VectorXd& G, V
   potential_.evaluate(q1, kWantEnergy, workspace_, end_);
 }
 
+// A step whose prediction is exact evaluates nothing, like those of a body at rest. What end_ holds
+// is then older, or nothing after a restore.
 void StepEnds::accept(const VectorXd& q1) {
+  if (!end_known_) {
+    if (q1 == start_q_) return;
+    evaluate_end(q1);
+  }
   std::swap(start_, end_);
   start_q_ = q1;
   start_move_ = end_move_;

@@ -62,7 +62,8 @@ class StepEnds {
     return start_q_ == q ? std::optional(start_.energy) : std::nullopt;
   }
 
-  // The step is done: its end q1 becomes the start of the next.
+  // The step is done: its end q1 becomes the start of the next. Evaluates the end if the step did
+  // not, unless it is the start.
   void accept(const Eigen::VectorXd& q1);
   void forget();  // the start is not known
 
@@ -70,11 +71,13 @@ class StepEnds {
   void carry(StateStream& stream);
 
  private:
+  void evaluate_end(const Eigen::VectorXd& q1);
   void set_mean(const Eigen::VectorXd& d, Eigen::VectorXd& G);
 
   const Potential& potential_;
   PotentialWorkspace workspace_;
   Evaluation start_, end_, middle_;
+  bool end_known_ = false;   // end_ is of this step
   Eigen::VectorXd start_q_;  // of start_, NaN if it is not known
   Eigen::VectorXd bend_;     // (K1 - K0) d/12
   Eigen::VectorXd image0_, image1_;
