@@ -130,11 +130,15 @@ void HullContact::make_slopes(bool follows) {
         contact_slopes(touch.law, touch.gap, touch.way, time(), touch.held, follows);
     touch.by_way = slopes.point.by_path + slopes.point.by_distance * touch.end_gradient.transpose();
     touch.by_distance = slopes.point.by_distance;
+    Matrix3d by_path = slopes.point.by_path;  // at given distances inside
+    if (!(touch.gap.d1 < 0.0)) by_path = touch.by_way;
     // d0 = d1 - n.w.
     if (!touch.inside) {
       touch.by_distance += slopes.by_start;
       touch.by_way += slopes.by_start * (touch.end_gradient - touch.end_normal).transpose();
+      by_path -= slopes.by_start * touch.end_normal.transpose();
     }
+    touch.by_shift = -by_path * shape_->way_slope(touch.site);
     touch.link = slopes.point.by_taken;
     touch.growth = slopes.taken_by_distance * touch.end_gradient;
     points_->add_slope(touch.point, touch.by_way, touch.now.force);
@@ -161,12 +165,14 @@ void HullContact::multiply(StepBody::In first_x, StepBody::In second_x, StepBody
                            StepBody::Out second_rows) const {
   for (const Touch& touch : touches_) {
     if (!touch.near || !touch.now.acts) continue;
-    const Vector3d taken =
-        shared->growth * touch.link - change_beyond(touch, second_x) * touch.by_distance;
-    points_->add_image(touch.point, taken - touch.by_way * shape_->change_of(touch.site, second_x),
-                       first_rows);
-    shape_->add_site_image(
-        touch.site, -taken - touch.by_way * points_->change_at(touch.point, first_x), second_rows);
+    const Vector3d point = points_->change_at(touch.point, first_x);
+    const Vector3d site = shape_->change_of(touch.site, second_x);
+    const Vector3d shift = touch.site.inverse * (0.5 * (point - site));
+    const Vector3d more = shared->growth * touch.link + touch.by_shift * shift -
+                          change_beyond(touch, second_x) * touch.by_distance;
+    points_->add_image(touch.point, more - touch.by_way * site, first_rows);
+    shape_->add_site_image(touch.site, -more - touch.by_way * point, second_rows);
+    shape_->add_shifted_site(touch.site, touch.now.force, shift, second_rows);
   }
 }
 

@@ -69,6 +69,7 @@ class HullContact final : public PairForces {
     // Slopes of the force on the point: its fall with w, the effect of the pair's rate, growth of
     // the part that restitution takes with the distance, and the fall with that.
     Eigen::Matrix3d by_way;
+    Eigen::Matrix3d by_shift;  // fall of the force where its site moves along the body, N/m at rest
     Eigen::Vector3d link, growth, by_distance;
   };
 

@@ -289,6 +289,13 @@ bool TetStep::find_site(const Vector3d& place, std::uint32_t element, TetSite& s
   site.element = element;
   site.values = found->values;
   site.gradient = hull_->tree.smooth_gradient(*found, middle_);
+  site.inverse = found->gradient.inverse();
+  const auto& gradients = body_->model().elements()[element].element.geometry.gradients;
+  for (Index a = 0; a < 4; ++a)
+    for (Index b = 0; b <= a; ++b)
+      site.slopes[kNodeAt[a][b]] = a == b ? Vector3d(2.0 * found->weights[a] * gradients.col(a))
+                                          : Vector3d(2.0 * (found->weights[a] * gradients.col(b) +
+                                                            found->weights[b] * gradients.col(a)));
   return true;
 }
 
@@ -311,6 +318,29 @@ void TetStep::push_site(const TetSite& site, const Vector3d& force) {
 void TetStep::condense(TetSite& site) const {
   site.shares = site.values;
   condense(nodes_of(site), site.shares);
+  std::array<double, kMostNodes> along;
+  for (Index d = 0; d < 3; ++d) {
+    for (std::size_t i = 0; i < along.size(); ++i) along[i] = site.slopes[i][d];
+    condense(nodes_of(site), along);
+    for (std::size_t i = 0; i < along.size(); ++i) site.slope_shares[i][d] = along[i];
+  }
+}
+
+Matrix3d TetStep::way_slope(const TetSite& site) const {
+  const std::span<const std::uint32_t> nodes = nodes_of(site);
+  Matrix3d slope = Matrix3d::Zero();
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const Index row = row_of(nodes[i]);
+    slope += (end_.segment<3>(row) - body_->now_.x.segment<3>(row)) * site.slopes[i].transpose();
+  }
+  return slope;
+}
+
+void TetStep::add_shifted_site(const TetSite& site, const Vector3d& force, const Vector3d& shift,
+                               Out rows) const {
+  const std::span<const std::uint32_t> nodes = nodes_of(site);
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    rows.segment<3>(row_of(nodes[i])) += site.slope_shares[i].dot(shift) * force;
 }
 
 void TetStep::add_site_slope(const TetSite& site, const Matrix3d& by_end) {

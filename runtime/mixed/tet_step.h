@@ -45,6 +45,9 @@ struct TetSite {
   std::uint32_t element = 0;
   std::array<double, kMostNodes> values{};  // B_I there
   std::array<double, kMostNodes> shares{};  // the same, condensed
+  // The gradients of B_I and of the condensed ones with X, 1/m, and F^-1 of the element.
+  std::array<Eigen::Vector3d, kMostNodes> slopes{}, slope_shares{};
+  Eigen::Matrix3d inverse = Eigen::Matrix3d::Identity();
   // F there, continuous between elements.
   Eigen::Matrix3d gradient = Eigen::Matrix3d::Identity();
 };
@@ -99,6 +102,11 @@ class TetStep final : public GuestStep {
   void add_site_slope(const TetSite& site, const Eigen::Matrix3d& by_end);
   Eigen::Vector3d change_of(const TetSite& site, In x) const;
   void add_site_image(const TetSite& site, const Eigen::Vector3d& fall, Out rows) const;
+  // Derivative of way_of() with X.
+  Eigen::Matrix3d way_slope(const TetSite& site) const;
+  // rows += the change of the residual where the site of the force moves by `shift`, m at rest.
+  void add_shifted_site(const TetSite& site, const Eigen::Vector3d& force,
+                        const Eigen::Vector3d& shift, Out rows) const;
 
   std::size_t points() const override { return points_->points.size(); }
   bool feels(std::size_t point) const override { return point < points(); }
