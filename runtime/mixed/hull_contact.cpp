@@ -138,6 +138,7 @@ void HullContact::make_slopes(bool follows) {
       touch.by_way += slopes.by_start * (touch.end_gradient - touch.end_normal).transpose();
       by_path -= slopes.by_start * touch.end_normal.transpose();
     }
+    shape_->find_slopes(touch.site);
     touch.by_shift = -by_path * shape_->way_slope(touch.site);
     touch.link = slopes.point.by_taken;
     touch.growth = slopes.taken_by_distance * touch.end_gradient;

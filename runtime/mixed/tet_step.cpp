@@ -289,13 +289,8 @@ bool TetStep::find_site(const Vector3d& place, std::uint32_t element, TetSite& s
   site.element = element;
   site.values = found->values;
   site.gradient = hull_->tree.smooth_gradient(*found, middle_);
+  site.weights = found->weights;
   site.inverse = found->gradient.inverse();
-  const auto& gradients = body_->model().elements()[element].element.geometry.gradients;
-  for (Index a = 0; a < 4; ++a)
-    for (Index b = 0; b <= a; ++b)
-      site.slopes[kNodeAt[a][b]] = a == b ? Vector3d(2.0 * found->weights[a] * gradients.col(a))
-                                          : Vector3d(2.0 * (found->weights[a] * gradients.col(b) +
-                                                            found->weights[b] * gradients.col(a)));
   return true;
 }
 
@@ -318,6 +313,14 @@ void TetStep::push_site(const TetSite& site, const Vector3d& force) {
 void TetStep::condense(TetSite& site) const {
   site.shares = site.values;
   condense(nodes_of(site), site.shares);
+}
+
+void TetStep::find_slopes(TetSite& site) const {
+  const auto& gradients = body_->model().elements()[site.element].element.geometry.gradients;
+  for (Index a = 0; a < 4; ++a)
+    for (Index b = 0; b <= a; ++b)
+      site.slopes[kNodeAt[a][b]] = (a == b ? 1.0 : 2.0) * (site.weights[a] * gradients.col(b) +
+                                                           site.weights[b] * gradients.col(a));
   std::array<double, kMostNodes> along;
   for (Index d = 0; d < 3; ++d) {
     for (std::size_t i = 0; i < along.size(); ++i) along[i] = site.slopes[i][d];

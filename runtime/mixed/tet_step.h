@@ -43,10 +43,12 @@ struct TetDepth {
 // A point of an element on which the forces of others act.
 struct TetSite {
   std::uint32_t element = 0;
-  std::array<double, kMostNodes> values{};  // B_I there
-  std::array<double, kMostNodes> shares{};  // the same, condensed
-  // The gradients of B_I and of the condensed ones with X, 1/m, and F^-1 of the element.
+  std::array<double, kMostNodes> values{};            // B_I there
+  std::array<double, kMostNodes> shares{};            // the same, condensed
+  Eigen::Vector4d weights = Eigen::Vector4d::Zero();  // barycentric
+  // The gradients of B_I and of the condensed ones with X, 1/m: find_slopes().
   std::array<Eigen::Vector3d, kMostNodes> slopes{}, slope_shares{};
+  // F^-1 of the element there.
   Eigen::Matrix3d inverse = Eigen::Matrix3d::Identity();
   // F there, continuous between elements.
   Eigen::Matrix3d gradient = Eigen::Matrix3d::Identity();
@@ -99,6 +101,7 @@ class TetStep final : public GuestStep {
   void push_site(const TetSite& site, const Eigen::Vector3d& force);
   // Same as add_slope(), change_at() and add_image() for a site, once it is condensed.
   void condense(TetSite& site) const;
+  void find_slopes(TetSite& site) const;
   void add_site_slope(const TetSite& site, const Eigen::Matrix3d& by_end);
   Eigen::Vector3d change_of(const TetSite& site, In x) const;
   void add_site_image(const TetSite& site, const Eigen::Vector3d& fall, Out rows) const;

@@ -21,30 +21,33 @@ class QuickFactor {
     return QuickFactor(std::move(pattern), std::move(*made));
   }
 
-  // True: there is a factor of `a`. False: `a` is not positive definite. The first matrix whose
-  // pivots lose more digits than floats have to spare makes room for a factor of doubles, which
-  // serves from then on; otherwise nothing is allocated except an error's message.
+  // True: there is a factor of `a`, of doubles if the pivots lose more digits than floats have to
+  // spare. This depends on `a` alone, so that a restored run solves with the same bits. False: `a`
+  // is not positive definite. The first factor of doubles allocates, nothing else does except an
+  // error's message.
   bool factor(const BlockMatrix& a) {
     constexpr double kLeastPivot = 1e-4;
+    in_floats_ = true;
+    const bool good = static_cast<bool>(quick_.factor(a));
+    if (std::abs(quick_.weakest_pivot()) > kLeastPivot) return good;
     if (!exact_) {
-      const bool good = static_cast<bool>(quick_.factor(a));
-      if (std::abs(quick_.weakest_pivot()) > kLeastPivot) return good;
       Result<BlockCholesky> made = BlockCholesky::create(pattern_);
       if (!made) return good;
       exact_.emplace(std::move(*made));
     }
+    in_floats_ = false;
     return static_cast<bool>(exact_->factor(a));
   }
 
   // x <- near A^-1 x for the last factored matrix, linear in x.
   void solve(Eigen::VectorXd& x) {
-    if (exact_)
-      exact_->solve(x);
-    else
+    if (in_floats_)
       quick_.solve(x);
+    else
+      exact_->solve(x);
   }
 
-  bool in_floats() const { return !exact_; }
+  bool in_floats() const { return in_floats_; }
 
  private:
   QuickFactor(BlockPatternPointer pattern, BlockFactor<float> quick)
@@ -53,6 +56,7 @@ class QuickFactor {
   BlockPatternPointer pattern_;
   BlockFactor<float> quick_;
   std::optional<BlockCholesky> exact_;
+  bool in_floats_ = true;  // the last factor
 };
 
 }  // namespace tremolo
