@@ -362,6 +362,7 @@ void TetStep::add_site_image(const TetSite& site, const Vector3d& fall, Out rows
 bool TetStep::factor(bool fresh) {
   assemble(heavier_, body_->options_.tangent, true);
   if (factor_ && !fresh) return true;
+  if (factor_) factor_->leave_out(still_);
   if (!factor_) {
     for (std::size_t i = 0; i < inverse_.size(); ++i) {
       inverse_[i] = body_->matrix_.diagonal(i).inverse();
@@ -378,7 +379,7 @@ bool TetStep::factor(bool fresh) {
 
 void TetStep::multiply(In x, Out rows) const {
   in_ = x;
-  body_->matrix_.multiply(in_, out_);
+  body_->matrix_.multiply(still_, in_, out_);
   rows = out_;
   for (const Slope& slope : slopes_) {
     const Matrix3d rest = contact_in_matrix_

@@ -255,6 +255,46 @@ TEST(SparseBlocks, HeldNodesGetTheRowsOfTheIdentity) {
   EXPECT_EQ(x.segment<3>(12), b.segment<3>(12));
 }
 
+TEST(SparseBlocks, NodesLeftOutAreThoseOfTheIdentityInASmallerFactor) {
+  Case made = random_grid(9, 11, 3);
+  auto factor = BlockCholesky::create(made.sparse.shared_pattern());
+  auto quick = QuickFactor::create(made.sparse.shared_pattern(), 1 << 20);
+  const double all = factor->multiplications();
+  const std::size_t all_bytes = factor->bytes();
+  std::vector<std::uint8_t> out(99, 0);
+  // A third of the nodes, others, none, nearly all.
+  for (const std::size_t every : {3U, 2U, 1000U, 1U}) {
+    for (std::size_t i = 0; i < 99; ++i) out[i] = (i + every) % every == 0 && i != 50 ? 1 : 0;
+    if (every == 1000) out.assign(99, 0);
+    Case held = random_grid(9, 11, 3);
+    held.sparse.hold(out);
+    VectorXd b = right_side(297), product(297), rest(297);
+    held.sparse.multiply(b, product);
+    held.sparse.multiply(out, b, rest);
+    EXPECT_EQ(product, rest) << every;
+    auto whole = BlockCholesky::create(made.sparse.shared_pattern());
+    ASSERT_TRUE(whole->factor(held.sparse));
+    VectorXd exact = b, x = b, near = b;
+    whole->solve(exact);
+    factor->leave_out(out);
+    // The matrix without the rows of the identity will do: they are not read.
+    ASSERT_TRUE(factor->factor(made.sparse)) << every;
+    factor->solve(x);
+    EXPECT_LE((x - exact).norm(), 1e-12 * exact.norm()) << every;
+    EXPECT_EQ(factor->multiplications() < 0.7 * all, every != 1000) << every;
+    EXPECT_LE(factor->bytes(), all_bytes) << every;
+    quick->leave_out(out);
+    ASSERT_TRUE(quick->factor(made.sparse)) << every;
+    quick->solve(near);
+    EXPECT_LE((near - exact).norm(), 1e-4 * exact.norm()) << every;
+    for (std::size_t i = 0; i < 99; ++i)
+      if (out[i] != 0) {
+        EXPECT_EQ(x.segment<3>(3 * static_cast<Eigen::Index>(i)),
+                  b.segment<3>(3 * static_cast<Eigen::Index>(i)));
+      }
+  }
+}
+
 TEST(SparseBlocks, PatternsThatNameNoNodeAreRefused) {
   EXPECT_FALSE(BlockPattern::create(0, {}));
   const NodePair beyond[] = {{0, 3}};

@@ -44,7 +44,13 @@ namespace tremolo {
 
 template <class Scalar>
 BlockFactor<Scalar>::BlockFactor(BlockPatternPointer pattern)
-    : pattern_(std::move(pattern)), shape_(eliminate(*pattern_)) {}
+    : pattern_(std::move(pattern)), all_(eliminate(*pattern_)), shape_(all_) {
+  const std::size_t n = pattern_->size();
+  out_.assign(n, 0);
+  place_.resize(n);
+  number_.resize(n);
+  for (std::size_t k = 0; k < n; ++k) number_[shape_.order[k]] = static_cast<std::uint32_t>(k);
+}
 
 template <class Scalar>
 Result<BlockFactor<Scalar>> BlockFactor<Scalar>::create(BlockPatternPointer pattern,
@@ -56,7 +62,7 @@ Result<BlockFactor<Scalar>> BlockFactor<Scalar>::create(BlockPatternPointer patt
     return system_error("a factor of " + std::to_string(entries * sizeof(Scalar) >> 20) +
                         " MB is more than may be taken");
   factor.place_entries();
-  factor.values_.assign(entries + kInVector<Scalar>, Scalar{});
+  factor.place_panels();
   factor.local_.assign(n, 0);
   factor.waiting_.assign(factor.shape_.supernodes(), kNobody);
   factor.next_.assign(factor.shape_.supernodes(), kNobody);
@@ -66,10 +72,24 @@ Result<BlockFactor<Scalar>> BlockFactor<Scalar>::create(BlockPatternPointer patt
   return factor;
 }
 
-// Sets the start of each panel, and the size of the largest product.
+template <class Scalar>
+void BlockFactor<Scalar>::leave_out(std::span<const std::uint8_t> out) {
+  if (std::equal(out.begin(), out.end(), out_.begin())) return;
+  std::copy(out.begin(), out.end(), out_.begin());
+  tremolo::leave_out(all_, out, place_, shape_);
+  for (std::size_t k = 0; k < all_.order.size(); ++k) number_[all_.order[k]] = place_[k];
+  count_panels();
+  place_entries();
+  place_panels();
+}
+
+// Sets the start of each panel. Returns the number of all entries.
 template <class Scalar>
 std::size_t BlockFactor<Scalar>::count_panels() {
-  std::size_t entries = 0, largest = 0, longest = 0;
+  std::size_t entries = 0;
+  panel_.clear();
+  stride_.clear();
+  multiplications_ = 0.0;
   for (std::size_t s = 0; s < shape_.supernodes(); ++s) {
     panel_.push_back(entries);
     stride_.push_back(padded_to_vectors<Scalar>(height(s)));
@@ -77,6 +97,16 @@ std::size_t BlockFactor<Scalar>::count_panels() {
     const std::size_t below = 3 * shape_.rows_below(s);
     const double rows = static_cast<double>(height(s)), width = static_cast<double>(below);
     multiplications_ += (rows * rows * rows - width * width * width) / 6.0;
+  }
+  entries_of_panels_ = entries;
+  return entries;
+}
+
+// Finds the size of the largest product, and makes place for that and for all panels.
+template <class Scalar>
+void BlockFactor<Scalar>::place_panels() {
+  std::size_t largest = 0, longest = 0;
+  for (std::size_t s = 0; s < shape_.supernodes(); ++s) {
     longest = std::max(longest, height(s));
     // One contribution goes to the rows of one other panel.
     std::size_t most = 0;
@@ -85,32 +115,36 @@ std::size_t BlockFactor<Scalar>::count_panels() {
       while (k < shape_.row_first[s + 1] && shape_.owner[shape_.rows[k]] == owner) ++k;
       most = std::max(most, k - begin);
     }
-    largest = std::max(largest, padded_to_vectors<Scalar>(below) * 3 * most);
+    largest = std::max(largest, padded_to_vectors<Scalar>(3 * shape_.rows_below(s)) * 3 * most);
   }
-  update_.assign(largest + kInVector<Scalar>, Scalar{});
-  local_x_.assign(longest + kInVector<Scalar>, Scalar{});
-  return entries;
+  const auto grow = [](auto& list, std::size_t size) {
+    if (list.size() < size + kInVector<Scalar>) list.resize(size + kInVector<Scalar>);
+  };
+  grow(update_, largest);
+  grow(local_x_, longest);
+  grow(values_, entries_of_panels_);
 }
 
 template <class Scalar>
 void BlockFactor<Scalar>::place_entries() {
-  const std::size_t n = pattern_->size();
-  std::vector<std::uint32_t> place(n);
-  for (std::size_t k = 0; k < n; ++k) place[shape_.order[k]] = static_cast<std::uint32_t>(k);
+  const std::size_t n = shape_.order.size();
   const auto each = [&](auto&& act) {
-    for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t i = 0; i < pattern_->size(); ++i) {
+      if (out_[i] != 0) continue;
       for (std::size_t p = pattern_->first()[i]; p < pattern_->first()[i + 1]; ++p) {
-        const std::uint32_t row = place[i], column = place[pattern_->columns()[p]];
+        if (out_[pattern_->columns()[p]] != 0) continue;
+        const std::uint32_t row = number_[i], column = number_[pattern_->columns()[p]];
         act(std::min(row, column),
             Entry{std::max(row, column), static_cast<std::uint32_t>(p), row < column});
       }
+    }
   };
   entry_first_.assign(n + 1, 0);
   each([&](std::uint32_t column, const Entry&) { ++entry_first_[column + 1]; });
   for (std::size_t i = 0; i < n; ++i) entry_first_[i + 1] += entry_first_[i];
   entries_.resize(entry_first_[n]);
-  std::vector<std::size_t> next(entry_first_.begin(), entry_first_.end() - 1);
-  each([&](std::uint32_t column, const Entry& entry) { entries_[next[column]++] = entry; });
+  next_entry_.assign(entry_first_.begin(), entry_first_.end() - 1);
+  each([&](std::uint32_t column, const Entry& entry) { entries_[next_entry_[column]++] = entry; });
 }
 
 // Copies A's columns of supernode s, and sets the indices of its panel's rows.

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -28,6 +29,9 @@ struct Elimination {
   std::vector<std::size_t> row_first;  // start of each supernode's rows; supernodes() + 1 entries
   std::vector<std::uint32_t> rows;     // below each supernode, ascending
   std::vector<std::uint32_t> owner;    // the supernode of each node
+  std::vector<std::size_t> zeros;      // blocks of each supernode that are zeros, about
+
+  static constexpr std::uint32_t kNoPlace = static_cast<std::uint32_t>(-1);
 
   std::size_t supernodes() const { return first.size() - 1; }
   std::size_t width(std::size_t s) const { return first[s + 1] - first[s]; }
@@ -37,6 +41,11 @@ struct Elimination {
 // Eigen's approximate minimum degree (Amestoy, Davis and Duff 1996), then the elimination tree (Liu
 // 1990) in postorder.
 Elimination eliminate(const BlockPattern& pattern);
+
+// The same without the nodes whose flag is not 0. place: receives the new number of each node of
+// `all`, or kNoPlace. Nothing is allocated if both results have been as large as `all`.
+void leave_out(const Elimination& all, std::span<const std::uint8_t> out,
+               std::vector<std::uint32_t>& place, Elimination& rest);
 
 // The factor's entries are doubles or floats; a float one takes half of the memory and time and
 // leaves errors of 1e-7 times the matrix's condition, as what preconditions a solve may.
@@ -49,8 +58,13 @@ class BlockFactor {
                                     std::size_t most_bytes = std::size_t{8} << 30);
 
   // The factor's bytes, and the multiplications of a factorisation.
-  std::size_t bytes() const { return values_.size() * sizeof(Scalar); }
+  std::size_t bytes() const { return entries_of_panels_ * sizeof(Scalar); }
   double multiplications() const { return multiplications_; }
+
+  // Leaves out the nodes whose flag is not 0, one flag per node, until the next call: their rows
+  // and columns of A are never read, and solve() leaves their entries as they are. A factor without
+  // them is smaller. There is none until the next factor(). Nothing is allocated.
+  void leave_out(std::span<const std::uint8_t> out);
 
   // a: of the pattern. Error kSolver, naming the node: a pivot is not positive or not finite; there
   // is no factor then. Nothing is allocated except an error's message.
@@ -74,14 +88,17 @@ class BlockFactor {
   explicit BlockFactor(BlockPatternPointer pattern);
   void place_entries();
   std::size_t count_panels();
+  void place_panels();
   std::size_t height(std::size_t s) const { return 3 * (shape_.width(s) + shape_.rows_below(s)); }
   void assemble(std::size_t s, const BlockMatrix& a);
   void subtract_from(std::size_t s, std::size_t descendant);
   void wait_for_rows(std::size_t s);
 
   BlockPatternPointer pattern_;
-  Elimination shape_;
-  std::vector<std::size_t> entry_first_;  // by columns
+  Elimination all_, shape_;  // of all nodes; of those that are not left out
+  std::vector<std::uint8_t> out_;
+  std::vector<std::uint32_t> place_, number_;          // number_: in shape_ by node, or kNoPlace
+  std::vector<std::size_t> entry_first_, next_entry_;  // by columns
   std::vector<Entry> entries_;
   std::vector<std::size_t> panel_;   // start of each panel in values_
   std::vector<std::size_t> stride_;  // between its columns
@@ -92,6 +109,7 @@ class BlockFactor {
   std::vector<std::size_t> done_;    // number of its rows that a supernode has contributed
   std::vector<Scalar> x_, local_x_;  // local_x_: of a panel's rows
   std::vector<Scalar> diagonal_;     // of A
+  std::size_t entries_of_panels_ = 0;
   double multiplications_ = 0.0, weakest_ = 1.0;
 };
 

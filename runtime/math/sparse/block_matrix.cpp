@@ -64,11 +64,16 @@ void BlockMatrix::hold(std::span<const std::uint8_t> held) {
     }
 }
 
-void BlockMatrix::multiply(const Eigen::VectorXd& x, Eigen::VectorXd& y) const {
+void BlockMatrix::multiply(std::span<const std::uint8_t> held, const Eigen::VectorXd& x,
+                           Eigen::VectorXd& y) const {
   const auto first = pattern_->first();
   const auto columns = pattern_->columns();
   for (std::size_t i = 0; i < pattern_->size(); ++i) {
     const Eigen::Vector3d own = x.segment<3>(3 * i);
+    if (!held.empty() && held[i] != 0) {
+      y.segment<3>(3 * i) = own;
+      continue;
+    }
     Eigen::Vector3d sum = blocks_[first[i + 1] - 1] * own;
     for (std::size_t p = first[i]; p + 1 < first[i + 1]; ++p) {
       const Eigen::Index j = 3 * static_cast<std::size_t>(columns[p]);

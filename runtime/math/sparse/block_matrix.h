@@ -68,7 +68,10 @@ class BlockMatrix {
   void hold(std::span<const std::uint8_t> held);
 
   // y = A x. Both 3 size() long, not the same vector. Nothing is allocated.
-  void multiply(const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
+  void multiply(const Eigen::VectorXd& x, Eigen::VectorXd& y) const { multiply({}, x, y); }
+  // The same after hold() of these flags, without reading the rows of held nodes.
+  void multiply(std::span<const std::uint8_t> held, const Eigen::VectorXd& x,
+                Eigen::VectorXd& y) const;
 
  private:
   BlockPatternPointer pattern_;

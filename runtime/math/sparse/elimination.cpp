@@ -12,6 +12,7 @@ namespace {
 
 using Index = std::uint32_t;
 constexpr Index kRoot = static_cast<Index>(-1);
+constexpr Index kNoPlace = Elimination::kNoPlace;
 
 // Rows of a graph, one after another.
 struct Lists {
@@ -98,53 +99,74 @@ std::vector<Index> postorder(const std::vector<Index>& parent) {
   return order;
 }
 
-// A supernode while they are found. rows: below `end`. zeros: blocks of its columns that are.
-struct Run {
-  std::size_t begin = 0, end = 0;
-  std::size_t zeros = 0;
-  std::vector<Index> rows;
-
-  std::size_t width() const { return end - begin; }
-  std::size_t blocks() const { return width() * (width() + 1) / 2 + width() * rows.size(); }
-};
+// Blocks of a run of columns with these rows below it.
+std::size_t blocks_of(std::size_t width, std::size_t rows) {
+  return width * (width + 1) / 2 + width * rows;
+}
 
 // True if a run and its parent, the next run, should become one: dense blocks compensate for some
 // zeros. The fractions are those of CHOLMOD for similar widths.
-bool worth_joining(const Run& child, const Run& parent, std::size_t zeros) {
+bool worth_joining(std::size_t width, std::size_t rows, std::size_t zeros) {
   constexpr std::array<std::pair<std::size_t, double>, 3> kShares = {
       {{4, 0.8}, {16, 0.15}, {48, 0.05}}};
-  const std::size_t width = child.width() + parent.width();
-  const std::size_t all = width * (width + 1) / 2 + width * parent.rows.size();
   for (const auto& [widest, share] : kShares)
-    if (width <= widest) return static_cast<double>(zeros) <= share * static_cast<double>(all);
+    if (width <= widest)
+      return static_cast<double>(zeros) <= share * static_cast<double>(blocks_of(width, rows));
   return zeros == 0;
 }
 
 // Joins the last run with those before it whose parent it is, while that is worth it.
-void join_last(std::vector<Run>& runs) {
+void join_last(Elimination& shape) {
   constexpr std::size_t kWidest = 96;  // nodes; wider ones do not fit into the second cache
-  while (runs.size() > 1) {
-    Run& child = runs[runs.size() - 2];
-    Run& parent = runs.back();
-    if (child.rows.empty() || child.rows.front() >= parent.end) return;
-    if (child.width() + parent.width() > kWidest) return;
-    const std::size_t more = parent.width() + parent.rows.size() - child.rows.size();
-    const std::size_t zeros = child.zeros + parent.zeros + child.width() * more;
-    if (!worth_joining(child, parent, zeros)) return;
-    child.end = parent.end;
-    child.zeros = zeros;
-    child.rows = std::move(parent.rows);
-    runs.pop_back();
+  while (shape.supernodes() > 1) {
+    const std::size_t parent = shape.supernodes() - 1, child = parent - 1;
+    const std::size_t own = shape.rows_below(child), rows = shape.rows_below(parent);
+    if (own == 0 || shape.rows[shape.row_first[child]] >= shape.first[parent + 1]) return;
+    const std::size_t width = shape.width(child) + shape.width(parent);
+    if (width > kWidest) return;
+    const std::size_t more = shape.width(child) * (shape.width(parent) + rows - own);
+    const std::size_t zeros = shape.zeros[child] + shape.zeros[parent] + more;
+    if (!worth_joining(width, rows, zeros)) return;
+    const auto begin = shape.rows.begin() + static_cast<std::ptrdiff_t>(shape.row_first[child]);
+    shape.rows.erase(begin, begin + static_cast<std::ptrdiff_t>(own));
+    shape.row_first[parent] = shape.rows.size();
+    shape.row_first.pop_back();
+    shape.first[parent] = shape.first[parent + 1];
+    shape.first.pop_back();
+    shape.zeros[child] = zeros;
+    shape.zeros.pop_back();
   }
 }
 
+void clear(Elimination& shape) {
+  shape.order.clear();
+  shape.first.assign(1, 0);
+  shape.row_first.assign(1, 0);
+  shape.zeros.clear();
+  shape.rows.clear();
+}
+
+// Ends a run before column `end`; its rows have been appended.
+void end_run(Elimination& shape, std::size_t end, std::size_t zeros) {
+  shape.first.push_back(static_cast<Index>(end));
+  shape.row_first.push_back(shape.rows.size());
+  shape.zeros.push_back(zeros);
+  join_last(shape);
+}
+
+void find_owners(Elimination& shape) {
+  shape.owner.resize(shape.order.size());
+  for (std::size_t s = 0; s < shape.supernodes(); ++s)
+    std::fill(shape.owner.begin() + shape.first[s], shape.owner.begin() + shape.first[s + 1],
+              static_cast<Index>(s));
+}
+
 // The rows of each column below it are its own in the matrix and those of its children.
-std::vector<Run> find_runs(const Lists& later, const std::vector<Index>& parent) {
+void find_runs(const Lists& later, const std::vector<Index>& parent, Elimination& shape) {
   const std::size_t n = parent.size();
   std::vector<std::vector<Index>> rows(n);
   std::vector<std::vector<Index>> children(n);
   std::vector<Index> seen(n, kRoot);
-  std::vector<Run> runs;
   for (std::size_t j = 0; j < n; ++j) {
     const auto add = [&](Index row) {
       if (row == j || seen[row] == j) return;
@@ -158,35 +180,45 @@ std::vector<Run> find_runs(const Lists& later, const std::vector<Index>& parent)
     }
     std::sort(rows[j].begin(), rows[j].end());
     if (parent[j] != kRoot) children[parent[j]].push_back(static_cast<Index>(j));
-    runs.push_back({j, j + 1, 0, rows[j]});
-    join_last(runs);
+    shape.rows.insert(shape.rows.end(), rows[j].begin(), rows[j].end());
+    end_run(shape, j + 1, 0);
   }
-  return runs;
 }
 
 }  // namespace
 
 Elimination eliminate(const BlockPattern& pattern) {
   Elimination result;
+  clear(result);
   std::vector<Index> order = minimum_degree(pattern);
   const std::vector<Index> tree = elimination_tree(neighbours(pattern, inverse(order), false));
   for (const Index k : postorder(tree)) result.order.push_back(order[k]);
   const std::vector<Index> place = inverse(result.order);
   const Lists earlier = neighbours(pattern, place, false);
-  const std::vector<Run> runs =
-      find_runs(neighbours(pattern, place, true), elimination_tree(earlier));
-  result.owner.resize(pattern.size());
-  result.first.push_back(0);
-  result.row_first.push_back(0);
-  for (const Run& run : runs) {
-    std::fill(result.owner.begin() + static_cast<std::ptrdiff_t>(run.begin),
-              result.owner.begin() + static_cast<std::ptrdiff_t>(run.end),
-              static_cast<Index>(result.first.size() - 1));
-    result.first.push_back(static_cast<Index>(run.end));
-    result.rows.insert(result.rows.end(), run.rows.begin(), run.rows.end());
-    result.row_first.push_back(result.rows.size());
-  }
+  find_runs(neighbours(pattern, place, true), elimination_tree(earlier), result);
+  find_owners(result);
   return result;
+}
+
+void leave_out(const Elimination& all, std::span<const std::uint8_t> out,
+               std::vector<std::uint32_t>& place, Elimination& rest) {
+  clear(rest);
+  for (std::size_t k = 0; k < all.order.size(); ++k) {
+    place[k] = out[all.order[k]] != 0 ? kNoPlace : static_cast<Index>(rest.order.size());
+    if (place[k] != kNoPlace) rest.order.push_back(all.order[k]);
+  }
+  std::size_t column = 0;
+  for (std::size_t s = 0; s < all.supernodes(); ++s) {
+    const std::size_t begin = column, before = rest.rows.size();
+    for (std::size_t k = all.first[s]; k < all.first[s + 1]; ++k)
+      if (place[k] != kNoPlace) ++column;
+    if (column == begin) continue;
+    for (std::size_t k = all.row_first[s]; k < all.row_first[s + 1]; ++k)
+      if (place[all.rows[k]] != kNoPlace) rest.rows.push_back(place[all.rows[k]]);
+    const std::size_t blocks = blocks_of(column - begin, rest.rows.size() - before);
+    end_run(rest, column, all.zeros[s] * blocks / blocks_of(all.width(s), all.rows_below(s)));
+  }
+  find_owners(rest);
 }
 
 }  // namespace tremolo

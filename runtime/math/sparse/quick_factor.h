@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -34,9 +37,17 @@ class QuickFactor {
       Result<BlockCholesky> made = BlockCholesky::create(pattern_);
       if (!made) return good;
       exact_.emplace(std::move(*made));
+      exact_->leave_out(out_);
     }
     in_floats_ = false;
     return static_cast<bool>(exact_->factor(a));
+  }
+
+  // Same as BlockFactor::leave_out().
+  void leave_out(std::span<const std::uint8_t> out) {
+    out_.assign(out.begin(), out.end());
+    quick_.leave_out(out);
+    if (exact_) exact_->leave_out(out);
   }
 
   // x <- near A^-1 x for the last factored matrix, linear in x.
@@ -51,11 +62,12 @@ class QuickFactor {
 
  private:
   QuickFactor(BlockPatternPointer pattern, BlockFactor<float> quick)
-      : pattern_(std::move(pattern)), quick_(std::move(quick)) {}
+      : pattern_(std::move(pattern)), quick_(std::move(quick)), out_(pattern_->size(), 0) {}
 
   BlockPatternPointer pattern_;
   BlockFactor<float> quick_;
   std::optional<BlockCholesky> exact_;
+  std::vector<std::uint8_t> out_;
   bool in_floats_ = true;  // the last factor
 };
 
