@@ -63,7 +63,8 @@ class BlockFactor {
 
   // Leaves out the nodes whose flag is not 0, one flag per node, until the next call: their rows
   // and columns of A are never read, and solve() leaves their entries as they are. A factor without
-  // them is smaller. There is none until the next factor(). Nothing is allocated.
+  // them is smaller. There is none until the next factor(). Nothing is allocated, unless joined
+  // supernodes need more than they did with all nodes.
   void leave_out(std::span<const std::uint8_t> out);
 
   // a: of the pattern. Error kSolver, naming the node: a pivot is not positive or not finite; there
