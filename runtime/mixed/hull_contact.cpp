@@ -10,7 +10,7 @@ namespace tremolo {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kCreased = 1e-3;  // ContactLaw::creased as a fraction of the margin
+constexpr double kCreased = 0.1;  // ContactLaw::creased as a fraction of the margin
 
 bool HullContact::gather(StepBody& points, TetStep& shape, std::size_t obstacle, double h) {
   points_ = &points;
