@@ -10,7 +10,9 @@ namespace tremolo {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kCreased = 0.1;  // ContactLaw::creased as a fraction of the margin
+// ContactLaw::creased as a fraction of the margin. The stiffness of the correction grows as its
+// inverse: below this it exceeds that of friction, and points that stick keep moves short.
+constexpr double kCreased = 0.1;
 
 bool HullContact::gather(StepBody& points, TetStep& shape, std::size_t obstacle, double h) {
   points_ = &points;

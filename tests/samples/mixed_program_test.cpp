@@ -327,6 +327,40 @@ TEST_F(MixedProgram, AFilmHasBodiesOfEveryKindWhereTheyFall) {
   }
 }
 
+// A soft duck falls on another, and both onto the floor. Points of one stick to the other, whose
+// normals are smooth although the gradient of the distance is not.
+TEST_F(MixedProgram, DucksOnEachOtherSettleAsTheStepIsHalved) {
+  const auto duck = [](const std::string& name, const std::string& position) {
+    return "[[bodies]]\nname = \"" + name +
+           "\"\nkind = \"tets\"\nmodel = \"" TREMOLO_BIN_DIR
+           "/../models/duck.tets\"\nrestitution = 1\nposition = " +
+           position + "\n";
+  };
+  const auto causes = [&](const std::string& step) {
+    const ProgramResult result =
+        run("step = " + step + "\nduration = 0.6\ngravity = [0, 0, -9.81]\n" +
+            duck("low", "[0, 0, 0.15]") + duck("high", "[0.03, 0, 0.4]") +
+            rigid("far", "position = [5, 0, 0.06]\n") +
+            "[[colliders]]\nname = \"floor\"\nshape = \"plane\"\nrestitution = 1\n");
+    EXPECT_EQ(result.code, 0) << result.err;
+    const json report = json::parse(result.out);
+    std::vector<json> found;
+    for (const json& body : report["bodies"])
+      if (body["kind"] == "tets") found.push_back(body["energy_by_cause"]);
+    return found;
+  };
+  const std::vector<json> coarse = causes("0.004"), fine = causes("0.002");
+  ASSERT_EQ(coarse.size(), 2U);
+  ASSERT_EQ(fine.size(), 2U);
+  for (const std::size_t i : {0U, 1U}) {
+    const double given = fine[i]["contact"];  // 0.89 J
+    EXPECT_NEAR(coarse[i]["contact"].get<double>(), given, 0.1 * std::abs(given));
+    // The energy that the correction leaves out counts as restitution, which takes none here.
+    for (const json& run : {coarse[i], fine[i]})
+      EXPECT_LE(std::abs(run["restitution"].get<double>()), 0.005);
+  }
+}
+
 TEST_F(MixedProgram, RefusesByNameWhatABodyOfTetrahedraCannotDo) {
   const std::string start = "step = 0.002\nduration = 0.02\n" + rigid("other", "");
   struct Refusal {
