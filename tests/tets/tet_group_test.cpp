@@ -120,7 +120,7 @@ TEST(TetTree, FindsAgainWhereAPointOfABentBodyWas) {
   EXPECT_FALSE(tree.find(x, boxes, {5.0, 0.0, 0.0}));
 }
 
-// Known positions are not searched again, but forces follow the velocities and the
+// Known positions are not searched again, but forces follow the path of the step and the
 // friction; when one of both has moved, what is found is as if nothing had been known.
 TEST(TetContact, KnownPlacesGiveTheForcesOfAFreshSearch) {
   const Eigen::Vector3d size(0.3, 0.1, 0.1);
@@ -131,26 +131,95 @@ TEST(TetContact, KnownPlacesGiveTheForcesOfAFreshSearch) {
   std::array<Eigen::VectorXd, 2> x = {bent_state(*model, 0.2, {0.0, 0.0, -0.02}),
                                       bent_state(*model, 0.5, {0.05, 0.04, 0.06})};
   std::vector<TetContact> kept(2, TetContact(hull, floor));
-  const auto forces = [&](std::vector<TetContact>& contacts, const Eigen::VectorXd& v,
+  const auto forces = [&](std::vector<TetContact>& contacts, const Eigen::VectorXd& from,
                           double friction) {
-    Eigen::VectorXd f = Eigen::VectorXd::Zero(v.size());
+    Eigen::VectorXd f = Eigen::VectorXd::Zero(from.size());
     for (std::size_t i = 0; i < 2; ++i) contacts[i].fit(x[i]);
     contacts[0].clear_partners();
-    contacts[0].add_partner({1, &contacts[1], &x[1], &v, friction});
-    contacts[0].find(x[0], 2.0 * v);
+    contacts[0].add_partner({1, 1, &contacts[1], &x[1], &from, friction});
+    contacts[0].find(x[0], from);
     contacts[0].add_forces(f);
     return f;
   };
   Eigen::VectorXd before = Eigen::VectorXd::Zero(x[0].size());
   for (int turn = 0; turn < 6; ++turn) {
-    const Eigen::VectorXd v = testing::random_state(random, x[0].size(), 1.0);
+    const Eigen::VectorXd from = testing::random_state(random, x[0].size(), 1.0);
     if (turn == 2) x[0] = bent_state(*model, 0.3, {0.0, 0.0, -0.01});
     if (turn == 4) x[1] = bent_state(*model, 0.4, {0.05, 0.03, 0.06});
     std::vector<TetContact> fresh(2, TetContact(hull, floor));
-    const Eigen::VectorXd f = forces(kept, v, 0.1 * turn);
-    EXPECT_EQ(f, forces(fresh, v, 0.1 * turn)) << turn;
+    const Eigen::VectorXd f = forces(kept, from, 0.1 * turn);
+    EXPECT_EQ(f, forces(fresh, from, 0.1 * turn)) << turn;
     EXPECT_GT((f - before).norm(), 1e-3 * f.norm()) << turn;
     before = f;
+  }
+}
+
+// Two bodies slide on each other, and turn together: the force of friction, which they remember,
+// turns with them.
+TEST(TetContact, FrictionIsRememberedAlongTheBodies) {
+  const Eigen::Vector3d size(0.3, 0.1, 0.1);
+  const TetModelPointer model = tet_bar({3, 1, 1}, size, false);
+  const TetHullPointer hull = box_hull(model, size);
+  std::array<Eigen::VectorXd, 2> x = {bent_state(*model, 0.2, {0.0, 0.0, 0.0}),
+                                      bent_state(*model, 0.5, {0.05, 0.04, 0.06})};
+  std::vector<TetContact> contacts(2, TetContact(hull, {}));
+  Eigen::VectorXd from = x[0];
+  const auto find = [&](double friction) {
+    for (std::size_t i = 0; i < 2; ++i) contacts[i].fit(x[i]);
+    contacts[0].clear_partners();
+    contacts[0].add_partner({1, 1, &contacts[1], &x[1], &x[1], friction});
+    contacts[0].find(x[0], from);
+    Eigen::VectorXd f = Eigen::VectorXd::Zero(from.size());
+    contacts[0].add_forces(f);
+    return f;
+  };
+  const Eigen::VectorXd smooth = find(0.0);
+  for (Eigen::Index i = 0; i < from.size(); i += 3) from[i] -= 1e-4;
+  const Eigen::VectorXd rough = find(0.4);
+  ASSERT_GT((rough - smooth).norm(), 0.01 * smooth.norm());
+  contacts[0].end_step(1.0);
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(1.1, Eigen::Vector3d(0.4, -0.7, 0.5).normalized()).toRotationMatrix();
+  const auto turned = [&turn](const Eigen::VectorXd& all) {
+    Eigen::VectorXd result(all.size());
+    for (Eigen::Index i = 0; i < all.size(); i += 3)
+      result.segment<3>(i) = turn * all.segment<3>(i);
+    return result;
+  };
+  for (Eigen::VectorXd& one : x) one = turned(one);
+  from = x[0];
+  EXPECT_LT((find(0.4) - turned(rough)).norm(), 1e-9 * rough.norm());
+  // Without the memory there is no friction at rest.
+  contacts[0].restore_memory();
+  EXPECT_LT((find(0.4) - turned(smooth)).norm(), 1e-9 * smooth.norm());
+}
+
+// Three slabs on each other on a slope of 0.95 of the angle of friction stay where they are.
+TEST(TetGroup, AStackOnASlopeDoesNotCreep) {
+  const double angle = 0.95 * std::atan(0.3);
+  for (const double step : {1.0 / 60.0, 1.0 / 120.0}) {
+    FallingSlabs slabs(DegreeKind::kAdaptive, {}, {});
+    slabs.options = {};
+    slabs.options.step = step;
+    slabs.options.unsolved = UnsolvedStep::kTakeContact;
+    slabs.options.gravity = kHeapG * Eigen::Vector3d(std::sin(angle), 0.0, -std::cos(angle));
+    TetGroupOptions awake;
+    awake.sleep_speed = 0.0;
+    slabs.begin({{0.0, 0.0, 0.0}, {0.02, 0.01, 0.1}, {-0.01, 0.03, 0.2}}, awake);
+    const auto places = [&] {
+      Eigen::Vector3d all;
+      for (int i = 0; i < 3; ++i) {
+        const TetBody& body = slabs.group->body(static_cast<std::size_t>(i));
+        all[i] = body.system().momentum(body.positions()).x() / body.model().mass();
+      }
+      return all;
+    };
+    Eigen::Vector3d after_two;
+    for (int n = 0; n < static_cast<int>(std::lround(12.0 / step)); ++n) {
+      ASSERT_TRUE(slabs.group->step(slabs.reports)) << n;
+      if (n + 1 == static_cast<int>(std::lround(2.0 / step))) after_two = places();
+    }
+    EXPECT_LT((places() - after_two).cwiseAbs().maxCoeff(), 1e-6) << step;
   }
 }
 
@@ -169,8 +238,8 @@ TEST(TetGroup, ForcesBetweenBodiesAreTheSlopeOfTheirEnergyAndKeepBothMomenta) {
     for (std::size_t i = 0; i < 2; ++i) contacts[i].fit(at[i]);
     for (std::uint32_t i = 0; i < 2; ++i) {
       contacts[i].clear_partners();
-      contacts[i].add_partner({1 - i, &contacts[1 - i], &at[1 - i], &zero, 0.0});
-      contacts[i].find(at[i], zero);
+      contacts[i].add_partner({1 - i, 1 - i, &contacts[1 - i], &at[1 - i], &at[1 - i], 0.0});
+      contacts[i].find(at[i], at[i]);
       energy += contacts[i].look().energy;
     }
     return energy;

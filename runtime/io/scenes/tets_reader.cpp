@@ -81,9 +81,9 @@ void read_tets_contact(TomlKeys& keys, const TetsPlace& scene, TetSceneBody& bod
   keys.read("friction", body.friction);
   if (!(body.friction >= 0.0 && std::isfinite(body.friction)))
     keys.fail("friction", "friction must be at least 0");
-  keys.read("creep", body.creep);
-  if (!(body.creep > 0.0 && std::isfinite(body.creep)))
-    keys.fail("creep", "creep must be above 0 m/s");
+  double creep = 1.0;  // of scenes written for a law whose friction crept; without effect
+  keys.read("creep", creep);
+  if (!(creep > 0.0 && std::isfinite(creep))) keys.fail("creep", "creep must be above 0 m/s");
 }
 
 Result<TetSceneBody> read_tets_body(const toml::table& table, std::size_t number,

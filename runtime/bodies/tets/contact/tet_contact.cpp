@@ -6,6 +6,9 @@
 
 #include <Eigen/LU>
 
+#include "runtime/bodies/tets/elements/element_turn.h"
+#include "runtime/contact/friction.h"
+
 namespace tremolo {
 namespace {
 
@@ -20,20 +23,28 @@ Depth depth_in(const TetObstacle& obstacle, const Eigen::Vector3d& x) {
   return {-found.distance, obstacle.pose.rotation * found.normal};
 }
 
-// Force and stiffness of a contact: pressed is k <-d>, N, along g; speed the relative velocity.
-void set_law(double friction, double creep, const Eigen::Vector3d& speed, TetTouch& touch) {
+// Force and stiffness of a contact on the path t since the start of the step. slip: xi_0 in the
+// plane of the normal.
+void set_law(double friction, const Eigen::Vector3d& path, const Eigen::Vector3d& slip,
+             TetTouch& touch) {
   const Eigen::Vector3d& g = touch.slope;
-  const double length = g.norm();
+  const double k = touch.stiffness, length = g.norm();
   const Eigen::Vector3d n = g / length;
-  const double pressed = touch.stiffness * touch.depth * length;
-  const Eigen::Vector3d along = speed - n.dot(speed) * n;
-  const double size = std::sqrt(along.squaredNorm() + creep * creep);
-  const double rub = friction * pressed / size;
-  touch.energy = 0.5 * touch.stiffness * touch.depth * touch.depth;
-  touch.force = pressed * n - rub * along;
-  touch.place = touch.stiffness * g * g.transpose();
-  touch.speed = rub * (Eigen::Matrix3d::Identity() - n * n.transpose() -
-                       along * along.transpose() / (size * size));
+  touch.limit = friction * touch.depth * length;
+  touch.path = path - n.dot(path) * n;
+  touch.trial = slip + touch.path;
+  touch.fall = k * g * g.transpose();
+  const double size = touch.trial.norm();
+  const bool slides = size > touch.limit;
+  const double share = slides ? touch.limit / size : 1.0;
+  const double held = share * size;
+  touch.energy = 0.5 * k * (touch.depth * touch.depth + held * held);
+  touch.force = k * (touch.depth * g - share * touch.trial);
+  if (touch.limit > 0.0) {
+    touch.fall += (share * k) * (Eigen::Matrix3d::Identity() - n * n.transpose());
+    if (slides)
+      touch.fall -= (share * k / (size * size)) * touch.trial * touch.trial.transpose();
+  }
 }
 
 }  // namespace
@@ -54,14 +65,15 @@ TetHullPointer boundary_hull(TetModelPointer model) {
   return std::make_shared<const TetHull>(std::move(model), std::move(points), std::nullopt);
 }
 
-TetContact::TetContact(TetHullPointer hull, std::vector<TetObstacle> obstacles, double creep)
+TetContact::TetContact(TetHullPointer hull, std::vector<TetObstacle> obstacles)
     : hull_(std::move(hull)),
-      creep_(creep),
       obstacles_(std::move(obstacles)),
       boxes_(hull_->tree.size()),
       near_(obstacles_.size(), 1),
       fitted_(hull_->model->rest()) {
   touches_.reserve(hull_->points.size());
+  for (std::vector<TetFriction>* memory : {&memory_, &kept_memory_, &part_memory_})
+    memory->reserve(hull_->points.size());
 }
 
 void TetContact::fit(const Eigen::VectorXd& x) {
@@ -101,6 +113,7 @@ void TetContact::find_partner(std::uint32_t p, const Eigen::Vector3d& place, std
   touch.values = found->values;
   touch.depth = -sample.distance;
   touch.slope = g;
+  touch.bend = found->gradient;
   const double own = hull_->points[p].stiffness;
   touch.stiffness = own * other.stiffness / (own + other.stiffness);
 }
@@ -134,20 +147,68 @@ void TetContact::find_places(const Eigen::VectorXd& s) {
   }
 }
 
-void TetContact::find(const Eigen::VectorXd& s, const Eigen::VectorXd& v) {
+std::uint32_t TetContact::number_of(const TetTouch& touch) const {
+  return touch.partner == kNoPartner ? touch.obstacle : partners_[touch.partner].body;
+}
+
+const TetFriction* TetContact::remembered(const TetTouch& touch) const {
+  const bool on_body = touch.partner != kNoPartner;
+  const std::uint32_t number = number_of(touch);
+  auto one = std::lower_bound(
+      memory_.begin(), memory_.end(), touch.point,
+      [](const TetFriction& memory, std::uint32_t point) { return memory.point < point; });
+  for (; one != memory_.end() && one->point == touch.point; ++one)
+    if (one->on_body == on_body && one->obstacle == number) return &*one;
+  return nullptr;
+}
+
+void TetContact::find(const Eigen::VectorXd& s, const Eigen::VectorXd& from) {
   if (!places_are_known()) find_places(s);
   for (TetTouch& touch : touches_) {
-    Eigen::Vector3d speed = at_point(hull_->points[touch.point], v);
+    const TetPoint& point = hull_->points[touch.point];
+    Eigen::Vector3d path = at_point(point, s) - at_point(point, from);
     double friction = 0.0;
     if (touch.partner == kNoPartner) {
       friction = obstacles_[touch.obstacle].friction;
     } else {
       const TetPartner& partner = partners_[touch.partner];
       friction = partner.friction;
-      for (std::size_t i = 0; i < kMostNodes; ++i)
-        speed -= touch.values[i] * partner.v->segment<3>(3 * Eigen::Index{touch.nodes[i]});
+      for (std::size_t i = 0; i < kMostNodes; ++i) {
+        const Eigen::Index k = 3 * Eigen::Index{touch.nodes[i]};
+        path -= touch.values[i] * (partner.s->segment<3>(k) - partner.from->segment<3>(k));
+      }
     }
-    set_law(friction, creep_, speed, touch);
+    Eigen::Vector3d slip = Eigen::Vector3d::Zero();
+    if (const TetFriction* memory = remembered(touch); memory != nullptr) {
+      Eigen::Vector3d normal = memory->normal;
+      slip = memory->slip;
+      if (touch.partner != kNoPartner) {
+        const Eigen::Matrix3d turn = nearest_rotation(touch.bend);
+        normal = turn * normal;
+        slip = turn * slip;
+      }
+      slip = turn_to_plane(slip, normal, touch.slope.normalized());
+    }
+    set_law(friction, path, slip, touch);
+  }
+}
+
+// Points that leave forget their displacement.
+void TetContact::end_step(double whole) {
+  memory_.clear();
+  for (const TetTouch& touch : touches_) {
+    if (!(touch.limit > 0.0)) continue;
+    Eigen::Vector3d slip = touch.trial + (whole - 1.0) * touch.path;
+    const double size = slip.norm();
+    if (size > touch.limit) slip *= touch.limit / size;
+    Eigen::Vector3d normal = touch.slope.normalized();
+    if (touch.partner != kNoPartner) {
+      const Eigen::Matrix3d back = nearest_rotation(touch.bend).transpose();
+      slip = back * slip;
+      normal = back * normal;
+    }
+    memory_.push_back(
+        {touch.point, touch.partner != kNoPartner, number_of(touch), slip, normal});
   }
 }
 
@@ -191,7 +252,7 @@ TetContact::Look TetContact::look(const Eigen::VectorXd& x) const {
 }
 
 std::size_t TetContact::bytes() const {
-  return touches_.capacity() * sizeof(TetTouch) +
+  return touches_.capacity() * sizeof(TetTouch) + 3 * memory_.capacity() * sizeof(TetFriction) +
          static_cast<std::size_t>(fitted_.size()) * sizeof(double) +
          boxes_.size() * sizeof(TetTree::Box) + partners_.capacity() * sizeof(TetPartner);
 }

@@ -1,10 +1,11 @@
 // Contact of a body of tetrahedra with fixed solids and other bodies, at points of its surface.
 // With the signed distance d of a solid at the point and its outward normal n,
-//   f = k <-d> n  -  mu k <-d> v_t / sqrt(|v_t|^2 + v_0^2),     v_t = v - (v.n) n,
-// <a> = max(a, 0), and v is the point's velocity relative to the solid. The first part has the
-// potential 1/2 k <-d>^2. The second only dissipates, and below v_0 it permits creep. A sticking
-// point has the stiffness mu k <-d> / (v_0 h) for a step h: a larger v_0 is easier to solve. This
-// is a penalty: under a load F a point penetrates by F/k.
+//   f = k <-d> n - k xi,     xi = clip(xi_0 + t),     clip(x) = x min(1, l/|x|),     l = mu <-d>,
+// <a> = max(a, 0). t is the path of the point along the solid since the start of the step, and xi_0
+// the elastic displacement of friction then, both in the plane of n. The first part has the
+// potential 1/2 k <-d>^2. The second is a spring with a slider, whose memory xi lasts from step to
+// step: a point that sticks does not creep. This is a penalty: under a load F a point penetrates by
+// F/k.
 //
 // For another body, d is its distance at rest, phi, at the point X that its deformed elements map
 // to the contact point (tet_tree.h): x = sum_I B_I(X) x_I, so that with F = dx/dX
@@ -80,17 +81,16 @@ struct TetObstacle {
   double friction = 0.3;  // mu of the pair
 };
 
-inline constexpr double kTetCreep = 1e-3;  // default of v_0, m/s
-
 class TetContact;
 
 // Another body nearby.
 struct TetPartner {
   std::uint32_t member = 0;  // its number in the island (tet_island.h)
+  std::uint32_t body = 0;    // its number, the same in all steps
   const TetContact* contact = nullptr;
-  const Eigen::VectorXd* s = nullptr;  // its control points where forces are evaluated, m
-  const Eigen::VectorXd* v = nullptr;  // their velocities, m/s
-  double friction = 0.3;               // of the pair
+  const Eigen::VectorXd* s = nullptr;     // its control points where forces are evaluated, m
+  const Eigen::VectorXd* from = nullptr;  // at the start of the step, m
+  double friction = 0.3;                  // of the pair
 };
 
 inline constexpr std::uint32_t kNoPartner = ~std::uint32_t{0};
@@ -102,17 +102,30 @@ struct TetTouch {
   std::uint32_t obstacle = 0;                     // without a partner
   std::array<std::uint32_t, kMostNodes> nodes{};  // the partner's control points there
   std::array<double, kMostNodes> values{};        // their weights
-  // depth: m. stiffness: k, N/m. energy: of the penalty, J.
+  // depth: m. stiffness: k, N/m. energy: of the penalty and of friction's spring, J.
   double depth = 0.0, stiffness = 0.0, energy = 0.0;
-  Eigen::Vector3d slope;         // g
-  Eigen::Vector3d force;         // on the point, N
-  Eigen::Matrix3d place, speed;  // -df/dx and -df/dv between point and partner
+  Eigen::Vector3d slope;  // g
+  Eigen::Matrix3d bend = Eigen::Matrix3d::Identity();  // F of the partner at the position
+  double limit = 0.0;     // l, m
+  Eigen::Vector3d path;   // t, m
+  Eigen::Vector3d trial;  // xi_0 + t, m
+  Eigen::Vector3d force;  // on the point, N
+  Eigen::Matrix3d fall;   // -df/dx, of the point relative to the partner, N/m
+};
+
+// The displacement of friction between steps, of a point that was in contact. Vectors are along the
+// world's axes at a fixed obstacle, and along those of the partner at rest, turned with it.
+struct TetFriction {
+  std::uint32_t point = 0;
+  bool on_body = false;
+  std::uint32_t obstacle = 0;  // number of the obstacle, or of the other body
+  Eigen::Vector3d slip;        // xi, m
+  Eigen::Vector3d normal;      // of its plane, length 1
 };
 
 class TetContact {
  public:
-  // creep: v_0 of the body's points, m/s, above 0.
-  TetContact(TetHullPointer hull, std::vector<TetObstacle> obstacles, double creep = kTetCreep);
+  TetContact(TetHullPointer hull, std::vector<TetObstacle> obstacles);
 
   const TetHull& hull() const { return *hull_; }
   // The bodies nearby, in a fixed order. Bodies without distances are skipped.
@@ -124,12 +137,21 @@ class TetContact {
   void fit(const Eigen::VectorXd& x);
   const TetTree::Box& box() const { return boxes_.front(); }
 
-  // Finds the contacts of the points at positions s with velocities v; the body and its partners
-  // have been fitted. If none of them has moved since the last call, as between the end of a step
-  // and the start of the next, the positions in the partners are reused. May be called for several
-  // bodies at once.
-  void find(const Eigen::VectorXd& s, const Eigen::VectorXd& v);
+  // Finds the contacts of the points at positions s in a step that began at positions `from`; the
+  // body and its partners have been fitted. If none of them has moved since the last call, as
+  // between the end of a step and the start of the next, the positions in the partners are reused.
+  // May be called for several bodies at once.
+  void find(const Eigen::VectorXd& s, const Eigen::VectorXd& from);
   std::span<const TetTouch> touches() const { return touches_; }
+
+  // Ends a step at the contacts last found: friction remembers its displacements. whole: the path
+  // of the step over that to the positions at which forces are evaluated.
+  void end_step(double whole);
+  // Friction's memory at the start of a step, and of a part of one, to which it may return.
+  void keep_memory() { kept_memory_ = memory_; }
+  void restore_memory() { memory_ = kept_memory_; }
+  void keep_part() { part_memory_ = memory_; }
+  void rewind_part() { memory_ = part_memory_; }
 
   // f += the forces on the body's own control points, not condensed.
   void add_forces(Eigen::VectorXd& f) const;
@@ -158,12 +180,16 @@ class TetContact {
   void find_obstacles(std::uint32_t p, const Eigen::Vector3d& place);
   void find_partner(std::uint32_t p, const Eigen::Vector3d& place, std::uint32_t number);
 
+  const TetFriction* remembered(const TetTouch& touch) const;
+  std::uint32_t number_of(const TetTouch& touch) const;
+
   TetHullPointer hull_;
-  double creep_;
   std::vector<TetObstacle> obstacles_;
   std::vector<TetPartner> partners_;
   std::vector<TetTree::Box> boxes_;
   std::vector<TetTouch> touches_;
+  std::vector<TetFriction> memory_;  // ascending by point
+  std::vector<TetFriction> kept_memory_, part_memory_;
   std::vector<std::uint8_t> near_;  // the obstacles that the body's box reaches
   Eigen::VectorXd fitted_;          // x of the last fit()
   std::uint64_t times_ = 0;         // number of fits with another x

@@ -136,7 +136,6 @@ class TetBody {
 
   // Positions at which forces are evaluated in a step, for partners of a contact (tet_contact.h).
   const Eigen::VectorXd& trial_places() const { return s_; }
-  const Eigen::VectorXd& trial_velocities() const { return velocity_; }
 
   // Sets gravity from the next step on, m/s^2, finite. gravity_energy() is then still the work of
   // gravity since the start, with the opposite sign, plus its value there. Allocates nothing.

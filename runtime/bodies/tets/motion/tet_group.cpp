@@ -112,9 +112,9 @@ bool TetGroup::touches(std::uint32_t a, std::uint32_t b) {
     TetContact& contact = contacts_[one];
     if (!contacts_[other].hull().grid) continue;
     contact.clear_partners();
-    contact.add_partner(
-        {0, &contacts_[other], &bodies_[other].positions(), &bodies_[other].velocities(), 0.0});
-    contact.find(bodies_[one].positions(), bodies_[one].velocities());
+    const Eigen::VectorXd& at = bodies_[other].positions();
+    contact.add_partner({0, other, &contacts_[other], &at, &at, 0.0});
+    contact.find(bodies_[one].positions(), bodies_[one].positions());
     for (const TetTouch& touch : contact.touches())
       if (touch.partner != kNoPartner) return true;
   }
@@ -128,10 +128,10 @@ void TetGroup::find_touches() {
   for (const auto& [a, b] : pairs_)
     for (const auto& [one, other] : {Pair{a, b}, Pair{b, a}})
       if (contacts_[other].hull().grid)
-        contacts_[one].add_partner({other, &contacts_[other], &bodies_[other].positions(),
-                                    &bodies_[other].velocities(), 0.0});
+        contacts_[one].add_partner({other, other, &contacts_[other], &bodies_[other].positions(),
+                                    &bodies_[other].positions(), 0.0});
   for (std::size_t i = 0; i < bodies_.size(); ++i)
-    contacts_[i].find(bodies_[i].positions(), bodies_[i].velocities());
+    contacts_[i].find(bodies_[i].positions(), bodies_[i].positions());
 }
 
 void TetGroup::end_nap(std::uint32_t nap) {
@@ -199,9 +199,9 @@ void TetGroup::take_island(std::span<const std::uint32_t> island,
     const double friction = std::sqrt(frictions_[a] * frictions_[b]);
     for (const auto& [one, other] : {Pair{a, b}, Pair{b, a}})
       if (contacts_[other].hull().grid)
-        contacts_[one].add_partner({local_[other], &contacts_[other],
-                                    &bodies_[other].trial_places(),
-                                    &bodies_[other].trial_velocities(), friction});
+        contacts_[one].add_partner({local_[other], other, &contacts_[other],
+                                    &bodies_[other].trial_places(), &bodies_[other].positions(),
+                                    friction});
   }
   island_reports_.assign(island.size(), {});
   island_.step(members_, island_reports_);

@@ -66,7 +66,7 @@ double TetIsland::find_residual() {
   for_each(members_.size(), [this](std::size_t i) {
     const auto& [body, contact] = members_[i];
     if (contact == nullptr) return;
-    contact->find(body->s_, body->velocity_);
+    contact->find(body->s_, body->now_.x);
     contact->add_forces(body->force_);
   });
   // Pairs follow one after the other, always in the same order.
@@ -163,7 +163,7 @@ void TetIsland::find_ends(std::uint32_t member) {
   std::uint32_t c = first_coupling_[member];
   for (const TetTouch& touch : touches_of(member)) {
     Coupling& coupling = couplings_[c];
-    coupling.block = touch.place + body->stage_.rate * touch.speed;
+    coupling.block = touch.fall;
     const TetPoint& point = contact->hull().points[touch.point];
     std::array<double, kMostNodes> shares = point.shares;
     const std::span<const std::uint32_t> nodes(point.nodes.data(), point.count);

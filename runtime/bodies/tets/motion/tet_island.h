@@ -97,6 +97,7 @@ class TetIsland {
   }
   TetMethod common_method() const;
   bool make_step(TetMethod method, double h);
+  void end_step();
   bool make_linear_step(double h);
   enum class PartKind { kMethod, kContact, kLinear };
   bool make_parts(int parts, PartKind kind);

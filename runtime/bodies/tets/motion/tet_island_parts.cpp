@@ -37,8 +37,18 @@ TetMethod TetIsland::common_method() const {
 bool TetIsland::make_step(TetMethod method, double h) {
   for_each(members_.size(), [&](std::size_t i) { members_[i].body->begin(method, h); });
   if (!solve_stage()) return false;
-  for_each(members_.size(), [this](std::size_t i) { members_[i].body->end(); });
+  end_step();
   return true;
+}
+
+// Ends the step at the last evaluation of the forces.
+void TetIsland::end_step() {
+  for_each(members_.size(), [this](std::size_t i) {
+    const auto& [body, contact] = members_[i];
+    if (contact != nullptr)
+      contact->end_step(body->stage_.method == TetMethod::kMidpoint ? 2.0 : 1.0);
+    body->end();
+  });
 }
 
 // One correction with R K R^T, which is positive, from the start of the step (linearised
@@ -50,10 +60,12 @@ bool TetIsland::make_linear_step(double h) {
   }
   find_residual();
   find_correction(false, kLinearStepTolerance);
+  for (const TetMember& member : members_) member.body->way_ = member.body->correction_;
+  find_residual();  // for friction's memory
   bool finite = true;
   for (const TetMember& member : members_) {
     TetBody& body = *member.body;
-    body.way_ = body.correction_;
+    if (member.contact != nullptr) member.contact->end_step(1.0);
     end_stage(body.stage_, body.way_, body.now_, body.before_);
     finite = finite && body.now_.x.allFinite() && body.now_.v.allFinite();
   }
@@ -89,8 +101,10 @@ bool TetIsland::energy_is_good(TetBody& body) {
 // Remaining excess energy is taken from the velocities relative to the nearest rigid motion.
 bool TetIsland::make_damped_step(TetBody& body, double h) {
   ++report_.guarded;
+  TetContact* contact = members_.front().contact;
   for (const bool halves : {true, false}) {
     body.rewind_part();
+    if (contact != nullptr) contact->rewind_part();
     bool made =
         make_step(halves ? TetMethod::kMidpoint : TetMethod::kImplicitEuler, halves ? 0.5 * h : h);
     bool touched = touching();
@@ -127,6 +141,7 @@ bool TetIsland::make_watched_step(TetMethod method, double h) {
     body->guard_.known = true;
   }
   body->keep_part();
+  if (members_.front().contact != nullptr) members_.front().contact->keep_part();
   if (!make_step(method, h)) return false;
   return energy_is_good(*body) || make_damped_step(*body, h);
 }
@@ -185,7 +200,7 @@ bool TetIsland::make_contact_step(double h, bool last) {
   if (!std::isfinite(size)) return false;
   report_.unsolved = report_.unsolved || !small_enough();
   if (members_.size() == 1 && !touching()) members_.front().body->balance_momenta();
-  for (const TetMember& member : members_) member.body->end();
+  end_step();
   return adds_little(before) || last;
 }
 
@@ -204,7 +219,10 @@ bool TetIsland::make_parts(int parts, PartKind kind) {
   const bool linear = kind == PartKind::kLinear;
   report_.parts = parts;
   report_.linearised = linear;
-  for (const TetMember& member : members_) member.body->rewind();
+  for (const TetMember& member : members_) {
+    member.body->rewind();
+    if (member.contact != nullptr) member.contact->restore_memory();
+  }
   const double step = members_.front().body->options_.step, h = step / parts;
   TetMethod method = common_method();
   if (members_.size() > 1 && method == TetMethod::kBdf2) method = TetMethod::kImplicitEuler;
@@ -259,11 +277,15 @@ void TetIsland::step(std::span<const TetMember> members, std::span<TetStepReport
   stops_.assign(members.size(), 0.0);
   curvatures_.assign(members.size(), 0.0);
   sizes_.assign(members.size(), {});
-  for_each(members.size(), [this](std::size_t i) { members_[i].body->keep_state(); });
+  for_each(members.size(), [this](std::size_t i) {
+    members_[i].body->keep_state();
+    if (members_[i].contact != nullptr) members_[i].contact->keep_memory();
+  });
   report_.converged = make_any_step();
   std::fill(reports.begin(), reports.end(), report_);
   for_each(members.size(), [&](std::size_t i) {
     TetBody& body = *members[i].body;
+    if (!report_.converged && members[i].contact != nullptr) members[i].contact->restore_memory();
     if (!report_.converged) return body.restore_state();
     body.skip_step();
     body.choose_degrees(reports[i]);

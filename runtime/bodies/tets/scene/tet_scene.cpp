@@ -131,8 +131,7 @@ Result<TetsBodies> make_tets_bodies(const TetBodiesScene& scene) {
       if (Status s = body.settle(Eigen::VectorXd::Zero(body.positions().size())); !s)
         return error_of_tets(wanted, scene.path, s.error());
     }
-    contacts.emplace_back(placed->kinds[placed->kind_of[i]].hull, tets_obstacles(scene, wanted),
-                          wanted.creep);
+    contacts.emplace_back(placed->kinds[placed->kind_of[i]].hull, tets_obstacles(scene, wanted));
     frictions.push_back(wanted.friction);
   }
   return TetsBodies{std::move(placed->kinds), std::move(placed->kind_of),

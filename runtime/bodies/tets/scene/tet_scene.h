@@ -28,7 +28,6 @@ struct TetSceneBody {
   // It begins at rest in its equilibrium under gravity and its loads at t = 0.
   bool settled = false;
   double friction = 0.3;     // with its obstacles
-  double creep = kTetCreep;  // speed below which friction permits creep, m/s (tet_contact.h)
   TetBodyOptions options;
   ContactOptions contact = {};  // in a world with bodies of other kinds; without points and shape
   std::vector<std::string> probes = {};  // in such a world: vertices whose motion is recorded
