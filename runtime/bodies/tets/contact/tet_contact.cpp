@@ -42,8 +42,7 @@ void set_law(double friction, const Eigen::Vector3d& path, const Eigen::Vector3d
   touch.force = k * (touch.depth * g - share * touch.trial);
   if (touch.limit > 0.0) {
     touch.fall += (share * k) * (Eigen::Matrix3d::Identity() - n * n.transpose());
-    if (slides)
-      touch.fall -= (share * k / (size * size)) * touch.trial * touch.trial.transpose();
+    if (slides) touch.fall -= (share * k / (size * size)) * touch.trial * touch.trial.transpose();
   }
 }
 
@@ -207,8 +206,7 @@ void TetContact::end_step(double whole) {
       slip = back * slip;
       normal = back * normal;
     }
-    memory_.push_back(
-        {touch.point, touch.partner != kNoPartner, number_of(touch), slip, normal});
+    memory_.push_back({touch.point, touch.partner != kNoPartner, number_of(touch), slip, normal});
   }
 }
 

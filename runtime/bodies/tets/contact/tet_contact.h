@@ -104,13 +104,13 @@ struct TetTouch {
   std::array<double, kMostNodes> values{};        // their weights
   // depth: m. stiffness: k, N/m. energy: of the penalty and of friction's spring, J.
   double depth = 0.0, stiffness = 0.0, energy = 0.0;
-  Eigen::Vector3d slope;  // g
+  Eigen::Vector3d slope;                               // g
   Eigen::Matrix3d bend = Eigen::Matrix3d::Identity();  // F of the partner at the position
-  double limit = 0.0;     // l, m
-  Eigen::Vector3d path;   // t, m
-  Eigen::Vector3d trial;  // xi_0 + t, m
-  Eigen::Vector3d force;  // on the point, N
-  Eigen::Matrix3d fall;   // -df/dx, of the point relative to the partner, N/m
+  double limit = 0.0;                                  // l, m
+  Eigen::Vector3d path;                                // t, m
+  Eigen::Vector3d trial;                               // xi_0 + t, m
+  Eigen::Vector3d force;                               // on the point, N
+  Eigen::Matrix3d fall;  // -df/dx, of the point relative to the partner, N/m
 };
 
 // The displacement of friction between steps, of a point that was in contact. Vectors are along the
