@@ -46,12 +46,10 @@ MeanForce mean_force(const ContactLaw& law, double a, double b) {
 
 // c, and 1/(|p|^2 + |w|^2) in its derivative. That is 0 on a path shorter than way.apart: c is then
 // nearly half a curvature. Its derivative is the difference of two normals divided by the path, and
-// for normals of places farther apart than the path that quotient could exceed the stiffness. Where
-// normals have an error, c grows as 1/|p| towards p = 0, and its force would change sign there.
+// for normals of places farther apart than the path that quotient could exceed the stiffness.
 struct Correction {
   double c = 0.0;
   double shorter2 = 0.0;
-  double left = 0.0;  // the change of distance that the corrected normal still misses, m
 };
 
 Correction correct(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
@@ -60,9 +58,7 @@ Correction correct(const ContactLaw& law, const ContactGap& gap, const ContactWa
   if (!(length2 > 1e-18 * law.margin * law.margin)) return {};
   double missed = gap.d1 - gap.d0 - normal.dot(way.path - way.bend);
   if (law.rounding > 0.0) missed -= std::clamp(missed, -law.rounding, law.rounding);
-  const double both2 = length2 + law.creased * law.creased;
-  return {missed / both2, length2 > way.apart * way.apart ? 1.0 / both2 : 0.0,
-          missed * (1.0 - length2 / both2)};
+  return {missed / length2, length2 > way.apart * way.apart ? 1.0 / length2 : 0.0};
 }
 
 // The fraction of restitution by the point's own rate, and the fraction of rebound_speed from which
@@ -225,7 +221,7 @@ ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const C
   const double factor = restitution_of(law, gap, time).factor;
   contact.pressure = gap.pressure;
   const double s = factor * gap.pressure;
-  contact.lost = (1.0 - factor) * (gap.e0 - energy) + s * correction.left;
+  contact.lost = (1.0 - factor) * (gap.e0 - energy);
   const Vector3d point_normal = held.normal + correction.c * way.path;
   contact.limit = law.friction * s * point_normal.norm();
   if (gap.pressure != 0.0) held.limit += limits * (contact.limit - held.limit);
@@ -261,7 +257,7 @@ ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const
                              const ContactTime& time, const ContactHeld& held, bool follows) {
   const Vector3d &p = way.path, &w = way.bend;
   const Vector3d& n = held.normal;
-  const auto [c, shorter2, left] = correct(law, gap, way, n);
+  const auto [c, shorter2] = correct(law, gap, way, n);
   const Restitution part = restitution_of(law, gap, time);
   const double s = part.factor * gap.pressure;
   const double s_fall = part.factor * gap.fall + gap.pressure * part.fall;

@@ -65,9 +65,6 @@ struct ContactLaw {
   // Of a contact with a rigid body, which comes to rest entirely: changes of distance below this
   // are rounding errors, and the normal is not corrected for them, m.
   double rounding = 0.0;
-  // Of an obstacle whose normals have an error, however short the path: the normal is corrected in
-  // full on paths much longer than this. What that leaves counts as lost, m.
-  double creased = 0.0;
 
   double energy(double distance) const;
 };

@@ -10,8 +10,8 @@ namespace tremolo {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// ContactLaw::creased as a fraction of the margin. The stiffness of the correction grows as its
-// inverse: below this it exceeds that of friction, and points that stick keep moves short.
+// delta as a fraction of the margin. The stiffness of the correction grows as its inverse: below
+// this it exceeds that of friction, and points that stick keep moves short.
 constexpr double kCreased = 0.1;
 
 bool HullContact::gather(StepBody& points, TetStep& shape, std::size_t obstacle, double h) {
@@ -37,7 +37,6 @@ bool HullContact::gather(StepBody& points, TetStep& shape, std::size_t obstacle,
                                             std::sqrt(own.restitution * theirs.restitution)),
                               own, theirs, points.area_of(i));
     touch.law.rounding += shape.rounding();
-    touch.law.creased = kCreased * touch.law.margin;
     const ContactMemory* memory = points.memory(obstacle, i);
     const std::optional<TetDepth> depth =
         shape.depth_at_start(x, memory != nullptr ? std::optional(memory->element) : std::nullopt);
@@ -93,14 +92,45 @@ void HullContact::find_end(Touch& touch, bool renews) {
   double d0 = touch.distance, d1 = inside ? depth->distance : 0.0;
   if (!touch.inside) d0 = std::max(0.0, d1 - touch.end_normal.dot(touch.way.path));
   if (!inside) d1 = std::max(0.0, d0 + touch.normal.dot(touch.way.path));
-  touch.gap = make_gap(touch.law, d0, touch.energy, d1);
+  if (renews || touch.held.normal.isZero(0.0)) hold_normal_of(touch);
+  find_gap(touch, d0, d1);
+}
+
+void HullContact::hold_normal_of(Touch& touch) {
+  ContactMemory memory = touch.memory;
+  memory.slip = touch.axes * memory.slip;
+  memory.normal = touch.axes * memory.normal;
+  const Vector3d start = touch.inside ? touch.normal : touch.end_normal;
+  // Past the middle the normals of both ends may be opposite.
+  const bool turned = start.dot(touch.end_normal) < 0.0;
+  hold_normal(turned ? start : Vector3d(0.5 * (start + touch.end_normal)), memory, touch.held);
+}
+
+// The law's distance at the end, and its slope. A point that begins outside has m = 0 by its d0.
+void HullContact::find_gap(Touch& touch, double d0, double d1) {
+  const Vector3d& path = touch.way.path;
+  touch.end = d1;
+  touch.part = 1.0;
+  touch.part_slope.setZero();
+  double missed = 0.0;
+  if (touch.inside) {
+    const double delta = kCreased * touch.law.margin, delta2 = delta * delta;
+    const double both = path.squaredNorm() + delta2;
+    missed = d1 - d0 - touch.held.normal.dot(path);
+    touch.part = path.squaredNorm() / both;
+    touch.part_slope =
+        (1.0 - touch.part) * touch.held.normal + (2.0 * missed * delta2 / (both * both)) * path;
+  }
+  const double shift = (1.0 - touch.part) * missed;
+  touch.begins = std::min(0.0, std::max(touch.law.begins + shift, d1));
+  touch.gap = make_gap(touch.law, d0, touch.energy, d1 - shift);
 }
 
 void HullContact::approach(const ContactRenewal& renewal) {
   for (Touch& touch : touches_) {
     touch.motion = points_->motion(touch.point);
     find_end(touch, renewal.normals);
-    touch.now.clear(touch.near ? touch.gap.d1 : 0.0,
+    touch.now.clear(touch.near ? touch.end : 0.0,
                     0.5 * touch.law.shear * touch.memory.slip.squaredNorm());
     if (touch.near) shared->rate.add(touch.gap.pressure, touch.gap.d1 - touch.gap.d0);
   }
@@ -109,17 +139,15 @@ void HullContact::approach(const ContactRenewal& renewal) {
 void HullContact::press(const ContactRenewal& renewal) {
   for (Touch& touch : touches_) {
     if (!touch.near) continue;
-    if (renewal.normals || touch.held.normal.isZero(0.0)) {
-      ContactMemory memory = touch.memory;
-      memory.slip = touch.axes * memory.slip;
-      memory.normal = touch.axes * memory.normal;
-      const Vector3d start = touch.inside ? touch.normal : touch.end_normal;
-      // Past the middle the normals of both ends may be opposite.
-      const bool turned = start.dot(touch.end_normal) < 0.0;
-      hold_normal(turned ? start : Vector3d(0.5 * (start + touch.end_normal)), memory, touch.held);
-    }
     touch.now = contact_force(touch.law, touch.gap, touch.way, time(), renewal.limits, touch.held);
+    touch.now.distance = touch.end;
     if (!touch.now.acts) continue;
+    // The energy that the next step does not begin with.
+    ContactLaw next = touch.law;
+    next.begins = touch.begins;
+    const double rest = touch.law.energy(touch.gap.d1) - next.energy(touch.end);
+    touch.now.energy -= rest;
+    touch.now.lost += rest;
     points_->add_force(touch.point, touch.now.force);
     shape_->push_site(touch.site, -touch.now.force);
   }
@@ -130,10 +158,12 @@ void HullContact::make_slopes(bool follows) {
     if (!touch.near || !touch.now.acts) continue;
     const ContactSlopes slopes =
         contact_slopes(touch.law, touch.gap, touch.way, time(), touch.held, follows);
-    touch.by_way = slopes.point.by_path + slopes.point.by_distance * touch.end_gradient.transpose();
-    touch.by_distance = slopes.point.by_distance;
-    Matrix3d by_path = slopes.point.by_path;  // at given distances inside
-    if (!(touch.gap.d1 < 0.0)) by_path = touch.by_way;
+    const Vector3d& fall = slopes.point.by_distance;
+    touch.by_distance = touch.part * fall;
+    // At given distances inside.
+    Matrix3d by_path = slopes.point.by_path + fall * touch.part_slope.transpose();
+    touch.by_way = by_path + touch.by_distance * touch.end_gradient.transpose();
+    if (!(touch.end < 0.0)) by_path = touch.by_way;
     // d0 = d1 - n.w.
     if (!touch.inside) {
       touch.by_distance += slopes.by_start;
@@ -143,7 +173,7 @@ void HullContact::make_slopes(bool follows) {
     shape_->find_slopes(touch.site);
     touch.by_shift = -by_path * shape_->way_slope(touch.site);
     touch.link = slopes.point.by_taken;
-    touch.growth = slopes.taken_by_distance * touch.end_gradient;
+    touch.growth = slopes.taken_by_distance * (touch.part * touch.end_gradient + touch.part_slope);
     points_->add_slope(touch.point, touch.by_way, touch.now.force);
     shape_->condense(touch.site);
     shape_->condense(touch.end_site);
@@ -220,7 +250,7 @@ void HullContact::remember() {
     const Matrix3d back = touch.axes.transpose();
     points_->remember({.obstacle = obstacle_,
                        .point = touch.point,
-                       .begins = std::min(0.0, std::max(touch.law.begins, touch.now.distance)),
+                       .begins = touch.begins,
                        .limit = touch.now.limit,
                        .slip = back * touch.now.slip,
                        .normal = back * normal,

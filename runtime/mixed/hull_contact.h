@@ -10,9 +10,12 @@
 // n.w; where it ends outside, d1 = d0 + n.w.
 //
 // The gradient of d jumps where a point passes from one element to the next, because F does. The
-// normal n is therefore that of a continuous F (TetTree::smooth_gradient), and the correction of
-// contact_law.h closes the energy, on paths much longer than ContactLaw::creased. Only derivatives
-// use the gradient itself.
+// normal n is therefore that of a continuous F (TetTree::smooth_gradient), and m = d1 - d0 - n.w is
+// not of second order in w. The correction of contact_law.h along w, which closes the energy, would
+// grow without bound as w vanishes. Only its part l = w^2/(w^2 + delta^2) is made: the law has the
+// distance d1 - (1 - l) m instead of d1. The rest shifts the surface, for this point alone: B -> B
+// + (1 - l) m, so that the next step begins with the same energy. The surface is never shifted
+// outwards: what is beyond counts as lost.
 #pragma once
 
 #include <cstdint>
@@ -53,7 +56,11 @@ class HullContact final : public PairForces {
     ContactMemory memory;  // along the axes of the element
     ContactHeld held;
     ContactForce now;
-    ContactGap gap;
+    ContactGap gap;     // with the distance of the law at the end
+    double end = 0.0;   // d1, m
+    double part = 1.0;  // l
+    Eigen::Vector3d part_slope = Eigen::Vector3d::Zero();  // slope of the law's distance with w
+    double begins = 0.0;                                   // B of the next step, m
     ContactWay way;
     SiteMotion motion;
     bool inside = false;                                                    // at the start
@@ -74,6 +81,8 @@ class HullContact final : public PairForces {
   };
 
   void find_end(Touch& touch, bool renews);
+  void find_gap(Touch& touch, double d0, double d1);
+  void hold_normal_of(Touch& touch);
   // Change of the body's path at the end's point beyond that at the point of the force, along the
   // gradient of the distance, m.
   double change_beyond(const Touch& touch, StepBody::In second_x) const;
