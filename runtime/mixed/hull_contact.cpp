@@ -142,15 +142,27 @@ void HullContact::press(const ContactRenewal& renewal) {
     touch.now = contact_force(touch.law, touch.gap, touch.way, time(), renewal.limits, touch.held);
     touch.now.distance = touch.end;
     if (!touch.now.acts) continue;
-    // The energy that the next step does not begin with.
-    ContactLaw next = touch.law;
-    next.begins = touch.begins;
-    const double rest = touch.law.energy(touch.gap.d1) - next.energy(touch.end);
-    touch.now.energy -= rest;
-    touch.now.lost += rest;
+    close_energy(touch);
     points_->add_force(touch.point, touch.now.force);
     shape_->push_site(touch.site, -touch.now.force);
   }
+}
+
+// The energy with which the next step does not begin is lost. Outside it has no memory of friction.
+void HullContact::close_energy(Touch& touch) {
+  ContactForce& now = touch.now;
+  const double energy = touch.law.energy(touch.gap.d1);
+  ContactLaw next = touch.law;
+  next.begins = touch.begins;
+  double kept = next.energy(touch.end);
+  if (!(touch.end < 0.0)) {
+    kept = 0.0;
+    now.friction_loss += now.energy - energy;
+    now.energy = energy;
+    now.slip.setZero();
+  }
+  now.energy -= energy - kept;
+  now.lost += energy - kept;
 }
 
 void HullContact::make_slopes(bool follows) {

@@ -83,6 +83,7 @@ class HullContact final : public PairForces {
   void find_end(Touch& touch, bool renews);
   void find_gap(Touch& touch, double d0, double d1);
   void hold_normal_of(Touch& touch);
+  static void close_energy(Touch& touch);
   // Change of the body's path at the end's point beyond that at the point of the force, along the
   // gradient of the distance, m.
   double change_beyond(const Touch& touch, StepBody::In second_x) const;
