@@ -113,6 +113,8 @@ tremolo_status tremolo_tets_positions(const tremolo_tets_world* world, size_t bo
                                       size_t length);
 tremolo_status tremolo_tets_velocities(const tremolo_tets_world* world, size_t body, double* out,
                                        size_t length);
+/* Sets both, and wakes the body and all that sleeps with it. Where positions change, friction
+ * forgets its displacement. */
 tremolo_status tremolo_tets_set_state(tremolo_tets_world* world, size_t body,
                                       const double* positions, const double* velocities,
                                       size_t length);

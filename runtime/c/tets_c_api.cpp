@@ -330,8 +330,8 @@ tremolo_status tremolo_tets_set_state(tremolo_tets_world* world, size_t body,
     const size_t size = 3 * tremolo_tets_points(world, body);
     for (const double* buffer : {positions, velocities})
       if (Status s = need_buffer(buffer, length, size); !s) return s;
-    return world->bodies.group->body(body).set_state(Eigen::VectorXd::Map(positions, size),
-                                                     Eigen::VectorXd::Map(velocities, size));
+    return world->bodies.group->set_state(body, Eigen::VectorXd::Map(positions, size),
+                                          Eigen::VectorXd::Map(velocities, size));
   });
 }
 

@@ -226,6 +226,25 @@ TEST(TetGroup, AStackOnASlopeDoesNotCreep) {
   }
 }
 
+// Bodies that are put back to where they were before they touched do the same again, to the bit.
+TEST(TetGroup, ABodyThatIsPutBackForgetsItsFriction) {
+  FallingSlabs slabs(DegreeKind::kQuadratic, {}, {});
+  slabs.options.gravity = {1.0, 0.0, -kHeapG};
+  slabs.begin({{0.0, 0.0, 0.0}, {0.02, 0.01, 0.1005}}, {});
+  TetGroup& group = *slabs.group;
+  const std::array<Eigen::VectorXd, 2> start = {group.body(0).positions(),
+                                                group.body(1).positions()};
+  const auto run = [&] {
+    for (int n = 0; n < 20; ++n) EXPECT_TRUE(group.step(slabs.reports)) << n;
+    return std::array<Eigen::VectorXd, 2>{group.body(0).positions(), group.body(1).positions()};
+  };
+  const std::array<Eigen::VectorXd, 2> first = run();
+  EXPECT_TRUE(group.touched(1));
+  for (std::size_t i = 0; i < 2; ++i)
+    ASSERT_TRUE(group.set_state(i, start[i], Eigen::VectorXd::Zero(start[i].size())));
+  EXPECT_EQ(run(), first);
+}
+
 // Two bent bodies in each other: the force on all control points of both is the slope of the
 // energy, and neither a force nor a torque is left over.
 TEST(TetGroup, ForcesBetweenBodiesAreTheSlopeOfTheirEnergyAndKeepBothMomenta) {

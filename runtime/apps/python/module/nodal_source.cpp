@@ -153,8 +153,7 @@ class TetGroupSource final : public TetsSource {
 
   bool asleep() const override { return group_.asleep(i_); }
   Status set_state(const VectorXd& x, const VectorXd& v) override {
-    if (Status s = TetsSource::set_state(x, v); !s) return s;
-    return group_.set_hand(i_, body().hand());  // wakes the body
+    return group_.set_state(i_, x, v);
   }
   Result<std::size_t> grab(std::size_t vertex, std::optional<double> stiffness,
                            std::optional<double> damping) override {

@@ -192,6 +192,12 @@ void TetContact::find(const Eigen::VectorXd& s, const Eigen::VectorXd& from) {
   }
 }
 
+void TetContact::forget_body(std::uint32_t body) {
+  std::erase_if(memory_, [body](const TetFriction& memory) {
+    return memory.on_body && memory.obstacle == body;
+  });
+}
+
 // Points that leave forget their displacement.
 void TetContact::end_step(double whole) {
   memory_.clear();

@@ -147,6 +147,9 @@ class TetContact {
   // Ends a step at the contacts last found: friction remembers its displacements. whole: the path
   // of the step over that to the positions at which forces are evaluated.
   void end_step(double whole);
+  // Forgets all displacements of friction, or those on one other body (TetPartner::body).
+  void forget() { memory_.clear(); }
+  void forget_body(std::uint32_t body);
   // Friction's memory at the start of a step, and of a part of one, to which it may return.
   void keep_memory() { kept_memory_ = memory_; }
   void restore_memory() { memory_ = kept_memory_; }

@@ -142,6 +142,17 @@ void TetGroup::end_nap(std::uint32_t nap) {
     }
 }
 
+Status TetGroup::set_state(std::size_t i, const Eigen::VectorXd& x, const Eigen::VectorXd& v) {
+  const Eigen::VectorXd before = bodies_[i].positions();
+  if (Status s = bodies_[i].set_state(x, v); !s) return s;
+  if (bodies_[i].positions() != before) {
+    contacts_[i].forget();
+    for (TetContact& contact : contacts_) contact.forget_body(static_cast<std::uint32_t>(i));
+  }
+  if (asleep_[i] != 0) end_nap(naps_[i]);
+  return Success{};
+}
+
 Status TetGroup::set_hand(std::size_t i, const std::optional<TetHand>& hand) {
   if (i >= bodies_.size())
     return usage_error("there are " + std::to_string(bodies_.size()) + " bodies, no body " +

@@ -48,6 +48,9 @@ class TetGroup {
   // Energy taken by falling asleep so far, J.
   double energy_of_sleep() const { return energy_of_sleep_; }
 
+  // Same as TetBody::set_state of a body. It wakes with its sleeping island; where its positions
+  // change, its friction and that on it are forgotten.
+  Status set_state(std::size_t i, const Eigen::VectorXd& x, const Eigen::VectorXd& v);
   // Same as TetBody::set_hand of a body. The body wakes with its sleeping island, and stays awake
   // as long as the grab lasts.
   Status set_hand(std::size_t i, const std::optional<TetHand>& hand);
