@@ -226,7 +226,8 @@ TEST(TetGroup, AStackOnASlopeDoesNotCreep) {
   }
 }
 
-// Bodies that are put back to where they were before they touched do the same again, to the bit.
+// Bodies that are put back to where they were before they touched do the same again, to the
+// tolerance of a step.
 TEST(TetGroup, ABodyThatIsPutBackForgetsItsFriction) {
   FallingSlabs slabs(DegreeKind::kQuadratic, {}, {});
   slabs.options.gravity = {1.0, 0.0, -kHeapG};
@@ -242,7 +243,9 @@ TEST(TetGroup, ABodyThatIsPutBackForgetsItsFriction) {
   EXPECT_TRUE(group.touched(1));
   for (std::size_t i = 0; i < 2; ++i)
     ASSERT_TRUE(group.set_state(i, start[i], Eigen::VectorXd::Zero(start[i].size())));
-  EXPECT_EQ(run(), first);
+  const std::array<Eigen::VectorXd, 2> again = run();
+  for (std::size_t i = 0; i < 2; ++i)
+    EXPECT_LT((again[i] - first[i]).cwiseAbs().maxCoeff(), 1e-9) << i;
 }
 
 // Two bent bodies in each other: the force on all control points of both is the slope of the
