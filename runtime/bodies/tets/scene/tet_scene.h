@@ -27,7 +27,7 @@ struct TetSceneBody {
   Eigen::Vector3d spin = Eigen::Vector3d::Zero();
   // It begins at rest in its equilibrium under gravity and its loads at t = 0.
   bool settled = false;
-  double friction = 0.3;     // with its obstacles
+  double friction = 0.3;  // with its obstacles
   TetBodyOptions options;
   ContactOptions contact = {};  // in a world with bodies of other kinds; without points and shape
   std::vector<std::string> probes = {};  // in such a world: vertices whose motion is recorded
