@@ -152,9 +152,8 @@ void HullContact::press(const ContactRenewal& renewal) {
 void HullContact::close_energy(Touch& touch) {
   ContactForce& now = touch.now;
   const double energy = touch.law.energy(touch.gap.d1);
-  ContactLaw next = touch.law;
-  next.begins = touch.begins;
-  double kept = next.energy(touch.end);
+  // With the B of the next step: psi depends on B - d alone.
+  double kept = touch.law.energy(touch.end + touch.law.begins - touch.begins);
   if (!(touch.end < 0.0)) {
     kept = 0.0;
     now.friction_loss += now.energy - energy;
