@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
@@ -14,7 +13,6 @@
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/run/simulate.h"
 #include "runtime/io/exchange/recording.h"
-#include "runtime/io/exchange/world_tracks.h"
 #include "runtime/world/scene_world.h"
 
 namespace tremolo {
@@ -63,62 +61,30 @@ Status check_together(const std::vector<BodyScene>& bodies) {
   return Success{};
 }
 
+}  // namespace
+
 Error step_error(const std::string& name, const StepReport& report, double time) {
   return {error_kind(report.failure), "body '" + name + "': " + failure_message(report, time)};
 }
 
-// guests: null: the world has none.
-Status step_to(SceneWorld& world, const MixedGuests* guests, std::int64_t step) {
-  while (world.steps() < step) {
-    const double from = world.time();
-    for (const auto& [body, report] : world.step())
-      return step_error(world.name(body), report, world.body(body).time());
-    for (std::size_t i = 0; guests != nullptr && i < guests->size(); ++i)
-      if (guests->failed(i))
-        return Error{ErrorKind::kSolver,
-                     fmt::format("body '{}': the step from t = {:.6g} s could not be solved: take "
-                                 "a shorter step",
-                                 guests->name(i), from)};
-  }
-  return Success{};
-}
-
-// Worlds of one step and duration, each by itself; guests and colliders are those of the first.
-struct Film {
-  std::vector<SceneWorld> worlds;
-  WorldGuests guests;
-  std::string name;  // of the progress
-  bool colliders = false;
-};
-
-Result<RecordedMotion> record(Film& film, const FrameRange& range, const FrameSteps& frames,
-                              double duration) {
+Result<RecordedMotion> film(const Filmed& filmed, const FrameRange& range, const FrameSteps& frames,
+                            double duration) {
   Recording recording(range.rate);
-  std::vector<WorldTracks> tracks(film.worlds.size());
-  const SceneWorld& first = film.worlds.front();
-  ToldProgress progress(film.name, duration);
+  ToldProgress progress(filmed.name, duration);
   for (const std::int64_t step : frames.steps) {
-    for (SceneWorld& world : film.worlds)
-      if (Status s = step_to(world, film.guests.guests, step); !s) return s.error();
-    if (Status s = recording.begin_frame(first.time()); !s) return s.error();
-    for (std::size_t w = 0; w < tracks.size(); ++w)
-      if (Status s = tracks[w].record(
-              things_of(film.worlds[w], w == 0 ? &film.guests : nullptr, film.colliders),
-              recording);
-          !s)
-        return s.error();
-    progress.reached(first.time());
+    if (Status s = filmed.step_to(step); !s) return s.error();
+    const double time = filmed.time();
+    if (Status s = recording.begin_frame(time); !s) return s.error();
+    if (Status s = filmed.record(recording); !s) return s.error();
+    progress.reached(time);
   }
   RecordedMotion motion;
   motion.offset = frames.offset;
   motion.even_step = frames.even_step;
-  motion.left_out = tracks.front().left_out();
   if (Status s = take(motion.animation, recording.animation()); !s) return s.error();
   widen_planes(motion.animation);
   return motion;
 }
-
-}  // namespace
 
 Result<RecordedMotion> animate_bodies(const std::vector<BodyScene>& bodies,
                                       const FrameRange& range) {
@@ -127,32 +93,37 @@ Result<RecordedMotion> animate_bodies(const std::vector<BodyScene>& bodies,
   const Result<FrameSteps> frames = frame_steps(range, first.step, first.duration);
   if (!frames) return frames.error();
   std::vector<RunInput> inputs(bodies.size());  // they outlive the worlds
-  Film film;
-  film.name = first.bodies.front().name;
+  std::vector<SceneWorld> worlds;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (Status s = take(inputs[i], prepare_run(bodies[i])); !s) return s.error();
     Result<SceneWorld> world = world_of_one(inputs[i]);
     if (!world) return world.error();
-    film.worlds.push_back(std::move(*world));
+    worlds.push_back(std::move(*world));
   }
-  return record(film, range, *frames, first.duration);
-}
-
-Result<RecordedMotion> animate_world(const MixedFile& mixed, const FrameRange& range,
-                                     bool colliders) {
-  const SceneFile& file = mixed.file;
-  const Result<FrameSteps> frames = frame_steps(range, file.scene.step, file.scene.duration);
-  if (!frames) return frames.error();
-  Result<SceneWorld> world = SceneWorld::create(file.scene, load_scene_model, mixed.has_guests());
-  if (!world) return error_of_file(file.path, value_error(world.error()));
-  Film film{{}, {}, std::filesystem::path(file.path).stem().string(), colliders};
-  if (mixed.has_guests())
-    if (Status s = take(film.guests, add_guests(mixed.tets, mixed.cloths, file.path, *world)); !s)
-      return s.error();
-  film.worlds.push_back(std::move(*world));
-  Result<RecordedMotion> motion = record(film, range, *frames, file.scene.duration);
-  if (!motion) return error_of_file(file.path, motion.error());
-  return motion;
+  std::vector<std::size_t> tracks;  // of the bodies, added in the first frame
+  Filmed filmed;
+  filmed.name = first.bodies.front().name;
+  filmed.time = [&] { return worlds.front().time(); };
+  filmed.step_to = [&](std::int64_t step) -> Status {
+    for (SceneWorld& world : worlds)
+      while (world.steps() < step)
+        for (const auto& [body, report] : world.step())
+          return step_error(world.name(body), report, world.body(body).time());
+    return Success{};
+  };
+  filmed.record = [&](Recording& recording) -> Status {
+    for (std::size_t w = 0; w < worlds.size(); ++w) {
+      const Body& body = worlds[w].body(0);
+      if (tracks.size() == w) {
+        std::string name = worlds[w].name(0);
+        while (recording.has_name(name)) name += "-2";
+        if (Status s = take(tracks.emplace_back(), recording.add(body, name)); !s) return s;
+      }
+      if (Status s = recording.record(tracks[w], body); !s) return s;
+    }
+    return Success{};
+  };
+  return film(filmed, range, *frames, first.duration);
 }
 
 }  // namespace tremolo

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "common/result.h"
 #include "runtime/apps/tremolo/run/body_scene.h"
 #include "runtime/io/exchange/animation.h"
+#include "runtime/io/exchange/recording.h"
 #include "runtime/io/scenes/nodal_readers.h"
 
 namespace tremolo {
@@ -39,6 +41,22 @@ struct RecordedMotion {
   double even_step = 0.0;
   std::vector<std::string> left_out;
 };
+
+// What film() steps and records.
+struct Filmed {
+  std::string name;                                  // of the progress
+  std::function<double()> time;                      // s
+  std::function<Status(std::int64_t step)> step_to;  // to the end of that step
+  std::function<Status(Recording&)> record;          // the frame that was begun
+};
+
+// Steps to each frame and records it. duration: of the run, s. Errors: those of the functions and
+// of Recording.
+Result<RecordedMotion> film(const Filmed& filmed, const FrameRange& range, const FrameSteps& frames,
+                            double duration);
+
+// The error of a step of a body that could not be made. time: at its start, s.
+Error step_error(const std::string& name, const StepReport& report, double time);
 
 // Bodies as `tremolo run` starts and steps them, each by itself; steps and durations must agree.
 // Errors: those of prepare_run and world_of_one; kContent for a range that does not fit; kSolver and

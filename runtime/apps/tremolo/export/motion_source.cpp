@@ -11,8 +11,6 @@
 #include "common/mesh/selector.h"
 #include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/run/run_files.h"
-#include "runtime/apps/tremolo/world/guest_report.h"
-#include "runtime/apps/tremolo/world/world_commands.h"
 #include "runtime/io/exchange/recording.h"
 
 namespace tremolo {
@@ -32,28 +30,6 @@ MotionSource bodies_motion(std::vector<BodyScene> bodies) {
                                    fmt::join(methods, "`, `"), 1e3 * first.step);
   source.record = [bodies = std::move(bodies)](const FrameRange& range, bool) {
     return animate_bodies(bodies, range);
-  };
-  return source;
-}
-
-MotionSource world_motion(MixedFile mixed) {
-  MotionSource source;
-  const SceneFile& file = mixed.file;
-  for (const SceneBody& body : file.scene.bodies) source.names.push_back(body.name);
-  for (const std::string& name : guest_names(mixed)) source.names.push_back(name);
-  for (const SceneCollider& collider : file.scene.colliders)
-    source.scenery.push_back(collider.name);
-  source.inputs = inputs_of(mixed);
-  source.description =
-      fmt::format("{:.4g} s in steps of {:.4g} ms", file.scene.duration, 1e3 * file.scene.step);
-  if (mixed.has_guests()) {
-    source.no_modes =
-        "--modes applies only to bodies with a basis: tetrahedra and cloths have none";
-    source.no_live =
-        "--live applies only to bodies with a basis: a page's engine moves no tetrahedra or cloth";
-  }
-  source.record = [mixed = std::move(mixed)](const FrameRange& range, bool colliders) {
-    return animate_world(mixed, range, colliders);
   };
   return source;
 }
