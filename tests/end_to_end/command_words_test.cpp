@@ -50,7 +50,7 @@ TEST_F(CommandWords, AnEmptyValueIsWrongUsageWhateverTheFlag) {
     ASSERT_EQ(help.code, 0) << help.err;
     for (const std::string& flag : valued_flags(help.out)) {
       ++seen;
-      for (const std::string& value : {flag + " ''", flag + "=", flag + "=''"}) {
+      for (const std::string& value : {flag + " ''", flag + "="}) {
         const ProgramResult result = run(command + " nowhere " + value);
         EXPECT_EQ(result.code, 2) << command << " " << value << "\n" << result.err;
       }

@@ -214,8 +214,8 @@ TEST(SurfaceMesher, WallsThatTheSizeWouldLoseAreRefusedWithTheSizeThatKeepsThem)
   ASSERT_NE(at, std::string::npos) << message;
   const double size = std::stod(message.substr(at + 7));
   // A smaller plate of the same thickness takes less time.
-  const SurfaceMesh part = box_surface({0.05, 0.04, 0.001});
-  EXPECT_NEAR(mesh_well(part, {.size = size}).report.quality.volume, 2e-6, 1e-12);
+  const SurfaceMesh part = box_surface({0.025, 0.02, 0.001});
+  EXPECT_NEAR(mesh_well(part, {.size = size}).report.quality.volume, 5e-7, 1e-12);
 }
 
 // A thin ring of which chords cut off more than 2 %. The number in the warning is that of the two

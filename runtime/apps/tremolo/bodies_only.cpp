@@ -1,5 +1,5 @@
-// What `tremolo-first` answers where `tremolo` has other kinds of body, worlds, and response curves:
-// the program for basis files alone, which ./demo builds first.
+// What `tremolo-first` answers where `tremolo` has other kinds of body, worlds, and response
+// curves: the program for basis files alone, which ./demo builds first.
 #include <CLI/CLI.hpp>
 
 #include "formats/file/command_words.h"

@@ -59,8 +59,8 @@ Result<RecordedMotion> film(const Filmed& filmed, const FrameRange& range, const
 Error step_error(const std::string& name, const StepReport& report, double time);
 
 // Bodies as `tremolo run` starts and steps them, each by itself; steps and durations must agree.
-// Errors: those of prepare_run and world_of_one; kContent for a range that does not fit; kSolver and
-// kBound for a step that could not be made.
+// Errors: those of prepare_run and world_of_one; kContent for a range that does not fit; kSolver
+// and kBound for a step that could not be made.
 Result<RecordedMotion> animate_bodies(const std::vector<BodyScene>& bodies,
                                       const FrameRange& range);
 

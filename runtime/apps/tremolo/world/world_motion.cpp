@@ -7,6 +7,7 @@
 
 #include "runtime/apps/tremolo/export/animate.h"
 #include "runtime/apps/tremolo/export/motion_source.h"
+#include "runtime/apps/tremolo/run/run_body.h"
 #include "runtime/apps/tremolo/world/guest_report.h"
 #include "runtime/apps/tremolo/world/world_commands.h"
 #include "runtime/io/exchange/world_tracks.h"
