@@ -23,6 +23,7 @@ namespace tremolo {
 class BodyGroup;
 class ContactStep;
 struct ContactNear;
+struct ContactPoints;
 enum class PartReason;
 
 // Sums of contact since the start. work = given - lost - friction_loss - growth of
@@ -45,13 +46,19 @@ struct ContactSums {
 struct PresentPlace {
   Pose pose;                                // of its one frame
   std::shared_ptr<const BonePoints> bones;  // of a body on several bones; else null
-  // A ball around its boundary and its shape without their deformation, m, world.
+  // A ball around its boundary and its shape, m, world.
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double radius = 0.0;
+  // Of a body that is deformed: its contact points and their displacements, m; else null and empty.
+  std::shared_ptr<const ContactPoints> points = nullptr;
+  Eigen::VectorXd displacement = {};
 
   // A position of the world in the mesh's coordinates; on several bones nullopt if it is outside
   // the body, far from each of them. Not for two threads at once.
   std::optional<Eigen::Vector3d> into_rest(const Eigen::Vector3d& x) const;
+  // The depth of a position of the world in the body's shape, m; below 0: it is outside, and minus
+  // infinity where it is outside the ball by more than `near`.
+  double depth_in(const Collider& shape, const Eigen::Vector3d& x, double near = 0.0) const;
 };
 
 // Without set_contact() it is a Body. Not thread-safe; different bodies may step on different

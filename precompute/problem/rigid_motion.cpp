@@ -3,7 +3,8 @@
 #include <algorithm>
 
 #include <Eigen/Cholesky>
-#include <Eigen/SVD>
+
+#include "precompute/dense/dense_decompositions.h"
 
 namespace tremolo {
 namespace {
@@ -92,7 +93,7 @@ std::vector<int> rigid_freedom(const TetMesh& mesh, const std::vector<int>& part
     }
   std::vector<int> freedom;
   for (const auto& matrix : held) {
-    const Eigen::VectorXd values = matrix.jacobiSvd().singularValues();
+    const Eigen::VectorXd values = eigenpairs(matrix).values;
     // Relative to one fully fixed vertex; a lever arm of 1e-5 of the part's size counts as zero.
     constexpr double kHeld = 1e-10;
     freedom.push_back(static_cast<int>((values.array() < kHeld).count()));

@@ -3,9 +3,10 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 
 #include "common/elements/elasticity.h"
+#include "precompute/dense/dense_decompositions.h"
 #include "precompute/system/petsc.h"
 
 namespace tremolo {
@@ -110,8 +111,7 @@ Eigen::VectorXd split_values(const MatrixXd& form, const std::vector<Cluster>& c
   for (const Cluster& cluster : clusters) {
     const auto block = form.block(cluster.first, cluster.first, cluster.count, cluster.count);
     const MatrixXd symmetric = 0.5 * (block + block.transpose());
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(symmetric, Eigen::EigenvaluesOnly);
-    values.segment(cluster.first, cluster.count) = solver.eigenvalues();
+    values.segment(cluster.first, cluster.count) = eigenpairs(symmetric).values;
   }
   return values;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,29 @@ inline double deepest_past(std::span<const ContactMemory> memories, std::size_t 
     if (memory.obstacle == obstacle) deepest = std::max(deepest, -memory.depth);
   return deepest;
 }
+
+// B of a point that has no memory, before ContactLevel sets it.
+inline constexpr double kNoLevel = -std::numeric_limits<double>::infinity();
+
+// Where the contact of all points of a body with one obstacle begins. B of a point follows its
+// distance outwards only as far as those of all others do, and a point without a memory begins no
+// farther out than they: a body that was put down on its floor would else stand in a dent of its
+// own shape, as deep as the margin. No energy appears: B rises only where the point is beyond it.
+// Distances are those at the start of the step, m; add() all points of the pair first.
+class ContactLevel {
+ public:
+  void add(double begins, double distance, double margin) {
+    least_ = std::min(least_, std::max(begins, std::min(distance, margin)));
+  }
+  // B in this step. It is not below 0 for a point without a memory that is outside.
+  double of(double begins, double distance, double margin) const {
+    if (begins > kNoLevel) return std::max(begins, least_);
+    return std::min({margin, distance, std::max(0.0, least_)});
+  }
+
+ private:
+  double least_ = std::numeric_limits<double>::infinity();
+};
 
 class ContactMemories {
  public:

@@ -46,6 +46,7 @@ bool BentContact::gather(StepBody& points, ContactStep& shape, std::size_t obsta
     const double distance = bent_distance(shape.equations().shape_at_start(), y);
     if (distance <= reach && shape.agrees(points.start_of(i), y)) add(i, y, distance);
   }
+  set_levels(used(), 0);
   return count_ != 0;
 }
 
@@ -130,8 +131,9 @@ bool BentContact::add_missed() {
     if (bent_distance(eq.shape_at_end(), end) >= margin) continue;
     const Vector3d y = place_at_start(i);
     add(i, y, bent_distance(eq.shape_at_start(), y));
-    begin_pair(pairs_[count_ - 1]);
   }
+  set_levels(used(), known);
+  for (PairPoint& pair : used().subspan(known)) begin_pair(pair);
   return count_ != known;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "runtime/contact/contact_memories.h"
+
 namespace tremolo {
 namespace {
 
@@ -30,9 +32,20 @@ void ColliderContact::add(std::size_t point) {
   if (memory != nullptr)
     touch.memory = *memory;
   else
-    touch.memory.begins = std::min(touch.law.margin, touch.start.distance);
-  touch.law.begins = touch.memory.begins;
-  touch.start.energy = touch.law.energy(touch.start.distance);
+    touch.memory.begins = kNoLevel;
+}
+
+// Sets B and the energies of the points from number `from` on.
+void ColliderContact::set_levels(std::size_t from) {
+  ContactLevel level;
+  for (const Touch& touch : touches_)
+    level.add(touch.memory.begins, touch.start.distance, touch.law.margin);
+  for (std::size_t k = from; k < touches_.size(); ++k) {
+    Touch& touch = touches_[k];
+    touch.memory.begins = level.of(touch.memory.begins, touch.start.distance, touch.law.margin);
+    touch.law.begins = touch.memory.begins;
+    touch.start.energy = touch.law.energy(touch.start.distance);
+  }
 }
 
 bool ColliderContact::gather(StepBody& points, const PlacedCollider& collider, std::size_t obstacle,
@@ -50,6 +63,7 @@ bool ColliderContact::gather(StepBody& points, const PlacedCollider& collider, s
   if (distance_at(collider.shape, collider.start, ball.centre) > ball.radius + reach) return false;
   for (std::size_t i = 0; i < points.points(); ++i)
     if (distance_at(collider.shape, collider.start, points.start_of(i)) <= reach) add(i);
+  set_levels(0);
   return !touches_.empty();
 }
 
@@ -119,8 +133,9 @@ bool ColliderContact::add_missed() {
     const Vector3d end = points_->motion(i).end;
     if (!(distance_at(collider_->shape, collider_->end, end) < margin)) continue;
     add(i);
-    begin(touches_.back());
   }
+  set_levels(known);
+  for (std::size_t k = known; k < touches_.size(); ++k) begin(touches_[k]);
   return touches_.size() != known;
 }
 
@@ -160,7 +175,7 @@ void ColliderContact::remember() {
     const double length = touch.held.normal.norm();
     points_->remember({.obstacle = obstacle_,
                        .point = touch.point,
-                       .begins = std::max(touch.law.begins, touch.now.distance),
+                       .begins = touch.law.begins,
                        .limit = touch.now.limit,
                        .slip = touch.now.slip,
                        .normal = length > 0.0 ? Vector3d(touch.held.normal / length)

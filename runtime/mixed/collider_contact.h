@@ -41,6 +41,7 @@ class ColliderContact final : public PairForces {
   };
 
   void add(std::size_t point);
+  void set_levels(std::size_t from);
   void begin(Touch& touch) const;
   ContactTime time() const { return {h_, shared->rate}; }
 

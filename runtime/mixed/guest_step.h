@@ -58,6 +58,15 @@ class GuestStep : public StepBody {
   // rounding error of positions, which it turns into a force, is part of enough(). Call it after
   // begin().
   void hold_at(double slope) { held_slope_ += slope; }
+  // A spring's force F on a point, in a step, or a part of one, of which the body receives
+  // s F + (1 - s) F', where F' is the force of the step before, N. s is spring_share(); slopes of F
+  // are multiplied by it. Call them after begin().
+  virtual double spring_share() const { return 1.0; }
+  virtual void add_spring(std::size_t point, const Eigen::Vector3d& force,
+                          const Eigen::Vector3d& before) {
+    (void)before;
+    add_force(point, force);
+  }
   // The sum of the mean forces of all loads in the next step, N, which the method knows as it knows
   // gravity. Call it before start().
   void set_load(const Eigen::Vector3d& force) { load_ = force; }

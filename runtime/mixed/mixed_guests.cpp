@@ -150,12 +150,8 @@ double MixedGuests::deepest_in(std::size_t i, const Collider& shape,
                                const PresentPlace& place) const {
   double deepest = 0.0;
   const GuestStep& step = *guests_[i]->step;
-  for (std::size_t k = 0; k < step.points(); ++k) {
-    const Eigen::Vector3d x = step.start_of(k);
-    if ((x - place.centre).norm() > place.radius) continue;
-    if (const auto y = place.into_rest(x))
-      deepest = std::max(deepest, -signed_distance(shape, *y).distance);
-  }
+  for (std::size_t k = 0; k < step.points(); ++k)
+    deepest = std::max(deepest, place.depth_in(shape, step.start_of(k)));
   return deepest;
 }
 

@@ -139,7 +139,7 @@ class MixedGuests final : public IslandGuests {
   bool failed(std::size_t i) const { return guests_[i]->failed; }
   // The deepest contact point inside one of the colliders now, and the margin, m.
   double deepest_in(std::size_t i, std::span<const PlacedCollider> colliders) const;
-  // The same in a shape on several bones.
+  // The same in the shape of a body at `place`.
   double deepest_in(std::size_t i, const Collider& shape, const PresentPlace& place) const;
   double margin(std::size_t i) const { return guests_[i]->step->area_law().margin; }
   // Of the last step: sums over all islands, and the number of bodies in them.

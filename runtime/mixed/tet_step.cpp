@@ -75,6 +75,9 @@ StepBall TetStep::find_ball() {
 }
 
 bool TetStep::step_alone() {
+  mean_pull_.setZero();
+  expected_.setZero();
+  end_pull(true);
   report_ = body_->step();
   jumped_ = report_.switched > 0;
   forget_contact();
@@ -82,6 +85,7 @@ bool TetStep::step_alone() {
 }
 
 void TetStep::rest_a_step() {
+  last_pull_.setZero();
   report_ = {};
   jumped_ = false;
   body_->skip_step();
@@ -156,6 +160,8 @@ void TetStep::evaluate(const ContactRenewal& renewal) {
     }
   }
   pushed_.setZero();
+  pulled_.setZero();
+  expected_.setZero();
 }
 
 SiteMotion TetStep::motion(std::size_t point) const {
@@ -175,6 +181,26 @@ void TetStep::add_force(std::size_t point, const Vector3d& force) {
   const TetPoint& at = points_->points[point];
   for (std::uint32_t i = 0; i < at.count; ++i)
     pushed_.segment<3>(row_of(at.nodes[i])) += at.shares[i] * force;
+}
+
+double TetStep::spring_share() const {
+  return body_->stage_.method == TetMethod::kBdf2 ? 1.5 : 1.0;
+}
+
+void TetStep::add_spring(std::size_t point, const Vector3d& force, const Vector3d& before) {
+  const double share = spring_share();
+  add_force(point, share * force + (1.0 - share) * before);
+  pulled_ += force;
+  expected_ += before;
+}
+
+// What bdf2 expects of the next step is the force of this one. expected: F' of this step is what
+// springs had in the step before, unless one is gone.
+void TetStep::end_pull(bool expected) {
+  const Vector3d change =
+      expected ? Vector3d(expected_ - last_pull_) : Vector3d(mean_pull_ - last_pull_);
+  if (!change.isZero(0.0)) body_->expect_change(change / body_->model().mass());
+  last_pull_ = mean_pull_;
 }
 
 double TetStep::close() {
@@ -423,8 +449,14 @@ void TetStep::finish(const ContactAccount& account, double start, bool jumped) {
 
 void TetStep::end() {
   sort_memories();
+  const double share = part().to - part().from;
+  mean_pull_ = share * pulled_ + (part().from == 0.0 ? Vector3d(Vector3d::Zero()) : mean_pull_);
   if (!part().whole) return;
-  if (!body_->had_before_) body_->begin_bdf2_again(body_->saved_, nullptr, load());
+  if (!body_->had_before_) {
+    body_->begin_bdf2_again(body_->saved_, nullptr, load() + pulled_);
+    last_pull_ = expected_ = pulled_;
+  }
+  end_pull(true);
   body_->skip_step();
   body_->choose_degrees(report_);
   jumped_ = report_.switched > 0;
@@ -443,7 +475,13 @@ void TetStep::begin_part() {
 void TetStep::end_whole(int parts) {
   TetBody& body = *body_;
   if (parts > 0) {
-    body.begin_bdf2_again(whole_.now, whole_.has_before ? &whole_.before : nullptr, load());
+    if (whole_.has_before) {
+      body.begin_bdf2_again(whole_.now, &whole_.before, load());
+      end_pull(false);
+    } else {
+      body.begin_bdf2_again(whole_.now, nullptr, load() + mean_pull_);
+      last_pull_ = mean_pull_;
+    }
     report_.parts = parts;
     body.skip_step();
     body.choose_degrees(report_);
@@ -457,8 +495,8 @@ void TetStep::end_whole(int parts) {
 
 void TetStep::carry_body(StateStream& stream) {
   body_->carry(stream);
-  stream(report_, sums_, loaded_);
-  stream.require(loaded_.allFinite());
+  stream(report_, sums_, loaded_, last_pull_);
+  stream.require(loaded_.allFinite() && last_pull_.allFinite());
   jumped_ = report_.switched > 0;
 }
 

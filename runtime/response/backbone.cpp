@@ -5,9 +5,10 @@
 #include <optional>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 
 #include "common/text.h"
+#include "runtime/math/dense/decompositions.h"
 #include "runtime/response/curve_tracer.h"
 #include "runtime/response/half_period.h"
 #include "runtime/response/static_state.h"
@@ -40,8 +41,8 @@ SmallVibration small_vibration(const Potential& potential, const Eigen::VectorXd
   PotentialWorkspace workspace = potential.make_workspace(kUseTangent);
   Evaluation at = potential.make_evaluation();
   potential.evaluate(rest, kWantTangent, workspace, at);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(at.tangent);
-  return {solver.eigenvectors().col(mode), std::sqrt(solver.eigenvalues()[mode])};
+  const SymmetricEigen solver = symmetric_eigen(at.tangent);
+  return {solver.vectors.col(mode), std::sqrt(solver.values[mode])};
 }
 
 Status check(const VibratingSystem& system, Eigen::Index mode, double to_amplitude) {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <limits>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
+#include <Eigen/Core>
 
 #include "common/text.h"
+#include "runtime/math/dense/decompositions.h"
+#include "runtime/math/dense/dense_lu.h"
 
 namespace tremolo {
 namespace {
@@ -20,7 +20,7 @@ bool settle(const Potential& potential, const Eigen::VectorXd& force, PotentialW
   double before = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 20; ++i) {
     potential.evaluate(q, kWantForce | kWantTangent, workspace, at);
-    const Eigen::VectorXd correction = at.tangent.partialPivLu().solve(force - at.force);
+    const Eigen::VectorXd correction = DenseLu(at.tangent).solve(force - at.force);
     q += correction;
     if (!q.allFinite()) return false;
     const double size = correction.norm(), whole = q.norm();
@@ -46,8 +46,7 @@ Error not_found(const Potential& potential, PotentialWorkspace& workspace, Evalu
   constexpr double kNearZero = 0.1;  // of the least stiffness without force
   const auto least_stiffness = [&](const Eigen::VectorXd& where) {
     potential.evaluate(where, kWantTangent, workspace, at);
-    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(at.tangent, Eigen::EigenvaluesOnly)
-        .eigenvalues()[0];
+    return symmetric_eigenvalues(at.tangent)[0];
   };
   const double at_rest = least_stiffness(Eigen::VectorXd::Zero(q.size()));
   if (least_stiffness(q) < kNearZero * at_rest)
@@ -73,10 +72,10 @@ Result<Eigen::VectorXd> static_state(const Potential& potential, const Eigen::Ve
   while (done < 1.0) {
     const double next = std::min(1.0, done + part);
     potential.evaluate(q, kWantTangent, workspace, at);
-    const Eigen::VectorXd predicted = at.tangent.partialPivLu().solve((next - done) * force);
+    const Eigen::VectorXd predicted = DenseLu(at.tangent).solve((next - done) * force);
     Eigen::VectorXd trial = q;
     if (settle(potential, next * force, workspace, at, trial) && is_near(predicted, trial - q) &&
-        at.tangent.llt().info() == Eigen::Success) {
+        is_positive_definite(at.tangent)) {
       q = std::move(trial);
       done = next;
       part *= 1.5;

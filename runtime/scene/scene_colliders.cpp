@@ -132,18 +132,16 @@ DeepestPoint deepest_point(const ContactBody& body, std::span<const PlacedCollid
 double depth_in_body(const ContactBody& body, const ContactBody& other, const PresentPlace& place) {
   const Collider* shape = other.contact()->surface().shape_or_null();
   if (shape == nullptr) return 0.0;
-  if (!place.bones) {
-    const PlacedCollider placed{*shape, place.pose, place.pose};
-    return deepest_point(body, std::span(&placed, 1)).depth;
-  }
   std::vector<double> places(3 * body.model().surface().rest.size());
   (void)body.surface_positions(places, SurfaceKind::kBoundary);  // the buffer fits
   double depth = 0.0;
-  for (std::size_t i = 0; i + 2 < places.size(); i += 3) {
-    const Vector3d x(places.data() + i);
-    if ((x - place.centre).norm() > place.radius) continue;
-    if (const auto y = place.into_rest(x))
-      depth = std::max(depth, -signed_distance(*shape, *y).distance);
+  for (std::size_t i = 0; i + 2 < places.size(); i += 3)
+    depth = std::max(depth, place.depth_in(*shape, Vector3d(places.data() + i)));
+  if (body.contact() == nullptr) return depth;
+  const ContactPoints& points = *body.contact()->surface().points;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double round = points.radius_of(i);
+    depth = std::max(depth, round + place.depth_in(*shape, body.contact_point(i), round));
   }
   return depth;
 }

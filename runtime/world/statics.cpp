@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <utility>
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
-#include <Eigen/QR>
+#include <Eigen/Core>
 
 #include "common/text.h"
+#include "runtime/math/dense/decompositions.h"
+#include "runtime/math/dense/dense_lu.h"
 #include "runtime/scene/scene_start.h"
 
 namespace tremolo {
@@ -45,7 +45,7 @@ class Solver {
         right.head(r) += hold_.rows.transpose() * at.x;
         right.tail(c) = hold_.rows * at.q - s * hold_.target;
       }
-      const Eigen::VectorXd step = matrix.partialPivLu().solve(right);
+      const Eigen::VectorXd step = DenseLu(matrix).solve(right);
       if (!step.allFinite()) return false;
       at.q += step.head(r);
       at.x += step.tail(c);
@@ -58,12 +58,11 @@ class Solver {
   bool stable(const Standing& at) {
     potential_.evaluate(at.q, kWantTangent, workspace_, evaluation_);
     Eigen::MatrixXd tangent = evaluation_.tangent;
-    if (const Eigen::Index c = hold_.target.size(); c > 0) {
-      const Eigen::MatrixXd q = hold_.rows.transpose().householderQr().householderQ();
-      const Eigen::MatrixXd free = q.rightCols(q.cols() - c);
+    if (hold_.target.size() > 0) {
+      const Eigen::MatrixXd free = column_space(hold_.rows.transpose()).complement;
       tangent = (free.transpose() * tangent * free).eval();
     }
-    return Eigen::LLT<Eigen::MatrixXd>(tangent).info() == Eigen::Success;
+    return is_positive_definite(tangent);
   }
 
  private:
@@ -79,7 +78,7 @@ class Solver {
 Result<Eigen::VectorXd> standing_shape(const Potential& potential, const Eigen::VectorXd& force,
                                        const Hold& hold) {
   const Eigen::Index r = potential.size(), c = hold.target.size();
-  if (c > 0 && hold.rows.transpose().colPivHouseholderQr().rank() < c)
+  if (c > 0 && column_space(hold.rows.transpose()).rank < c)
     return content_error(
         "the model's coordinates cannot displace it in every direction: it is fixed, or the model "
         "has too few");

@@ -15,7 +15,7 @@ namespace {
 struct Solids {
   std::vector<PlacedCollider> shapes;
   std::vector<std::string> names;
-  std::vector<PresentPlace> places;  // of bodies on several bones; of others without bones
+  std::vector<PresentPlace> places;  // of bodies
 };
 
 // None while the world's changes are made again (SceneWorld::set_replaying()).
@@ -42,7 +42,7 @@ Solids solids_of(const SceneWorld& world) {
 Status check_apart(const MixedGuests& guests, std::size_t i, const Solids& solids,
                    const char* margin_name) {
   for (std::size_t k = 0; k < solids.shapes.size(); ++k) {
-    const double depth = solids.places[k].bones
+    const double depth = solids.places[k].bones || solids.places[k].points
                              ? guests.deepest_in(i, solids.shapes[k].shape, solids.places[k])
                              : guests.deepest_in(i, std::span(&solids.shapes[k], 1));
     if (depth > guests.margin(i))

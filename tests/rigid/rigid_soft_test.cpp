@@ -125,6 +125,31 @@ TEST(RigidOnSoft, BendsABeamByItsWeight) {
   }
 }
 
+// Whether a body begins inside another one is seen at the shape in which that one begins.
+TEST(RigidOnSoft, ABlockIsLaidOnABeamThatBeginsSagged) {
+  SceneBody soft = beam_body(false);
+  soft.settled = true;
+  Scene scene;
+  scene.gravity.values = {{0.0, 0.0, -kG}};
+  scene.bodies = {soft};
+  const SceneWorld alone = testing::make_world(scene, beam_of);
+  const Result<VertexRows> place = alone.body(0).model().vertex(6 * 16 + 3);  // of the upper side
+  ASSERT_TRUE(place);
+  const double upper = (place->rest + place->rows * alone.body(0).state().q).z();
+  ASSERT_LT(upper, 0.025 - 2e-3);  // it sags by more than the block's margin
+  const auto begins = [&](double above) {
+    Scene laid = scene;
+    laid.bodies.push_back(
+        rigid_body("block", BoxShape{{0.02, 0.02, 0.01}}, {0.3, 0.0, upper + 0.01 + above}));
+    return SceneWorld::create(laid, beam_of);
+  };
+  EXPECT_TRUE(begins(1e-3));
+  const Result<SceneWorld> inside = begins(-4e-3);
+  ASSERT_FALSE(inside);
+  EXPECT_NE(inside.error().message.find("inside body 'beam'"), std::string::npos)
+      << inside.error().message;
+}
+
 // A ball hits a free beam off its centre, from above.
 TEST(RigidOnSoft, KeepsBothMomentaOfABlow) {
   for (const double step : {3e-3, 1.5e-3, 0.75e-3})

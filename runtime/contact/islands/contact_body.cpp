@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -209,15 +210,30 @@ std::optional<Eigen::Vector3d> PresentPlace::into_rest(const Eigen::Vector3d& x)
   return y;
 }
 
+double PresentPlace::depth_in(const Collider& shape, const Eigen::Vector3d& x, double near) const {
+  constexpr double kOutside = -std::numeric_limits<double>::infinity();
+  if ((x - centre).norm() > radius + near) return kOutside;
+  const std::optional<Eigen::Vector3d> y = into_rest(x);
+  if (!y) return kOutside;
+  if (points == nullptr) return -signed_distance(shape, *y).distance;
+  return -bent_distance({&shape, points.get(), &displacement}, *y);
+}
+
 PresentPlace ContactBody::present_place() const {
   const ContactPoints& points = *contact_->surface().points;
   PresentPlace place{pose(), nullptr, pose() * points.centre, points.radius};
+  if (!points.rigid() && !state_.q.isZero(0.0)) {
+    place.radius += state_.q.cwiseAbs().dot(points.reach);
+    place.points = contact_->surface().points;
+    points.displacement(state_.q, place.displacement);
+  }
   if (!contact_->on_bones()) return place;
+  const double radius = place.radius;
   const auto bones = std::make_shared<BonePoints>(*contact_->equations().bones);
   bones->place(*driven_);
   for (const StepPoses& bone : bones->poses())
     place.radius =
-        std::max(place.radius, points.radius + (bone.start * points.centre - place.centre).norm());
+        std::max(place.radius, radius + (bone.start * points.centre - place.centre).norm());
   place.bones = bones;
   return place;
 }

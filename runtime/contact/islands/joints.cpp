@@ -4,11 +4,10 @@
 #include <span>
 #include <utility>
 
-#include <Eigen/QR>
-
 #include "runtime/contact/contact_values.h"
 #include "runtime/contact/islands/body_group.h"
 #include "runtime/contact/islands/contact_island.h"
+#include "runtime/math/dense/decompositions.h"
 
 namespace tremolo {
 namespace {
@@ -80,7 +79,7 @@ void bring_to(const ContactBody& body, const Vector3d& where, JointPlace& place)
     return;
   }
   const Eigen::Matrix3d turn = blended(place.bones, body.bone_maps()).leftCols<3>();
-  place.rest += turn.completeOrthogonalDecomposition().solve(way);
+  place.rest += solve_shortest(turn, way);
 }
 
 JointPlace vertex_near(const ContactBody& body, const Vector3d& where) {

@@ -79,7 +79,7 @@ void ContactStep::remember() {
     const double length = candidate.held.normal.norm();
     memories_.add({.obstacle = candidate.collider,
                    .point = candidate.point,
-                   .begins = std::max(candidate.law.begins, now.distance),
+                   .begins = candidate.law.begins,
                    .limit = now.limit,
                    .slip = now.slip,
                    .normal = length > 0.0 ? Vector3d(candidate.held.normal / length)

@@ -140,14 +140,29 @@ ContactStep::Candidate ContactStep::make_candidate(std::size_t point, std::size_
   if (memory != nullptr)
     candidate.memory = *memory;
   else
-    candidate.memory.begins = std::min(surface().law.margin, candidate.start.distance);
-  candidate.law.begins = candidate.memory.begins;
-  candidate.start.energy = candidate.law.energy(candidate.start.distance);
+    candidate.memory.begins = kNoLevel;
   return candidate;
+}
+
+// Sets B and the energies of the candidates of the collider from number `from` on.
+void ContactStep::set_levels(std::size_t collider, std::size_t from) {
+  const double margin = surface().law.margin;
+  ContactLevel level;
+  for (const Candidate& known : candidates_)
+    if (known.collider == collider) level.add(known.memory.begins, known.start.distance, margin);
+  for (std::size_t k = from; k < candidates_.size(); ++k) {
+    Candidate& candidate = candidates_[k];
+    if (candidate.collider != collider) continue;
+    const double distance = candidate.start.distance;
+    candidate.memory.begins = level.of(candidate.memory.begins, distance, margin);
+    candidate.law.begins = candidate.memory.begins;
+    candidate.start.energy = candidate.law.energy(distance);
+  }
 }
 
 void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t index,
                                  const VectorXd& q, double reach) {
+  const std::size_t known = candidates_.size();
   const double deformed = q.cwiseAbs().dot(eq_.points().reach);
   const Pose& own = gathered_.poses.start;
   const Matrix3d turn = own.rotation.toRotationMatrix();
@@ -170,6 +185,7 @@ void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t ind
         candidates_.push_back(make_candidate(i, index, x));
     }
   }
+  set_levels(index, known);
 }
 
 ImpactBody ContactStep::impact_body(const RigidState& rigid) const {
@@ -240,6 +256,7 @@ bool ContactStep::find_missed(const Pose& end, const VectorXd& q) {
             distance(place_of(i, end, true, q)) - eq_.points().radius_of(i) < surface().law.margin)
           candidates_.push_back(make_candidate(i, c, start_of_point(i)));
     }
+    set_levels(c, known);
   }
   return candidates_.size() != known;
 }

@@ -176,6 +176,7 @@ class ContactStep {
   void add_candidates(const PlacedCollider& collider, std::size_t index, const Eigen::VectorXd& q,
                       double reach);
   Candidate make_candidate(std::size_t point, std::size_t index, const Eigen::Vector3d& x) const;
+  void set_levels(std::size_t collider, std::size_t from);
   void begin_candidate(Candidate& candidate);
   void remember();
   double frame_reach(const StepPoses& poses, double radius) const;

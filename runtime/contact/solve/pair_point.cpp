@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "runtime/contact/collider.h"
+#include "runtime/contact/contact_memories.h"
 #include "runtime/math/pose.h"
 
 namespace tremolo {
@@ -176,10 +177,9 @@ void place_point(PairPoint& pair, const PairNames& names, std::size_t point,
   pair.place_at_start = y;
   pair.distance = distance;
   pair.memory = memory != nullptr ? *memory : ContactMemory{};
-  if (memory == nullptr) pair.memory.begins = std::min(pair.law.margin, distance);
+  if (memory == nullptr) pair.memory.begins = kNoLevel;
   pair.memory.obstacle = names.obstacle;
   pair.memory.point = point;
-  pair.law.begins = pair.memory.begins;
   pair.side = {};
   pair.inward = inward;
   pair.from.reset();
@@ -193,7 +193,20 @@ void place_point(PairPoint& pair, const PairNames& names, std::size_t point,
       pair.distance = pair.side.at(rest) - pair.law.radius;
     }
   }
-  pair.energy = pair.law.energy(pair.distance);
+}
+
+void set_levels(std::span<PairPoint> points, std::size_t from) {
+  if (from == points.size()) return;
+  const PairPoint& any = points[from];
+  ContactLevel level;
+  for (const PairPoint& pair : points)
+    if (pair.a == any.a && pair.b == any.b)
+      level.add(pair.memory.begins, pair.distance, pair.law.margin);
+  for (PairPoint& pair : points.subspan(from)) {
+    pair.memory.begins = level.of(pair.memory.begins, pair.distance, pair.law.margin);
+    pair.law.begins = pair.memory.begins;
+    pair.energy = pair.law.energy(pair.distance);
+  }
 }
 
 std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
@@ -215,6 +228,7 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
   const Matrix3d back = into.rotation.toRotationMatrix().transpose();
   const Matrix3d turn = back * from.rotation.toRotationMatrix();
   const Vector3d shift = back * (from.position - into.position);
+  const std::size_t known = count;
   for (const PointGroup& group : on.groups) {
     const double far = group.radius + first.gathered().ball.deformed + bent + reach;
     if (frames && signed_distance(*shape, turn * group.centre + shift).distance > far) continue;
@@ -234,6 +248,8 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
       ++count;
     }
   }
+  // The points before these are of other pairs.
+  set_levels(std::span(points).subspan(known, count - known), 0);
   return count;
 }
 
@@ -406,8 +422,9 @@ std::size_t add_missed_points(const ContactStep& first, const ContactStep& secon
     PairPoint& pair = points[count++];
     begin_point(pair, first, second, names, i, y,
                 bent_distance(second.equations().shape_at_start(), y) - round);
-    begin_pair(pair);
   }
+  set_levels(std::span(points).first(count), known);
+  for (std::size_t k = known; k < count; ++k) begin_pair(points[k]);
   return count;
 }
 
@@ -416,7 +433,7 @@ bool memory_of(const PairPoint& pair, ContactMemory& memory) {
   memory = pair.memory;
   memory.side = pair.end_side;
   memory.depth = pair.end_side.counts() ? pair.now.distance : 0.0;
-  memory.begins = std::max(pair.law.begins, pair.now.distance);
+  memory.begins = pair.law.begins;
   memory.limit = pair.now.limit;
   memory.slip.setZero();
   const double length = pair.held.normal.norm();

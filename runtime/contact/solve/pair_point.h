@@ -171,6 +171,10 @@ void place_point(PairPoint& pair, const PairNames& names, std::size_t point,
                  const ContactMemory* memory, const Eigen::Vector3d& y, double distance,
                  const Eigen::Vector3d& inward, const BentShape& shape);
 
+// Sets B and the energies of points from number `from` on, which are of one pair with all points of
+// that pair among the first ones (contact_memories.h). Call it after place_point().
+void set_levels(std::span<PairPoint> points, std::size_t from);
+
 // Adds the points of a (its body is `first`) that may be in contact with b in the step to `points`,
 // whose first `count` entries are used. Returns the new number of points. Both bodies must have
 // gathered.

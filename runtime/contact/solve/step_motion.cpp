@@ -2,8 +2,7 @@
 
 #include <cmath>
 
-#include <Eigen/QR>
-
+#include "runtime/math/dense/decompositions.h"
 #include "runtime/math/pose.h"
 
 namespace tremolo {
@@ -32,7 +31,7 @@ void StepMotion::follow(const BlendedMap& start, const BlendedMap& end,
   if (std::abs(R0.determinant()) > kFlat)
     mean = R0.inverse() * half;
   else
-    mean = R0.completeOrthogonalDecomposition().solve(half);
+    mean = solve_shortest(R0, half);
   turn.setIdentity();
   phi.setZero();
   blended = true;

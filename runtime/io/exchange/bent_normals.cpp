@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
+
+#include "runtime/math/dense/decompositions.h"
 
 namespace tremolo {
 namespace {
@@ -78,8 +80,8 @@ class MissingNormals {
 
 // The first left singular vectors of the frames' columns, 3s x count at most.
 MatrixXd first_vectors(const MatrixXd& columns, std::size_t count) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(columns.transpose() * columns);
-  const VectorXd& squares = solver.eigenvalues();  // ascending
+  const SymmetricEigen solver = symmetric_eigen(columns.transpose() * columns);
+  const VectorXd& squares = solver.values;  // ascending
   const Index all = squares.size();
   Index kept = 0;
   while (kept < std::min(all, static_cast<Index>(count)) &&
@@ -87,8 +89,7 @@ MatrixXd first_vectors(const MatrixXd& columns, std::size_t count) {
     ++kept;
   MatrixXd vectors(columns.rows(), kept);
   for (Index k = 0; k < kept; ++k)
-    vectors.col(k) =
-        columns * solver.eigenvectors().col(all - 1 - k) / std::sqrt(squares[all - 1 - k]);
+    vectors.col(k) = columns * solver.vectors.col(all - 1 - k) / std::sqrt(squares[all - 1 - k]);
   return vectors;
 }
 

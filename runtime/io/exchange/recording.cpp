@@ -6,10 +6,11 @@
 #include <utility>
 #include <variant>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 
 #include "common/mesh/creases.h"
 #include "runtime/bodies/reduced/surface/surface.h"
+#include "runtime/math/dense/decompositions.h"
 
 namespace tremolo {
 
@@ -309,15 +310,15 @@ double describe(AnimatedShape& shape, AnimatedBody& body, Index most, double eno
   const Eigen::Map<const MatrixXd> motion(body.displacements.data(), rows, frames);
   MatrixXd products = MatrixXd::Zero(frames, frames);
   products.selfadjointView<Eigen::Lower>().rankUpdate(motion.transpose());
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(products);
-  const double largest = solver.eigenvalues()[frames - 1];
+  const SymmetricEigen solver = symmetric_eigen(products);
+  const double largest = solver.values[frames - 1];
   MatrixXd left = motion, modes(rows, std::min(most, frames));
   Index count = 0;
   double off = farthest(left);
   while (count < modes.cols() && off > enough) {
     const Index k = frames - 1 - count;
-    if (!(solver.eigenvalues()[k] > kLeastSquare * largest)) break;
-    modes.col(count) = motion * solver.eigenvectors().col(k);
+    if (!(solver.values[k] > kLeastSquare * largest)) break;
+    modes.col(count) = motion * solver.vectors.col(k);
     modes.col(count).normalize();
     // Coordinates of the residual, not of the whole motion: the next mode corrects the rounding of
     // this one.

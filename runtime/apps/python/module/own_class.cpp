@@ -11,9 +11,10 @@
 #include <optional>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 
 #include "runtime/apps/python/module/own_preserving.h"
+#include "runtime/math/dense/decompositions.h"
 #include "runtime/step/nodal_integrator.h"
 
 namespace tremolo::python {
@@ -82,12 +83,10 @@ class OwnSystem : public NodalSystem, public OwnPotential {
     if (part == ForcePart::kSoft || position == 0.0) return;
     const Eigen::MatrixXd all = tangent(y);
     if (share == 1.0) return add_dense(position * all, a);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(all);
-    const Eigen::VectorXd values = solver.eigenvalues().unaryExpr(
+    const SymmetricEigen solver = symmetric_eigen(all);
+    const Eigen::VectorXd values = solver.values.unaryExpr(
         [share](double value) { return value > 0.0 ? value : share * value; });
-    add_dense(
-        position * solver.eigenvectors() * values.asDiagonal() * solver.eigenvectors().transpose(),
-        a);
+    add_dense(position * solver.vectors * values.asDiagonal() * solver.vectors.transpose(), a);
   }
   void add_step_tangent(const Eigen::VectorXd& y0, const Eigen::VectorXd& y1, double h,
                         double share, BlockMatrix& a) const override {

@@ -13,10 +13,11 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <Eigen/LU>
 
 #include "runtime/bodies/reduced/integrators/solve/inertia_filter.h"
+#include "runtime/math/dense/decompositions.h"
 
 namespace tremolo::python {
 namespace {
@@ -60,11 +61,11 @@ class Preserving final : public NodalIntegrator {
 
  private:
   MatrixXd filter(const VectorXd& middle) const {
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> modes(potential_.tangent(middle));
+    const SymmetricEigen modes = symmetric_eigen(potential_.tangent(middle));
     const double factor = 0.25 * options_.step * options_.step;
-    const VectorXd weights = modes.eigenvalues().unaryExpr(
+    const VectorXd weights = modes.values.unaryExpr(
         [factor](double k) { return filter_value(kRobustShape, factor * k); });
-    return modes.eigenvectors() * weights.asDiagonal() * modes.eigenvectors().transpose();
+    return modes.vectors * weights.asDiagonal() * modes.vectors.transpose();
   }
 
   VectorXd mean_force(const VectorXd& d) const {

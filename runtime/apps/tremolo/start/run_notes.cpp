@@ -4,9 +4,10 @@
 #include <cmath>
 #include <string_view>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <fmt/format.h>
 
+#include "runtime/math/dense/decompositions.h"
 #include "runtime/scene/scene_start.h"
 
 namespace tremolo {
@@ -72,9 +73,8 @@ double explicit_stiffness(const Body& body, const VectorXd& q) {
   }
   if (rows == 0) return 0.0;
   const MatrixXd block = at.tangent.topLeftCorner(rows, rows);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(block, Eigen::EigenvaluesOnly);
   const double h = body.options().step;
-  return h * h * std::max(0.0, eigen.eigenvalues().maxCoeff());
+  return h * h * std::max(0.0, symmetric_eigenvalues(block).maxCoeff());
 }
 
 std::vector<std::string> notes_before(const Body& body, const VectorXd& load) {
