@@ -246,6 +246,7 @@ TEST_F(ClothProgram, BadInputIsNamed) {
       {head + "[[hands]]\nat = 1\ncloth = \"silk\"\n", "there is no cloth 'silk'"},
       {head + "[[hands]]\nat = 1\nfrom = 2\nuntil = 1\n", "until must be later than from"},
       {head + "[[hands]]\nat = 1\nstiffness = 3\n", "hand 1: unknown key 'stiffness'"},
+      {"gust = 0.4\n" + head, "it varies the `wind`"},
       {"integrator = \"ep4\"\n" + head, "ep4"},
       {head + "name = \"low\"\n" + head + "name = \"high\"\n", "`cloths-pass = true` allows"},
       {"self-contact = true\n" + head, "unknown key 'self-contact'"},

@@ -339,6 +339,10 @@ TEST(SceneReader, TellsFileLineAndKeyOfWhatIsWrong) {
   });
 }
 
+TEST(SceneReader, TellsWhatHasNoEffectByItself) {
+  expect_refused(kBody + "spacing = [0.1, 0, 0]\n", "it is between `copies`");
+}
+
 TEST(SceneReader, TellsWhatIsWrongWithAMotion) {
   const auto with = [](const std::string& keys) { return kDriven + "[[bodies.motion]]\n" + keys; };
   expect_refused({

@@ -213,6 +213,9 @@ void read_wind(TomlKeys& keys, ClothScene& scene) {
   keys.read("wind", scene.wind);
   keys.read("gust", scene.gust);
   keys.read("gust-hz", scene.gust_hz);
+  for (const char* key : {"gust", "gust-hz"})
+    if (keys.has(key) && !keys.has("wind"))
+      keys.fail(key, "it varies the `wind`, [vx, vy, vz] in m/s, which is not given");
 }
 
 // There is no contact between cloths, so a scene with several must allow them to pass through each

@@ -25,6 +25,8 @@ Copies read_copies(TomlKeys& keys) {
   keys.read("random-turns", copies.random_turns);
   if (copies.all() > 1 && !keys.has("spacing"))
     keys.fail("copies", "copies need their `spacing`, [dx, dy, dz] in m");
+  if (keys.has("spacing") && !keys.has("copies"))
+    keys.fail("spacing", "it is between `copies`, three whole numbers, which are not given");
   return copies;
 }
 
