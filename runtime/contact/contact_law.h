@@ -27,8 +27,9 @@
 // rocking. Friction is that of friction.h with the limit mu |s n|.
 //
 // B is the margin M, except for a point that was found nearer than M without a memory of contact
-// (the body starts there, or was moved there). Its contact starts with B = d, without energy. B
-// then follows the point outwards up to M, which costs no energy either.
+// (the body starts there, or was moved there). Its contact starts with B = d or less, without
+// energy. B then follows outwards up to M, together with that of the body's other points
+// (contact_memories.h), which costs no energy either.
 //
 // A round point is the centre of a ball of radius rho: its distance is that of the centre less rho.
 // s n acts at the centre, through which it passes. Friction acts on the ball's surface, at -rho n
