@@ -282,6 +282,8 @@ class Body {
   PlaceForces place_forces_;
   StepLoad step_load_;
   Eigen::VectorXd q_before_;
+  // By set_state(), set_pose(), set_motion() or restore() since a group's last step.
+  bool moved_ = false;
 
  private:
   struct AppliedForce {

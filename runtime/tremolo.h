@@ -505,7 +505,7 @@ tremolo_status tremolo_body_hand_spring(const tremolo_body* body, uint64_t hand,
  * Bodies with tremolo_body_set_contact that are stepped together. Bodies that may be in contact,
  * and bodies with a joint, are solved for at once; the others step by themselves. A free body that
  * has been nearly at rest for half a second sleeps with all bodies in contact with it: it costs
- * nothing, and wakes when something comes near or begins to act.
+ * nothing, and wakes when something comes near or begins to act, or where its state is set.
  */
 typedef struct tremolo_contacts tremolo_contacts;
 

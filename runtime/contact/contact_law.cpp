@@ -320,7 +320,7 @@ ContactEnd contact_end(const ContactLaw& law, const PlacedCollider& collider,
   CollisionDistance found = signed_distance(collider.shape, end.place);
   end.side =
       side_at(collider.shape, start.side, {start.place, start.distance + law.radius, start.normal},
-              end.place, found, start.inward);
+              end.place, found, start.inward, law.begins + law.radius);
   if (end.side.counts()) found = {end.side.at(end.place), end.side.normal};
   end.normal = found.normal;
   end.gap = make_gap(law, start.distance, start.energy, found.distance - law.radius);
@@ -359,6 +359,11 @@ double contact_passage(const PlacedCollider& collider, const ContactStart& start
   const double way = (end.place - start.place).norm();
   through = false;
   if (std::holds_alternative<PlaneShape>(collider.shape) || way <= start.distance) return way;
+  if (end.side.counts()) {
+    through = !is_behind(collider.shape, end.side, end.place) &&
+              is_through(collider.shape, end.side, end.place);
+    return way;
+  }
   through = goes_through(collider.shape, {start.place, start.distance, start.normal},
                          {end.place, end.gap.d1, end.normal});
   return way;

@@ -11,12 +11,13 @@
 
 namespace tremolo {
 
-// The deepest of the points past the middle of that obstacle, m, not below 0.
-inline double deepest_past(std::span<const ContactMemory> memories, std::size_t obstacle) {
-  double deepest = 0.0;
+// A point that is held by a side may be so far from the surface of that obstacle, m.
+inline double reach_of_sides(std::span<const ContactMemory> memories, std::size_t obstacle) {
+  double reach = 0.0;
   for (const ContactMemory& memory : memories)
-    if (memory.obstacle == obstacle) deepest = std::max(deepest, -memory.depth);
-  return deepest;
+    if (memory.obstacle == obstacle)
+      reach = std::max(reach, memory.side.beyond + std::max(0.0, -memory.depth));
+  return reach;
 }
 
 // B of a point that has no memory, before ContactLevel sets it.
@@ -51,16 +52,30 @@ class ContactMemories {
     return found != list_.end() && !is_before(key, *found) ? &*found : nullptr;
   }
 
-  // deepest_past() of these.
-  double deepest(std::size_t obstacle) const { return deepest_past(list_, obstacle); }
+  // reach_of_sides() of these.
+  double reach_of_sides(std::size_t obstacle) const {
+    return tremolo::reach_of_sides(list_, obstacle);
+  }
 
   void reserve(std::size_t count) { list_.reserve(count); }
-  void clear() { list_.clear(); }
+  void clear() {
+    list_.clear();
+    farthest_ = 0.0;
+  }
   // Adds memories in any order; call sort() before the next find().
-  void add(const ContactMemory& memory) { list_.push_back(memory); }
+  void add(const ContactMemory& memory) {
+    list_.push_back(memory);
+    farthest_ = std::max(farthest_, memory.side.beyond);
+  }
+  // The largest distance beyond an edge at which a point may be held, m.
+  double farthest() const { return farthest_; }
   void sort() { std::sort(list_.begin(), list_.end(), is_before); }
 
-  void carry(StateStream& stream) { stream.sized(list_); }
+  void carry(StateStream& stream) {
+    stream.sized(list_);
+    farthest_ = 0.0;
+    for (const ContactMemory& memory : list_) farthest_ = std::max(farthest_, memory.side.beyond);
+  }
 
  private:
   static bool is_before(const ContactMemory& x, const ContactMemory& y) {
@@ -68,6 +83,7 @@ class ContactMemories {
   }
 
   std::vector<ContactMemory> list_;
+  double farthest_ = 0.0;
 };
 
 }  // namespace tremolo

@@ -13,6 +13,9 @@ constexpr double kAgree = 0.25;
 constexpr double kOtherFace = 0.5;
 // A point is on an edge up to this fraction of the shape's largest extent.
 constexpr double kOnEdge = 1e-4;
+// The plane of an edge continues for this many times the largest depth by it: a point that slides
+// at the speed of its approach goes three times as far.
+constexpr double kBeyondEdge = 4.0;
 
 }  // namespace
 
@@ -25,7 +28,11 @@ CollisionDistance distance_by(const Collider& shape, const EntrySide& side,
 bool is_behind(const Collider& shape, const EntrySide& side, const Eigen::Vector3d& x) {
   const double deep = side.at(x);
   return std::abs(signed_distance(shape, x - deep * side.normal).distance) <=
-         kAgree * std::abs(deep);
+         std::max(kAgree * std::abs(deep), side.beyond);
+}
+
+bool is_through(const Collider& shape, const EntrySide& side, const Eigen::Vector3d& x) {
+  return signed_distance(shape, x).normal.dot(side.normal) < -kOtherFace;
 }
 
 bool is_at_surface(const Collider& shape, double distance) {
@@ -39,17 +46,21 @@ EntrySide side_on_edge(const Collider& shape, const Eigen::Vector3d& x,
   const double reach = kOnEdge * largest_extent(shape);
   const Eigen::Vector3d normal = signed_distance(shape, x + reach * inward).normal.normalized();
   if (!(found.normal.dot(normal) < kOtherFace)) return {};
-  return {normal, found.distance - normal.dot(x)};
+  return {normal, found.distance - normal.dot(x), reach};
 }
 
 EntrySide side_at(const Collider& shape, const EntrySide& before, const PassagePoint& from,
                   const Eigen::Vector3d& to, const CollisionDistance& found,
-                  const Eigen::Vector3d& inward) {
+                  const Eigen::Vector3d& inward, double begins) {
   if (before.counts()) {
     const double deep = before.at(to);
+    const bool edge = before.beyond > 0.0;
     const bool agree = found.normal.dot(before.normal) > 0.0 &&
                        std::abs(found.distance - deep) <= kAgree * std::abs(deep);
-    return deep >= 0.0 || agree ? EntrySide{} : before;
+    if (agree || deep >= (edge ? begins : 0.0)) return {};
+    EntrySide side = before;
+    if (edge) side.beyond = std::max(side.beyond, -kBeyondEdge * deep);
+    return side;
   }
   const double cosine = found.normal.dot(from.normal);
   const bool other_face = cosine < kOtherFace && !inward.isZero(0.0);
@@ -64,9 +75,11 @@ EntrySide side_at(const Collider& shape, const EntrySide& before, const PassageP
     if (signed_distance(shape, to + along).distance > 0.0) return {};
     normal = signed_distance(shape, from.place + along).normal.normalized();
   }
-  const EntrySide side{normal, from.distance - normal.dot(from.place)};
-  if (!(side.at(to) < std::min(0.0, found.distance))) return {};
-  return is_behind(shape, side, to) ? side : EntrySide{};
+  EntrySide side{normal, from.distance - normal.dot(from.place)};
+  const double deep = side.at(to);
+  if (!(deep < std::min(0.0, found.distance)) || !is_behind(shape, side, to)) return {};
+  if (!(cosine < 0.0)) side.beyond = -kBeyondEdge * deep;
+  return side;
 }
 
 }  // namespace tremolo

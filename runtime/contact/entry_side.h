@@ -12,7 +12,9 @@
 // one on which the point came in: on the edge itself its depth is zero, and its normal would push
 // the point sideways. Which face a point on an edge has met follows from where its body is: cubes
 // whose sides are flush meet with their faces, and those side by side slide along theirs. That is
-// for rigid bodies: the edges of deformable ones bulge past each other.
+// for rigid bodies: the edges of deformable ones bulge past each other. That plane continues
+// beyond the edge, for four times the depth of the point: a body that slides as it rebounds takes
+// its point over the edge before the point is out, and the energy in the contact would be lost.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,12 +28,13 @@ struct EntrySide {
   Eigen::Vector3d normal =
       Eigen::Vector3d::Zero();  // n, length 1; zero: the nearest surface counts
   double offset = 0.0;          // c, m
+  double beyond = 0.0;          // its length beyond an edge, m; zero: past the middle
 
   bool counts() const { return normal.squaredNorm() > 0.0; }
   // d of a position in the obstacle's coordinates at rest, m.
   double at(const Eigen::Vector3d& x) const { return normal.dot(x) + offset; }
 
-  void carry(StateStream& stream) { stream(normal, offset); }
+  void carry(StateStream& stream) { stream(normal, offset, beyond); }
 };
 
 // Distance and normal at x by the side, or by the nearest surface.
@@ -51,9 +54,13 @@ EntrySide side_on_edge(const Collider& shape, const Eigen::Vector3d& x,
                        const CollisionDistance& found, const Eigen::Vector3d& inward);
 
 // The side that counts for a point at `to`, whose nearest surface is `found`. before, from: the
-// side and the point at the start of the step. inward: as above.
+// side and the point at the start of the step. inward: as above. begins: the distance at which
+// contact begins, m.
 EntrySide side_at(const Collider& shape, const EntrySide& before, const PassagePoint& from,
                   const Eigen::Vector3d& to, const CollisionDistance& found,
-                  const Eigen::Vector3d& inward);
+                  const Eigen::Vector3d& inward, double begins);
+
+// True if a point at x that its side no longer holds has come out opposite to where it came in.
+bool is_through(const Collider& shape, const EntrySide& side, const Eigen::Vector3d& x);
 
 }  // namespace tremolo

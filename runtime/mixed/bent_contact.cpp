@@ -36,8 +36,8 @@ bool BentContact::gather(StepBody& points, ContactStep& shape, std::size_t obsta
   const StepBall mine = points.ball();
   const ContactBall& other = shape.gathered().ball;
   const double bent = other.deformed;
-  const double reach =
-      points.area_law().margin + 2.0 * (mine.travel + other.travel) + points.deepest(obstacle);
+  const double reach = points.area_law().margin + 2.0 * (mine.travel + other.travel) +
+                       points.reach_of_sides(obstacle);
   if ((mine.centre - other.centre).norm() > mine.radius + other.radius + bent + reach) return false;
   for (std::size_t i = 0; i < points.points(); ++i) {
     if (shape.on_bones() && !shape.may_reach(points.start_of(i), reach)) continue;

@@ -59,7 +59,7 @@ bool ColliderContact::gather(StepBody& points, const PlacedCollider& collider, s
   const StepBall ball = points.ball();
   const double reach = points.area_law().margin +
                        2.0 * (ball.travel + travel_of(collider, ball.centre, ball.radius)) +
-                       points.deepest(obstacle);
+                       points.reach_of_sides(obstacle);
   if (distance_at(collider.shape, collider.start, ball.centre) > ball.radius + reach) return false;
   for (std::size_t i = 0; i < points.points(); ++i)
     if (distance_at(collider.shape, collider.start, points.start_of(i)) <= reach) add(i);
@@ -155,7 +155,7 @@ void ColliderContact::settle(ContactAccount& first_account, ContactAccount& seco
     sum.slip = std::max(sum.slip, held_slip(touch.law, now));
     bool through = false;
     sum.way = std::max(sum.way, contact_passage(*collider_, touch.start, touch.end, through));
-    sum.passed += through || now.released ? 1 : 0;
+    sum.passed += through ? 1 : 0;
     if (now.pressure == 0.0) continue;
     sum.impulse += h_ * now.force.norm();
     sum.impulse_vector += h_ * now.force;

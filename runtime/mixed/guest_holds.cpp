@@ -297,7 +297,6 @@ void MixedGuests::prepare_loads(std::size_t guest) {
     }
   });
   const double square = step_ * step_;
-  of.step->set_load(sum);
   of.step->set_pull(pull_of(guest) + square * sum.norm() / mass +
                     std::min(of.step->area_law().margin, square * most));
 }

@@ -22,16 +22,20 @@ void MixedGuests::wake(std::size_t i) {
   start(i);
 }
 
-double MixedGuests::note_rest(std::size_t i) {
+bool MixedGuests::note_rest(std::size_t i) {
   Guest& guest = *guests_[i];
-  if (guest.failed) return 0.0;
+  if (guest.failed) return false;
   const GuestStep& step = *guest.step;
   const double slow = step.slow();
   const bool quiet = (step.account().active > 0 || is_joined(i)) &&
                      2.0 * step.kinetic_energy() <= step.mass() * slow * slow && !has_to_wake(i);
-  guest.rest.quiet = quiet ? guest.rest.quiet + step_ : 0.0;
+  const StepBall ball = step.ball();
+  if (quiet)
+    guest.rest.time.count(step_, {.centre = ball.centre, .radius = ball.radius}, slow);
+  else
+    guest.rest.time.restart();
   guest.rest.gravity = step.gravity_to_come();
-  return guest.rest.quiet;
+  return guest.rest.time.is_over();
 }
 
 void MixedGuests::fall_asleep(std::size_t i) {

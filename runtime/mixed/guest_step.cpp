@@ -31,8 +31,8 @@ const ContactMemory* GuestStep::memory(std::size_t obstacle, std::size_t point) 
   return found != memories_.end() && !is_before(wanted, *found) ? &*found : nullptr;
 }
 
-double GuestStep::deepest(std::size_t obstacle) const {
-  return deepest_past(memories_, obstacle);
+double GuestStep::reach_of_sides(std::size_t obstacle) const {
+  return tremolo::reach_of_sides(memories_, obstacle);
 }
 
 void GuestStep::start() {
@@ -54,7 +54,8 @@ void GuestStep::carry(StateStream& stream) {
     stream.require(memory.point < points() && std::isfinite(memory.begins) &&
                    std::isfinite(memory.limit) && memory.slip.allFinite() &&
                    memory.normal.allFinite() && memory.side.normal.allFinite() &&
-                   std::isfinite(memory.side.offset) && std::isfinite(memory.depth));
+                   std::isfinite(memory.side.offset) && std::isfinite(memory.side.beyond) &&
+                   std::isfinite(memory.depth));
   stream.require(std::is_sorted(memories_.begin(), memories_.end(), is_before));
 }
 

@@ -58,18 +58,6 @@ class GuestStep : public StepBody {
   // rounding error of positions, which it turns into a force, is part of enough(). Call it after
   // begin().
   void hold_at(double slope) { held_slope_ += slope; }
-  // A spring's force F on a point, in a step, or a part of one, of which the body receives
-  // s F + (1 - s) F', where F' is the force of the step before, N. s is spring_share(); slopes of F
-  // are multiplied by it. Call them after begin().
-  virtual double spring_share() const { return 1.0; }
-  virtual void add_spring(std::size_t point, const Eigen::Vector3d& force,
-                          const Eigen::Vector3d& before) {
-    (void)before;
-    add_force(point, force);
-  }
-  // The sum of the mean forces of all loads in the next step, N, which the method knows as it knows
-  // gravity. Call it before start().
-  void set_load(const Eigen::Vector3d& force) { load_ = force; }
   // The mass that moves with a point at first, kg.
   virtual double mass_at(std::size_t point) const = 0;
 
@@ -89,7 +77,7 @@ class GuestStep : public StepBody {
 
   StepBall ball() const override { return ball_; }
   const ContactMemory* memory(std::size_t obstacle, std::size_t point) const override;
-  double deepest(std::size_t obstacle) const override;
+  double reach_of_sides(std::size_t obstacle) const override;
   void remember(const ContactMemory& memory) override { memories_.push_back(memory); }
   void note(const ContactedPoint& point) override { contacted_.push_back(point); }
 
@@ -100,7 +88,7 @@ class GuestStep : public StepBody {
     bool whole = true;
   };
 
-  virtual void prepare() = 0;        // the body itself, for its next step
+  virtual void prepare() {}          // the body itself, for its next step
   virtual StepBall find_ball() = 0;  // at the start of the present part
   virtual void keep_whole() = 0;     // stores the body
   virtual void begin_part() = 0;     // after part() has changed
@@ -108,8 +96,7 @@ class GuestStep : public StepBody {
   virtual void end_whole(int parts) = 0;  // counts the step; 0: it failed, and the body is put back
 
   const Part& part() const { return part_; }
-  void clear_holds() { held_slope_ = 0.0; }              // in begin()
-  const Eigen::Vector3d& load() const { return load_; }  // of set_load()
+  void clear_holds() { held_slope_ = 0.0; }  // in begin()
   // Of the forces of hands and joints at positions up to `far` from the world's origin, N.
   double held_rounding(double far) const {
     return 4.0 * std::numeric_limits<double>::epsilon() * held_slope_ * far;
@@ -131,9 +118,8 @@ class GuestStep : public StepBody {
   };
 
   StepBall ball_;
-  double pull_ = 0.0;                               // m
-  double held_slope_ = 0.0;                         // N/m
-  Eigen::Vector3d load_ = Eigen::Vector3d::Zero();  // N
+  double pull_ = 0.0;        // m
+  double held_slope_ = 0.0;  // N/m
   Part part_;
   Before before_;
   ContactRecord sum_;  // of the parts

@@ -20,7 +20,6 @@ void HandPull::set(GuestStep& body, const GuestHand& hand, double from, double t
   set_part(from, to, h);
   body_ = &body;
   hand_ = hand;
-  before_ = hand.force;
   const Vector3d way = hand.end - hand.start;
   hand_.start = hand.start + from * way;
   hand_.end = to == 1.0 ? hand.end : Vector3d(hand.start + to * way);
@@ -35,12 +34,12 @@ void HandPull::press(const ContactRenewal& renewal) {
   motion_ = body_->motion(hand_.point);
   const Vector3d from = motion_.start - hand_.start, to = motion_.end - hand_.end;
   force_ = (-0.5 * hand_.stiffness) * (from + to) - (hand_.damping / h_) * (to - from);
-  body_->add_spring(hand_.point, force_, before_);
+  body_->add_force(hand_.point, force_);
 }
 
 void HandPull::make_slopes(bool follows) {
   (void)follows;
-  const double slope = body_->spring_share() * (0.5 * hand_.stiffness + hand_.damping / h_);
+  const double slope = 0.5 * hand_.stiffness + hand_.damping / h_;
   body_->add_slope(hand_.point, slope * Eigen::Matrix3d::Identity(), force_);
 }
 
@@ -62,7 +61,6 @@ void JointPull::set(const GuestJoint& wanted, Joint& joint, GuestStep& guest, Gu
                     ReducedStep* body, double from, double to, double h) {
   set_part(from, to, h);
   joint_ = &joint;
-  before_ = joint.force;
   guest_ = &guest;
   other_ = other;
   body_ = body;
@@ -120,10 +118,10 @@ void JointPull::press(const ContactRenewal& renewal) {
                 : joint_force(*joint_, motion_.start - other_motion_.start,
                               motion_.end - other_motion_.end, turn_of_body(), h_);
   const Vector3d& force = now_.force;
-  guest_->add_spring(point_, force, before_);
+  guest_->add_force(point_, force);
   if (other_ != nullptr) {
     for (const WeldPlace::Point& one : place_.used())
-      other_->add_spring(one.number, -one.weight * force, -one.weight * before_);
+      other_->add_force(one.number, -one.weight * force);
     return;
   }
   ContactEquations& eq = body_->equations();
@@ -134,10 +132,10 @@ void JointPull::press(const ContactRenewal& renewal) {
 
 void JointPull::make_slopes(bool follows) {
   (void)follows;
-  guest_->add_slope(point_, guest_->spring_share() * now_.slope, now_.force);
+  guest_->add_slope(point_, now_.slope, now_.force);
   if (other_ != nullptr) {
     for (const WeldPlace::Point& one : place_.used())
-      other_->add_slope(one.number, (other_->spring_share() * one.weight * one.weight) * now_.slope,
+      other_->add_slope(one.number, (one.weight * one.weight) * now_.slope,
                         -one.weight * now_.force);
     return;
   }
@@ -158,22 +156,20 @@ void JointPull::make_slopes(bool follows) {
 void JointPull::multiply(StepBody::In first_x, StepBody::In second_x, StepBody::Out first_rows,
                          StepBody::Out second_rows) const {
   const Vector3d change = guest_->change_at(point_, first_x);
-  const double share = guest_->spring_share();
   if (other_ != nullptr) {
-    const double other_share = other_->spring_share();
     Vector3d there = Vector3d::Zero();
     for (const WeldPlace::Point& one : place_.used())
       there += one.weight * other_->change_at(one.number, second_x);
-    guest_->add_image(point_, -share * (now_.slope * there), first_rows);
+    guest_->add_image(point_, -(now_.slope * there), first_rows);
     for (const WeldPlace::Point& one : place_.used()) {
       Vector3d fall = -now_.slope * change;
       if (place_.count > 1)
         fall += now_.slope * (there - one.weight * other_->change_at(one.number, second_x));
-      other_->add_image(one.number, (other_share * one.weight) * fall, second_rows);
+      other_->add_image(one.number, one.weight * fall, second_rows);
     }
     return;
   }
-  guest_->add_image(point_, -share * (now_.slope * (way_ * second_x)), first_rows);
+  guest_->add_image(point_, -(now_.slope * (way_ * second_x)), first_rows);
   body_->add_scaled(push_, -now_.slope * change, second_rows);
 }
 

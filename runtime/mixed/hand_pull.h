@@ -90,7 +90,6 @@ class HandPull final : public SpringPull {
   GuestHand hand_;  // start and end are those of the part
   SiteMotion motion_;
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero(), mean_ = force_;
-  Eigen::Vector3d before_ = force_;  // of the step before, N
 };
 
 // A joint of a guest.
@@ -139,9 +138,8 @@ class JointPull final : public SpringPull {
   bool boned_ = false;  // the place on the body is on several bones
   StepMotion on_bones_;
   JointForce now_;
-  Eigen::Vector3d before_ = Eigen::Vector3d::Zero();  // force of the step before, N
-  Eigen::MatrixXd push_;                              // of the body, n x 3
-  Eigen::Matrix3Xd way_;                              // 3 x n
+  Eigen::MatrixXd push_;  // of the body, n x 3
+  Eigen::Matrix3Xd way_;  // 3 x n
 };
 
 // A force on a contact point of a guest.

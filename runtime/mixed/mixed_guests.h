@@ -20,6 +20,7 @@
 #include "common/result.h"
 #include "runtime/contact/islands/island_guests.h"
 #include "runtime/contact/islands/step_parts.h"
+#include "runtime/contact/rest_time.h"
 #include "runtime/contact/springs.h"
 #include "runtime/contact_body.h"
 #include "runtime/mixed/bent_contact.h"
@@ -162,18 +163,18 @@ class MixedGuests final : public IslandGuests {
   void wake_all() override;
   // Wakes the guest between two steps, before its state is set.
   void put_awake(std::size_t i) { guests_[i]->rest = {}; }
-  double note_rest(std::size_t i) override;
+  bool note_rest(std::size_t i) override;
   void fall_asleep(std::size_t i) override;
   bool holds_body(std::size_t i) const override;
   void carry(StateStream& stream, std::size_t bodies) override;
 
  private:
   struct Rest {
-    double quiet = 0.0;  // note_rest(), s
+    RestTime time;
     bool asleep = false;
     Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
 
-    void carry(StateStream& stream) { stream(quiet, asleep, gravity); }
+    void carry(StateStream& stream) { stream(time, asleep, gravity); }
   };
   struct Guest {
     std::string name;

@@ -42,8 +42,8 @@ class ReducedStep final : public StepBody {
   const ContactMemory* memory(std::size_t obstacle, std::size_t point) const override {
     return contact().pair_memories().find(obstacle, point);
   }
-  double deepest(std::size_t obstacle) const override {
-    return contact().pair_memories().deepest(obstacle);
+  double reach_of_sides(std::size_t obstacle) const override {
+    return contact().pair_memories().reach_of_sides(obstacle);
   }
 
   Eigen::Index unknowns() const override { return equations().unknowns(); }

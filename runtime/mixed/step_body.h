@@ -53,8 +53,8 @@ class StepBody {
   virtual double rounding() const = 0;  // of distances, ContactLaw::rounding, m
   // The memory of the point's contact with an obstacle; null: there is none.
   virtual const ContactMemory* memory(std::size_t obstacle, std::size_t point) const = 0;
-  // ContactMemories::deepest().
-  virtual double deepest(std::size_t obstacle) const = 0;
+  // ContactMemories::reach_of_sides().
+  virtual double reach_of_sides(std::size_t obstacle) const = 0;
 
   // The unknowns z and their number.
   virtual Eigen::Index unknowns() const = 0;

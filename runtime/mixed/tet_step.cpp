@@ -37,7 +37,8 @@ TetStep::TetStep(TetBody& body, std::shared_ptr<const TetPoints> points,
       hull_(std::move(hull)),
       factor_(make_guest_factor(body.model().pattern())) {
   const Index n = body.model().rest().size();
-  for (VectorXd* v : {&known_way_, &own_, &pushed_, &kept_, &in_, &out_, &end_, &middle_})
+  for (VectorXd* v :
+       {&known_way_, &own_, &pushed_, &pushed_before_, &kept_, &in_, &out_, &end_, &middle_})
     v->setZero(n);
   still_.resize(body.model().nodes());
   slopes_.reserve(points_->points.size() + 1);  // a hand may hold a point in contact
@@ -46,16 +47,11 @@ TetStep::TetStep(TetBody& body, std::shared_ptr<const TetPoints> points,
     for (std::vector<TetTree::Box>* boxes : {&boxes_at_start_, &boxes_at_end_})
       boxes->resize(hull_->tree.size());
   if (!factor_) inverse_.resize(body.model().nodes());
+  body.given_.setZero(n);
 }
 
 Index TetStep::unknowns() const {
   return body_->model().rest().size();
-}
-
-void TetStep::prepare() {
-  if (load() == loaded_) return;
-  body_->expect_change((load() - loaded_) / body_->model().mass());
-  loaded_ = load();
 }
 
 StepBall TetStep::find_ball() {
@@ -75,17 +71,16 @@ StepBall TetStep::find_ball() {
 }
 
 bool TetStep::step_alone() {
-  mean_pull_.setZero();
-  expected_.setZero();
-  end_pull(true);
+  give_before();
   report_ = body_->step();
+  pushed_before_.setZero();
   jumped_ = report_.switched > 0;
   forget_contact();
   return report_.converged;
 }
 
 void TetStep::rest_a_step() {
-  last_pull_.setZero();
+  pushed_before_.setZero();
   report_ = {};
   jumped_ = false;
   body_->skip_step();
@@ -132,6 +127,8 @@ void TetStep::begin() {
   body_->begin(method == TetMethod::kNewmark ? TetMethod::kMidpoint : method, step_size());
   body_->guess(false);
   ends_ = body_->stage_.method == TetMethod::kMidpoint ? 2.0 : 1.0;
+  share_ = body_->stage_.method == TetMethod::kBdf2 ? 1.5 : 1.0;
+  give_before();
   known_ = false;
   clear_holds();
 }
@@ -160,8 +157,6 @@ void TetStep::evaluate(const ContactRenewal& renewal) {
     }
   }
   pushed_.setZero();
-  pulled_.setZero();
-  expected_.setZero();
 }
 
 SiteMotion TetStep::motion(std::size_t point) const {
@@ -173,6 +168,7 @@ SiteMotion TetStep::motion(std::size_t point) const {
 
 Status TetStep::settle(const Eigen::VectorXd& forces) {
   pushed_.setZero();
+  body_->given_.setZero();
   for (std::size_t i = 0; i < points(); ++i) add_force(i, forces.segment<3>(row_of(i)));
   return body_->settle(pushed_);
 }
@@ -183,28 +179,13 @@ void TetStep::add_force(std::size_t point, const Vector3d& force) {
     pushed_.segment<3>(row_of(at.nodes[i])) += at.shares[i] * force;
 }
 
-double TetStep::spring_share() const {
-  return body_->stage_.method == TetMethod::kBdf2 ? 1.5 : 1.0;
-}
-
-void TetStep::add_spring(std::size_t point, const Vector3d& force, const Vector3d& before) {
-  const double share = spring_share();
-  add_force(point, share * force + (1.0 - share) * before);
-  pulled_ += force;
-  expected_ += before;
-}
-
-// What bdf2 expects of the next step is the force of this one. expected: F' of this step is what
-// springs had in the step before, unless one is gone.
-void TetStep::end_pull(bool expected) {
-  const Vector3d change =
-      expected ? Vector3d(expected_ - last_pull_) : Vector3d(mean_pull_ - last_pull_);
-  if (!change.isZero(0.0)) body_->expect_change(change / body_->model().mass());
-  last_pull_ = mean_pull_;
+// The part of F' in a step of bdf2.
+void TetStep::give_before() {
+  body_->given_ = -0.5 * pushed_before_;
 }
 
 double TetStep::close() {
-  body_->force_ = own_ + pushed_;
+  body_->force_ = own_ + share_ * pushed_;
   return std::sqrt(body_->close_residual());
 }
 
@@ -217,7 +198,7 @@ void TetStep::residual(Out rows) const {
 }
 
 double TetStep::work_along(In direction) const {
-  return ends_ * body_->residual_.dot(direction);
+  return ends_ / share_ * body_->residual_.dot(direction);
 }
 
 void TetStep::condense(std::span<const std::uint32_t> nodes,
@@ -264,7 +245,7 @@ void TetStep::add_slope(std::size_t point, const Matrix3d& by_end, const Vector3
   (void)force;  // its weights do not depend on the unknowns
   shares_[point] = points_->points[point].shares;
   condense(nodes_of(point), shares_[point]);
-  slopes_.push_back({nodes_of(point), shares_[point], by_end});
+  slopes_.push_back({nodes_of(point), shares_[point], share_ * by_end});
 }
 
 // A point stays with an element until it is outside by this share: at rest on the boundary of two
@@ -369,11 +350,11 @@ void TetStep::add_shifted_site(const TetSite& site, const Vector3d& force, const
                                Out rows) const {
   const std::span<const std::uint32_t> nodes = nodes_of(site);
   for (std::size_t i = 0; i < nodes.size(); ++i)
-    rows.segment<3>(row_of(nodes[i])) += site.slope_shares[i].dot(shift) * force;
+    rows.segment<3>(row_of(nodes[i])) += (share_ * site.slope_shares[i].dot(shift)) * force;
 }
 
 void TetStep::add_site_slope(const TetSite& site, const Matrix3d& by_end) {
-  slopes_.push_back({nodes_of(site), site.shares, by_end});
+  slopes_.push_back({nodes_of(site), site.shares, share_ * by_end});
 }
 
 Vector3d TetStep::change_of(const TetSite& site, In x) const {
@@ -381,7 +362,7 @@ Vector3d TetStep::change_of(const TetSite& site, In x) const {
 }
 
 void TetStep::add_site_image(const TetSite& site, const Vector3d& fall, Out rows) const {
-  add_shares(nodes_of(site), site.shares, fall, rows);
+  add_shares(nodes_of(site), site.shares, share_ * fall, rows);
 }
 
 // The exact derivative with contact is tried first; where it is not positive, R K R^T.
@@ -434,7 +415,7 @@ Vector3d TetStep::change_at(std::size_t point, In x) const {
 }
 
 void TetStep::add_image(std::size_t point, const Vector3d& fall, Out rows) const {
-  add_shares(nodes_of(point), shares_[point], fall, rows);
+  add_shares(nodes_of(point), shares_[point], share_ * fall, rows);
 }
 
 void TetStep::finish(const ContactAccount& account, double start, bool jumped) {
@@ -449,21 +430,19 @@ void TetStep::finish(const ContactAccount& account, double start, bool jumped) {
 
 void TetStep::end() {
   sort_memories();
-  const double share = part().to - part().from;
-  mean_pull_ = share * pulled_ + (part().from == 0.0 ? Vector3d(Vector3d::Zero()) : mean_pull_);
-  if (!part().whole) return;
-  if (!body_->had_before_) {
-    body_->begin_bdf2_again(body_->saved_, nullptr, load() + pulled_);
-    last_pull_ = expected_ = pulled_;
+  if (body_->options_.method == TetMethod::kBdf2) {
+    // The mean over the parts of the step.
+    if (part().from == 0.0) pushed_before_.setZero();
+    pushed_before_ += (part().to - part().from) * pushed_;
   }
-  end_pull(true);
+  if (!part().whole) return;
   body_->skip_step();
   body_->choose_degrees(report_);
   jumped_ = report_.switched > 0;
 }
 
 void TetStep::keep_whole() {
-  whole_ = {body_->now_, body_->before_, body_->has_before_};
+  whole_ = {body_->now_, body_->before_, body_->has_before_, pushed_before_};
 }
 
 // Parts of bdf2 are steps of implicit-euler.
@@ -475,13 +454,9 @@ void TetStep::begin_part() {
 void TetStep::end_whole(int parts) {
   TetBody& body = *body_;
   if (parts > 0) {
-    if (whole_.has_before) {
-      body.begin_bdf2_again(whole_.now, &whole_.before, load());
-      end_pull(false);
-    } else {
-      body.begin_bdf2_again(whole_.now, nullptr, load() + mean_pull_);
-      last_pull_ = mean_pull_;
-    }
+    body.before_.x = whole_.now.x;
+    body.before_.v = whole_.now.v;
+    body.has_before_ = true;
     report_.parts = parts;
     body.skip_step();
     body.choose_degrees(report_);
@@ -491,12 +466,13 @@ void TetStep::end_whole(int parts) {
   body.now_ = whole_.now;
   body.before_ = whole_.before;
   body.has_before_ = whole_.has_before;
+  pushed_before_ = whole_.pushed_before;
 }
 
 void TetStep::carry_body(StateStream& stream) {
   body_->carry(stream);
-  stream(report_, sums_, loaded_, last_pull_);
-  stream.require(loaded_.allFinite() && last_pull_.allFinite());
+  stream(report_, sums_, pushed_before_);
+  stream.require(pushed_before_.allFinite());
   jumped_ = report_.switched > 0;
 }
 

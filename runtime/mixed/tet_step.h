@@ -2,9 +2,8 @@
 // tet_stage.h, with a force F that is constant over the step at x = sum_I B_I x_I:
 //   M g^2 (d - d_a) = f(x_v + d, g d) + B_I F.
 // implicit-euler and midpoint then receive the momentum h F. bdf2 conserves M (3 v_1 - v_0)/2 plus
-// h F, so that its momentum is that of the pair only once the contact is over. The force of a
-// spring, which lasts, would be late by half a step, and would then give the body energy: bdf2
-// receives h (3 F - F')/2 of it, with F' of the step before, and M v_1 takes h F in each step.
+// h F: F would be late by half a step and give the body energy. It receives h (3 F - F')/2 instead,
+// with F' of the step before, also where F is gone; M v_1 then takes h F in each step.
 // newmark takes a step of midpoint in contact. F's work is F.(x_1 - x_0). midpoint receives the
 // angular momentum h x~ x F about the mean x~ of the ends; the other methods damp their angular
 // momentum in any case.
@@ -132,9 +131,6 @@ class TetStep final : public GuestStep {
   void evaluate(const ContactRenewal& renewal) override;
   SiteMotion motion(std::size_t point) const override;
   void add_force(std::size_t point, const Eigen::Vector3d& force) override;
-  double spring_share() const override;
-  void add_spring(std::size_t point, const Eigen::Vector3d& force,
-                  const Eigen::Vector3d& before) override;
   double close() override;
   double enough() const override;
   double momentum_of_size() const override { return step_size(); }
@@ -159,7 +155,6 @@ class TetStep final : public GuestStep {
   void give_up() override;
 
  protected:
-  void prepare() override;
   StepBall find_ball() override;
   void keep_whole() override;
   void begin_part() override;
@@ -171,6 +166,7 @@ class TetStep final : public GuestStep {
   struct Whole {
     TetMotion now, before;
     bool has_before = false;
+    Eigen::VectorXd pushed_before;
   };
 
   // The slope of a force on a point, with its condensed weights. Fixed control points have none.
@@ -192,7 +188,7 @@ class TetStep final : public GuestStep {
                                    std::optional<std::uint32_t> element, bool stays) const;
   double step_size() const { return length(body_->options().step); }  // of the present part, s
   void assemble(double heavier, TangentKind tangent, bool with_contact);
-  void end_pull(bool expected);
+  void give_before();
   void add_contact(const Slope& slope);
 
   TetBody* body_;
@@ -200,18 +196,14 @@ class TetStep final : public GuestStep {
   ContactLaw law_;
   TetStepReport report_;
   bool jumped_ = false;
-  // Sums of the forces of springs: F of the present step or part, its mean over the parts so far,
-  // F' of the present step; F of the step before. N.
-  Eigen::Vector3d pulled_ = Eigen::Vector3d::Zero(), mean_pull_ = pulled_, expected_ = pulled_,
-                  last_pull_ = pulled_;
-  Eigen::Vector3d loaded_ = Eigen::Vector3d::Zero();  // load() of the last step
   TetSums sums_;
-  double ends_ = 1.0;  // dx_1/dd
+  double ends_ = 1.0;   // dx_1/dd
+  double share_ = 1.0;  // of F in the body's equation
   bool known_ = false;
   double heavier_ = 0.0;
   bool contact_in_matrix_ = false;
-  // d of the last evaluation; the forces there; those of contact.
-  Eigen::VectorXd known_way_, own_, pushed_, kept_;
+  // d of the last evaluation; the forces there; F, on control points; F', of bdf2.
+  Eigen::VectorXd known_way_, own_, pushed_, pushed_before_, kept_;
   mutable Eigen::VectorXd in_, out_;
   std::vector<Slope> slopes_;
   std::vector<std::array<double, kMostNodes>> shares_;  // condensed, of points with a slope

@@ -273,9 +273,15 @@ class SceneWorld {
   // The points in contact in the last step for an event's pair, with their impulses on the body;
   // empty for a contact that ended.
   std::vector<ContactedPoint> points_of(const ContactEvent& event) const;
+  // Two bodies without a shape that met, by index: BodyGroup::passing().
+  std::optional<std::pair<std::size_t, std::size_t>> passing() const {
+    if (!group_->passing()) return std::nullopt;
+    return std::pair(order_[group_->passing()->first], order_[group_->passing()->second]);
+  }
   // The number of contacts that began, and the largest penetration of the body's contact points at
   // the end of any step, relative to the body's size (0: none).
   std::int64_t contacts(std::size_t i) const { return actors_[i].contacts; }
+  void count_contact(std::size_t i) { ++actors_[i].contacts; }  // with a guest
   double penetration_max(std::size_t i) const { return actors_[i].penetration; }
   // The largest distance of a contact point within the margin of a collider when it started, m; 0:
   // none was. Its contact begins at that distance (runtime/contact/contact_law.h).

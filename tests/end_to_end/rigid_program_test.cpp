@@ -108,6 +108,28 @@ TEST_F(RigidProgram, AHeavyBodyThatSinksIntoALightOneIsReported) {
 }
 
 // A plate 4 mm thick, fixed or free, stops a box at any speed: it leaves with half its speed.
+// Two meshes without a `shape` pass through each other, in a scene with a floor too.
+TEST_F(RigidProgram, BodiesWithoutAShapeThatMeetAreNamed) {
+  std::ofstream obj(folder_ + "/tetrahedron.obj");
+  obj << "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+  obj.close();
+  const auto mesh = [](const char* name, const char* place) {
+    return fmt::format(
+        "[[bodies]]\nname = \"{}\"\nkind = \"rigid\"\nmesh = \"tetrahedron.obj\"\n{}", name, place);
+  };
+  const std::string meet = "duration = 0.3\n" + mesh("a", "velocity = [1, 0, 0]\n") +
+                           mesh("b", "position = [0.2, 0, 0]\n");
+  const std::string floor =
+      "[[colliders]]\nname = \"far\"\nshape = \"plane\"\nposition = [0, 0, -9]\n";
+  for (const std::string& scene : {meet, meet + floor}) {
+    const nlohmann::json warnings = run(scene)["warnings"];
+    ASSERT_EQ(warnings.size(), 1U);
+    EXPECT_NE(warnings[0].get<std::string>().find("'a' and 'b'"), std::string::npos);
+  }
+  const std::string shape = "shape = \"sphere\"\nradius = 0.03\n";
+  EXPECT_EQ(run(meet + shape)["warnings"].size(), 0U);
+}
+
 TEST_F(RigidProgram, ThinPlatesStopWhatHitsThem) {
   for (const double speed : {1.0, 10.0, 50.0})
     for (const double step : {1.0 / 60.0, 0.003, 0.0005})

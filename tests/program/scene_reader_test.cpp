@@ -341,6 +341,17 @@ TEST(SceneReader, TellsFileLineAndKeyOfWhatIsWrong) {
 
 TEST(SceneReader, TellsWhatHasNoEffectByItself) {
   expect_refused(kBody + "spacing = [0.1, 0, 0]\n", "it is between `copies`");
+  expect_refused(kBody + "scale = 2\n", "it multiplies a load");
+  const auto with = [](const std::string& keys) { return kDriven + "[[bodies.motion]]\n" + keys; };
+  for (const auto& [motion, missing] :
+       {std::pair{"kind = \"shake\"\nfrequency = 2\n", "`amplitude`, m"},
+        {"kind = \"shake\"\namplitude = [1, 0, 0]\n", "`frequency`, Hz"},
+        {"kind = \"spin\"\n", "`rate`, rad/s"},
+        {"kind = \"swing\"\nfrequency = 1\n", "`amplitude`, degrees"},
+        {"kind = \"glide\"\n", "`velocity`, m/s"},
+        {"kind = \"fall\"\n", "`acceleration`, m/s^2"},
+        {"kind = \"spin\"\nspeed = 3\n", "unknown key 'speed'"}})
+    expect_refused(with(motion), missing);
 }
 
 TEST(SceneReader, TellsWhatIsWrongWithAMotion) {
@@ -348,14 +359,17 @@ TEST(SceneReader, TellsWhatIsWrongWithAMotion) {
   expect_refused({
       {with("rate = 1\n"), "body 'a', motion: it needs a `kind`"},
       {with("kind = \"jump\"\n"), "must be one of shake, spin, glide, fall, keyframes, csv, swing"},
-      {with("kind = \"shake\"\nfrequency = 0\n"), "its frequency must be positive"},
+      {with("kind = \"shake\"\namplitude = [1, 0, 0]\nfrequency = 0\n"),
+       "its frequency must be positive"},
       {with("kind = \"spin\"\nspeed = 3\n"), "line 7: body 'a', motion: unknown key 'speed'"},
-      {with("kind = \"glide\"\nstart = 0\nstop = 1\nduration = 2\n"), "say one thing"},
+      {with("kind = \"glide\"\nvelocity = [1, 0, 0]\nstart = 0\nstop = 1\nduration = 2\n"),
+       "say one thing"},
       {with("kind = \"keyframes\"\nkeys = [[0, 1]]\n"), "must be a list of lists"},
       {with("kind = \"keyframes\"\nkeys = [[0, 0, 0, 0, 2, 0, 0, 0]]\n"),
        "key 1: the quaternion is of length 2"},
       {with("kind = \"csv\"\n"), "needs a `file`"},
-      {kBody + "[[bodies.motion]]\nkind = \"glide\"\n", "a motion moves a driven body only"},
+      {kBody + "[[bodies.motion]]\nkind = \"glide\"\nvelocity = [1, 0, 0]\n",
+       "a motion moves a driven body only"},
   });
   const Result<SceneFile> missing =
       parse_world(with("kind = \"csv\"\nfile = \"none.csv\"\n"), "s.toml");

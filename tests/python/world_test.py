@@ -176,6 +176,31 @@ class BodiesOfWorlds(unittest.TestCase):
         w.step(5)
         self.assertNotEqual(w.account("bar")["load"], 0.0)
 
+    def test_take_what_is_written_without_being_kept(self):
+        ends = []
+        for write in (lambda w: w["bar"], lambda w: w["bar"].q, lambda w: None):
+            w = tremolo.world(dropped())
+            kept = write(w)
+            (w["bar"].q if kept is None else kept if isinstance(kept, np.ndarray) else kept.q)[0] = 1e-3
+            w.step()
+            ends.append(w["bar"].q.copy())
+        self.assertGreater(abs(ends[0][0]), 1e-4)
+        for end in ends[1:]:
+            np.testing.assert_array_equal(end, ends[0])
+
+    def test_wake_where_they_are_moved(self):
+        scene = {"step": 0.002, "gravity": [0, 0, -9.81],
+                 "bodies": [{"name": "box", "kind": "rigid", "shape": "box", "half-extents": [0.1, 0.1, 0.1],
+                             "position": [0, 0, 0.1]}],
+                 "colliders": [{"name": "floor", "shape": "plane"}]}
+        w = tremolo.world(scene)
+        w.step(1000)
+        self.assertTrue(w.asleep("box"))
+        w["box"].set_motion((1.0, 0.0, 3.0))
+        w.step(100)
+        self.assertFalse(w.asleep("box"))
+        np.testing.assert_allclose(w["box"].pose[0], (0.2, 0.0, 0.1 + 0.6 - 0.5 * 9.81 * 0.04), atol=1e-3)
+
     def test_keep_the_world_alive(self):
         b = tremolo.world(dropped()).body("bar")
         positions = b.positions()

@@ -384,6 +384,46 @@ TEST(RigidContact, ASleepingBodyPressesOnTheFloor) {
   EXPECT_LT((world.collider_impulse(0, 0) - before - steps).norm(), 1e-9 * steps.norm());
 }
 
+// A sleeper that its owner throws flies, and one that it lifts falls.
+TEST(RigidContact, ASleeperThatIsMovedWakes) {
+  const auto asleep = [] {
+    SceneWorld world = testing::make_world(testing::on_slope(
+        rigid_body("box", BoxShape{{0.05, 0.05, 0.05}}, {0.0, 0.0, 0.05}), 0.0, 0.3, 2e-3));
+    testing::run_until(world, 2.0);
+    EXPECT_TRUE(world.asleep(0));
+    return world;
+  };
+  SceneWorld thrown = asleep();
+  const double height = testing::centre_of(thrown, 0).z();
+  ASSERT_TRUE(thrown.body(0).set_motion({1.0, 0.0, 3.0}, Vector3d::Zero()));
+  testing::run_until(thrown, 2.2);
+  EXPECT_NEAR(testing::centre_of(thrown, 0).x(), 0.2, 1e-6);
+  EXPECT_NEAR(testing::centre_of(thrown, 0).z(), height + 0.6 - 0.5 * kG * 0.04, 1e-9);
+  SceneWorld lifted = asleep();
+  Pose pose = lifted.body(0).pose();
+  pose.position.z() += 1.0;
+  ASSERT_TRUE(lifted.body(0).set_pose(pose));
+  testing::run_until(lifted, 2.4);
+  EXPECT_NEAR(testing::centre_of(lifted, 0).z(), height + 1.0 - 0.5 * kG * 0.16, 1e-9);
+}
+
+// On a floor without friction it glides, however slowly for its size; and a ball rolls.
+TEST(RigidContact, WhatGlidesOrRollsSlowlyDoesNotFallAsleep) {
+  const auto way = [](SceneBody body, double speed, double friction) {
+    body.velocity = Vector3d(speed, 0.0, 0.0);
+    SceneWorld world = testing::make_world(testing::on_slope(body, 0.0, friction, 3e-3));
+    testing::run_until(world, 6.0);
+    return testing::centre_of(world, 0).x() / (6.0 * speed);
+  };
+  EXPECT_NEAR(way(rigid_body("box", BoxShape{{1.0, 1.0, 1.0}}, {0.0, 0.0, 1.0}), 0.03, 0.0), 1.0,
+              1e-3);
+  EXPECT_NEAR(way(rigid_body("box", BoxShape{{0.05, 0.05, 0.05}}, {0.0, 0.0, 0.05}), 1e-3, 0.0),
+              1.0, 1e-3);
+  SceneBody ball = rigid_body("ball", SphereShape{0.05}, {0.0, 0.0, 0.05});
+  ball.spin = Vector3d(0.0, 2e-3 / 0.05, 0.0);
+  EXPECT_NEAR(way(ball, 2e-3, 0.5), 1.0, 1e-3);
+}
+
 // Bodies that begin at the edge of contact are pushed by rounding alone, 1e-30 N s and less. The
 // solve need not follow that, and such energies are compared with nothing.
 TEST(RigidContact, BodiesThatBeginAtTheEdgeOfContactStayAtRestWithoutGravity) {

@@ -1,6 +1,8 @@
 // Rigid bodies that rest, or turn, on the insides of their faces.
+#include <algorithm>
 #include <fstream>
 #include <numbers>
+#include <random>
 
 #include "tests/rigid/rigid_scene.h"
 #include "tests/support/temporary_folder.h"
@@ -137,6 +139,50 @@ TEST(RigidFaces, ASpinningDiscIsBrakedByAnEvenPressure) {
   EXPECT_NEAR(braking(0), 1.0, 0.12);
   EXPECT_NEAR(braking(1000), 1.0, 0.08);
   EXPECT_NEAR(braking(5000), 1.0, 0.04);
+}
+
+// A box or a cylinder that tumbles; one of 24 pairs.
+SceneBody tumbler(const std::string& name, std::mt19937& random) {
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  const Collider shape = any(random) < 0.0 ? Collider(BoxShape{{0.05, 0.05, 0.05}})
+                                           : Collider(CylinderShape{0.05, 0.05});
+  SceneBody body = rigid_body(name, shape, Vector3d::Zero());
+  body.contact.friction = 0.0;
+  body.contact.restitution = 1.0;
+  body.pose.rotation =
+      Eigen::Quaterniond(any(random), any(random), any(random), any(random)).normalized();
+  body.spin = 5.0 * Vector3d(any(random), any(random), any(random));
+  return body;
+}
+
+// Points that were pressed in next to an edge slide over it before they are out. Their energy goes
+// back to the bodies, whatever the step and the number of points.
+TEST(RigidFaces, HitsAtEdgesKeepTheirEnergy) {
+  for (const auto& [step, points] : {std::pair{4e-3, 200}, {1e-3, 200}, {1e-3, 1000}}) {
+    SCOPED_TRACE(std::to_string(step) + " s, " + std::to_string(points));
+    std::mt19937 random(5);
+    double sum = 0.0, most = 0.0;
+    for (int k = 0; k < 24; ++k) {
+      Scene scene;
+      scene.step = step;
+      scene.duration = 0.6;
+      scene.bodies = {tumbler("a", random), tumbler("b", random)};
+      std::uniform_real_distribution<double> aside(-0.07, 0.07);
+      scene.bodies[0].pose.position = Vector3d(-0.3, aside(random), aside(random));
+      scene.bodies[0].velocity = Vector3d::UnitX();
+      for (SceneBody& body : scene.bodies) body.contact.points = points;
+      SceneWorld world = testing::make_world(scene);
+      const double before = world.account(0).total() + world.account(1).total();
+      testing::run_until(world, 0.6);
+      const double after = world.account(0).total() + world.account(1).total();
+      EXPECT_GT(std::abs(world.account(0).contact_given), 1e-6) << "pair " << k << " does not meet";
+      most = std::max(most, (before - after) / before);
+      sum += (before - after) / before;
+      EXPECT_LT(after, before * (1.0 + 1e-9));
+    }
+    EXPECT_LT(sum / 24.0, 0.005);
+    EXPECT_LT(most, 0.05);
+  }
 }
 
 }  // namespace

@@ -76,22 +76,23 @@ bool collide(const Vector3d& n, const BallContact& touch, ContactSide& a, Contac
   return true;
 }
 
-void settle_sides(const Vector3d& n, double speed, double pressed, double friction, ContactSide& a,
-                  ContactSide& b) {
+Vector3d settle_sides(const Vector3d& n, double speed, double pressed, double friction,
+                      const Vector3d& before, ContactSide& a, ContactSide& b) {
   const double inverse = a.inverse_mass + b.inverse_mass;
-  if (inverse == 0.0) return;
+  if (inverse == 0.0) return Vector3d::Zero();
   const Vector3d relative = velocity_of(a) - velocity_of(b);
   const double along = (speed - relative.dot(n)) / inverse;
   const Vector3d slip = relative - relative.dot(n) * n;
-  const double slip_speed = slip.norm();
-  Vector3d impulse = along * n;
-  if (slip_speed > 0.0) {
-    const double stop = slip_speed / (inverse + a.arm.squaredNorm() * a.inverse_inertia +
-                                      b.arm.squaredNorm() * b.inverse_inertia);
-    impulse -= (std::min(friction * std::max(pressed + along, 0.0), stop) / slip_speed) * slip;
-  }
+  const double resists =
+      inverse + a.arm.squaredNorm() * a.inverse_inertia + b.arm.squaredNorm() * b.inverse_inertia;
+  const Vector3d given = before - before.dot(n) * n;
+  Vector3d rub = given - slip / resists;  // it would stop the slip
+  const double most = friction * std::max(pressed + along, 0.0), size = rub.norm();
+  if (size > most) rub *= most / size;
+  const Vector3d impulse = along * n + rub - given;
   push(a, impulse);
   push(b, -impulse);
+  return rub;
 }
 
 }  // namespace tremolo

@@ -51,7 +51,9 @@ bool collide(const Eigen::Vector3d& n, const BallContact& touch, ContactSide& a,
 
 // The same after a reaction with the impulse `pressed`, N s, has kept the sides apart: the speed
 // along n becomes `speed`, m/s, whatever it was, and `pressed` limits Coulomb's friction.
-void settle_sides(const Eigen::Vector3d& n, double speed, double pressed, double friction,
-                  ContactSide& a, ContactSide& b);
+// before: what friction gave a in the step already, N s. Returns all that it gave.
+Eigen::Vector3d settle_sides(const Eigen::Vector3d& n, double speed, double pressed,
+                             double friction, const Eigen::Vector3d& before, ContactSide& a,
+                             ContactSide& b);
 
 }  // namespace tremolo

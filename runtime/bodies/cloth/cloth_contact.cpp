@@ -29,7 +29,16 @@ Vector3d way_out(const CollisionDistance& found, double depth) {
   return square > 1e-4 ? Vector3d(depth / square * found.normal) : Vector3d::Zero();
 }
 
+Vector3d across(const Vector3d& v, const Vector3d& n) {
+  return v - v.dot(n) * n;
+}
+
 }  // namespace
+
+double friction_time(std::string_view method, double h) {
+  if (method == "explicit-euler") return 0.0;
+  return method == "symplectic-euler" || method == "implicit-euler-sweep" ? h : 0.5 * h;
+}
 
 ContactSide ball_side(MovingBall& ball, const Vector3d& point) {
   ContactSide side{.inverse_mass = ball.inverse_mass,
@@ -75,10 +84,13 @@ void ClothContact::cloth_colliders(ContactCloth& cloth, Pass& pass) const {
       Vector3d v = cloth.state->v.segment<3>(at);
       ContactSide particle{.inverse_mass = 1.0 / cloth.model->mass()[i], .velocity = &v};
       ContactSide ground{.surface = surface_velocity(collider, x, pass.h)};
-      collide(found.normal.normalized(),
+      const Vector3d n = found.normal.normalized();
+      collide(n,
               pair_of(cloth.friction, collider.friction, cloth.restitution, collider.restitution,
                       pass.rest_speed),
               particle, ground);
+      const Vector3d change = v - cloth.state->v.segment<3>(at);
+      cloth.state->x.segment<3>(at) += cloth.friction_time * across(change, n);
       cloth.state->v.segment<3>(at) = v;
       cloth.touched = pass.moved = true;
     }
@@ -118,7 +130,8 @@ void ClothContact::cloth_ball(ContactCloth& cloth, MovingBall& ball, Pass& pass)
                     pass.rest_speed),
             particle, other);
     if (free) {
-      cloth.state->x.segment<3>(at) = x;
+      const Vector3d change = v - cloth.state->v.segment<3>(at);
+      cloth.state->x.segment<3>(at) = x + cloth.friction_time * across(change, n);
       cloth.state->v.segment<3>(at) = v;
       cloth.touched = true;
     }
@@ -137,11 +150,21 @@ void ClothContact::ball_collider(MovingBall& ball, const PlacedCollider& collide
   const Vector3d point = ball.now.position - ball.radius * n;
   ContactSide side = ball_side(ball, point);
   ContactSide ground{.surface = surface_velocity(collider, point, pass.h)};
-  collide(n,
-          pair_of(ball.friction, collider.friction, ball.restitution, collider.restitution,
-                  pass.rest_speed),
-          side, ground);
+  const BallContact pair = pair_of(ball.friction, collider.friction, ball.restitution,
+                                   collider.restitution, pass.rest_speed);
+  // A ball that rebounds met the surface on its way down to `depth`, and has gone up since.
+  const double fall = -pass.gravity.dot(n), speed = -n.dot(ball.now.velocity - ground.surface);
+  const bool falls = speed > pair.rest_speed;
+  const double met = falls ? std::sqrt(std::max(0.0, speed * speed - 2.0 * fall * depth)) : speed;
+  ball.now.velocity += (speed - met) * n;
+  collide(n, pair, side, ground);
   pass.moved = true;
+  if (!falls || !(met > pair.rest_speed)) return;
+  const double since = std::min(pass.h, 2.0 * depth / (speed + met));
+  const double height = (pair.restitution * met - 0.5 * fall * since) * since;
+  if (!(height > 0.0)) return;
+  ball.now.position += height * n;
+  ball.now.velocity -= fall * since * n;
 }
 
 void ClothContact::ball_ball(MovingBall& a, MovingBall& b, Pass& pass) const {
@@ -165,7 +188,8 @@ ContactReport ClothContact::project(std::span<ContactCloth> cloths, std::span<Mo
   ContactReport report;
   if (balls.empty() && colliders.empty()) return report;
   // The speed that gravity adds in a step does not count as a fall.
-  Pass pass{.colliders = colliders, .h = h, .rest_speed = 2.0 * h * gravity.norm()};
+  Pass pass{
+      .colliders = colliders, .h = h, .rest_speed = 2.0 * h * gravity.norm(), .gravity = gravity};
   for (ContactCloth& cloth : cloths) {
     cloth.touched = false;
     std::fill(cloth.grounded.begin(), cloth.grounded.end(), std::uint8_t{0});

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -25,6 +26,8 @@ struct ContactCloth {
   NodalState* state = nullptr;
   // thickness: m.
   double thickness = 0.0, friction = 0.0, restitution = 0.0;
+  // By how much a change of velocity in this step changes positions, s: friction_time().
+  double friction_time = 0.0;
   bool touched = false;                // it was moved or pushed in this step
   std::vector<std::uint8_t> grounded;  // one flag per particle: it lies on a fixed obstacle
 };
@@ -47,6 +50,7 @@ class ClothContact {
   struct Pass {
     std::span<const PlacedCollider> colliders;
     double h = 0.0, rest_speed = 0.0;
+    Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // m/s^2
     int sweep = 0;
     bool moved = false;
     double nearest = 0.0;  // the most negative distance, m
@@ -57,6 +61,11 @@ class ClothContact {
   void ball_collider(MovingBall& ball, const PlacedCollider& collider, Pass& pass) const;
   void ball_ball(MovingBall& a, MovingBall& b, Pass& pass) const;
 };
+
+// Explicit methods move particles by x1 = x0 + h (w v1 + (1 - w) v0). Friction is an impulse of the
+// step and changes velocities after it; the positions change by this time, s, times that change.
+// A particle that sticks would else move by w h^2 times its acceleration in each step.
+double friction_time(std::string_view method, double h);
 
 // A ball as one side of a contact at a point.
 ContactSide ball_side(MovingBall& ball, const Eigen::Vector3d& point);

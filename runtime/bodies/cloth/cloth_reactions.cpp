@@ -40,10 +40,12 @@ Vector3d clear_of(std::span<const PlacedCollider> colliders, double radius, cons
   return clear;
 }
 
-ClothReactions::ClothReactions(const ClothModel& model, ClothSurroundings& around, double thickness)
+ClothReactions::ClothReactions(const ClothModel& model, ClothSurroundings& around, double thickness,
+                               double friction)
     : model_(model),
       around_(around),
       thickness_(thickness),
+      friction_(friction),
       pressed_(model.size(), 0),
       pushes_(around.balls.size(), Vector3d::Zero()),
       ahead_(Eigen::VectorXd::Zero(model.parts().x.size())) {
@@ -129,6 +131,8 @@ void ClothReactions::begin(const NodalState& state) {
   });
   for (ClothReaction& r : reactions_) {
     r.impulse.setZero();
+    r.rubbed.setZero();
+    r.rub_time = 0.0;
     aim(r, particle_at(state.x, r.particle), particle_at(ahead_, r.particle));
   }
   add_what_is_inside(state.x, ahead_);
@@ -141,7 +145,25 @@ bool ClothReactions::let_go() {
     any = true;
     r.presses = false;
     r.force = 0.0;
+    r.rub.setZero();
     pressed_[r.particle] &= ~bit_of(r.touch, around_.balls.size());
+  }
+  return any;
+}
+
+// Known friction is no larger than mu times what presses now.
+bool ClothReactions::limit_friction() {
+  constexpr double kAbove = 1.0 + 1e-6;
+  bool any = false;
+  for (ClothReaction& r : reactions_) {
+    if (!r.presses || r.rub.isZero(0.0)) continue;
+    const double other = r.touch.ball != ParticleTouch::kNone
+                             ? around_.balls[r.touch.ball].friction
+                             : around_.colliders[r.touch.collider].friction;
+    const double most = std::sqrt(friction_ * other) * r.force, size = r.rub.norm();
+    if (size <= kAbove * most) continue;
+    r.rub *= most / size;
+    any = true;
   }
   return any;
 }
@@ -154,7 +176,7 @@ bool ClothReactions::move_balls(double share) {
     if (way.give == 0.0) continue;
     Vector3d push = Vector3d::Zero();
     for (const ClothReaction& r : reactions_)
-      if (r.presses && r.touch.ball == b) push -= r.force * r.normal;
+      if (r.presses && r.touch.ball == b) push -= r.force * r.normal + r.rub;
     way.push += push - pushes_[b];
     pushes_[b] = push;
     const Vector3d wanted = clear_of(around_.colliders, around_.balls[b].radius,
@@ -189,6 +211,7 @@ bool ClothReactions::revise(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1
   ++round_;
   for (ClothReaction& r : reactions_) r.solved_normal = r.normal;
   bool changed = let_go();
+  changed = limit_friction() || changed;
   changed = move_balls(share) || changed;
   for (ClothReaction& r : reactions_)
     if (r.presses)
@@ -207,7 +230,7 @@ bool ClothReactions::revise(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1
 void ClothReactions::add_force(const Eigen::VectorXd& x1, Eigen::VectorXd& f) const {
   for (const ClothReaction& r : reactions_)
     if (r.presses)
-      f.segment<3>(3 * static_cast<Eigen::Index>(r.particle)) += r.force_at(x1) * r.normal;
+      f.segment<3>(3 * static_cast<Eigen::Index>(r.particle)) += r.force_at(x1) * r.normal + r.rub;
 }
 
 void ClothReactions::add_tangent(BlockMatrix& a) const {
@@ -220,8 +243,8 @@ double ClothReactions::work(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1
   double work = 0.0;
   for (const ClothReaction& r : reactions_)
     if (r.presses)
-      work += share * r.force_at(x1) *
-              r.normal.dot(particle_at(x1, r.particle) - particle_at(x0, r.particle));
+      work += share * (r.force_at(x1) * r.normal + r.rub)
+                          .dot(particle_at(x1, r.particle) - particle_at(x0, r.particle));
   return work;
 }
 
@@ -231,6 +254,8 @@ void ClothReactions::keep(const Eigen::VectorXd& x1, double h, double share) {
     if (!r.presses) continue;
     const double force = r.force_at(x1);
     r.impulse += share * h * force * r.normal;
+    r.rubbed += share * h * r.rub;
+    r.rub_time += share * h;
     pressed_last_ = pressed_last_ || force != 0.0;
   }
 }

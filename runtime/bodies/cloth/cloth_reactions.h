@@ -11,6 +11,10 @@
 // Marsden 1999). m is the normal in the middle of the particle's path relative to the surface. For
 // a plane and a ball m.(x1 - x0) is then the change of the distance, and the work of f over the
 // step, f (d1 - d0) with d1 = thickness, is never positive.
+//
+// Friction is an impulse that is found after the solve, from the slip that is left. What it was in
+// the last step acts as a known force in the solve: what sticks is then in equilibrium at its
+// place, and nothing of the slip is left. Without that it would move by h^2 times its acceleration.
 #pragma once
 
 #include <cstddef>
@@ -63,6 +67,9 @@ struct ClothReaction {
   double force = 0.0;                                        // l, N
   // On the particle, N s, of the step so far; in its parts m may have been another normal.
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();
+  // The known friction, N; its impulse of the step so far, N s; the time for which it acted, s.
+  Eigen::Vector3d rub = impulse, rubbed = impulse;
+  double rub_time = 0.0;
   bool presses = true;  // it acts
 
   double force_at(const Eigen::VectorXd& x) const {
@@ -76,7 +83,8 @@ struct ClothReaction {
 class ClothReactions : public NodalContact {
  public:
   // All arguments must outlive it.
-  ClothReactions(const ClothModel& model, ClothSurroundings& around, double thickness);
+  ClothReactions(const ClothModel& model, ClothSurroundings& around, double thickness,
+                 double friction);
 
   // Starts a step from `state`, with the reactions of the last step and those of particles that
   // would be inside if they continued their motion.
@@ -93,6 +101,12 @@ class ClothReactions : public NodalContact {
 
   // Reactions of the step so far; those that no longer act still have an impulse.
   std::span<const ClothReaction> all() const { return reactions_; }
+  // Friction on reaction number i was this impulse in all, N s.
+  void remember_friction(std::size_t i, const Eigen::Vector3d& impulse) {
+    ClothReaction& r = reactions_[i];
+    r.rub = Eigen::Vector3d::Zero();
+    if (r.presses && r.rub_time > 0.0) r.rub = impulse / r.rub_time;
+  }
 
  private:
   static constexpr int kRounds = 12;
@@ -104,12 +118,13 @@ class ClothReactions : public NodalContact {
   double aim(ClothReaction& reaction, const Eigen::Vector3d& x0, const Eigen::Vector3d& x1) const;
   bool add_what_is_inside(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1);
   bool let_go();
+  bool limit_friction();
   bool move_balls(double share);
   double stiffness_of(std::size_t particle) const;
 
   const ClothModel& model_;
   ClothSurroundings& around_;
-  double thickness_;
+  double thickness_, friction_;
   std::vector<ClothReaction> reactions_;
   std::vector<std::uint64_t> pressed_;   // for each particle one bit per ball and collider
   std::vector<Eigen::Vector3d> pushes_;  // on balls, N

@@ -52,7 +52,8 @@ void ClothWorld::Inside::push_balls(double h) {
       if (r.touch.ball == ParticleTouch::kNone || r.impulse.isZero(0.0)) continue;
       MovingBall& ball = balls[r.touch.ball];
       if (ball.inverse_mass == 0.0) continue;
-      const Vector3d change = -ball.inverse_mass * r.impulse;
+      const Vector3d impulse = r.impulse + r.rubbed;
+      const Vector3d change = -ball.inverse_mass * impulse;
       // The impulse changes angular momentum as if it acted at (x0 + x1)/2 on a body that moves
       // from x0 to x1 at the mean of its velocities: the particle under the midpoint rule, and the
       // ball.
@@ -62,13 +63,14 @@ void ClothWorld::Inside::push_balls(double h) {
                                   way.start - way.end);
       ball.now.velocity += change;
       ball.now.position -= 0.5 * h * change;
-      ball.now.spin -= ball.inverse_inertia * arm.cross(r.impulse);
+      ball.now.spin -= ball.inverse_inertia * arm.cross(impulse);
     }
 }
 
 // Along the normal a particle stays on the obstacle or leaves by restitution; friction acts across
 // it.
-void ClothWorld::Inside::settle(WorldCloth& cloth, const ClothReaction& r, double h) {
+void ClothWorld::Inside::settle(WorldCloth& cloth, std::size_t number, double h) {
+  const ClothReaction& r = cloth.reactions->all()[number];
   const Eigen::Index at = r.particle;
   const Vector3d x = cloth.state.x.segment<3>(3 * at);
   Vector3d v = cloth.state.v.segment<3>(3 * at), surface = Vector3d::Zero();
@@ -93,8 +95,10 @@ void ClothWorld::Inside::settle(WorldCloth& cloth, const ClothReaction& r, doubl
   const double rebound = arrival > 2.0 * h * gravity.norm()
                              ? arrival * std::sqrt(restitution * cloth.scene.restitution)
                              : 0.0;
-  settle_sides(normal, rebound, r.impulse.norm(), std::sqrt(friction * cloth.scene.friction),
-               particle, other);
+  const Vector3d rub =
+      settle_sides(normal, rebound, r.impulse.norm(), std::sqrt(friction * cloth.scene.friction),
+                   r.rubbed, particle, other);
+  cloth.reactions->remember_friction(number, rub);
   cloth.state.v.segment<3>(3 * at) = v;
   cloth.touched = true;
 }
@@ -103,8 +107,9 @@ void ClothWorld::Inside::settle(WorldCloth& cloth, const ClothReaction& r, doubl
 bool ClothWorld::Inside::settle_all(double h) {
   bool any = false;
   for (std::size_t c = 0; c < cloths.size(); ++c) {
-    for (const ClothReaction& r : cloths[c]->reactions->all())
-      if (!r.impulse.isZero(0.0)) settle(*cloths[c], r, h);
+    const std::span<const ClothReaction> all = cloths[c]->reactions->all();
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (!all[i].impulse.isZero(0.0)) settle(*cloths[c], i, h);
     any = any || cloths[c]->touched;
   }
   return any;

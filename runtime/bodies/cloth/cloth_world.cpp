@@ -115,6 +115,8 @@ Status ClothWorld::Inside::advance_cloths(double t) {
 // True if any particle was moved.
 bool ClothWorld::Inside::project(double h) {
   if (balls.empty() && scene.colliders.empty()) return false;
+  const double time = solves_steps() ? 0.0 : friction_time(scene.integrator, h);
+  for (ContactCloth& cloth : touching) cloth.friction_time = time;
   const ContactReport report = contact.project(touching, balls, colliders.placed(), gravity, h);
   penetration = std::max(penetration, report.penetration);
   if (!report.touched) return false;

@@ -69,7 +69,7 @@ struct ClothWorld::Inside {
   bool solves_steps() const;
   void begin_contact(double t, double h);
   void push_balls(double h);
-  void settle(WorldCloth& cloth, const ClothReaction& r, double h);
+  void settle(WorldCloth& cloth, std::size_t number, double h);
   bool settle_all(double h);
   bool stands_still() const;
   double take_excess(double excess);

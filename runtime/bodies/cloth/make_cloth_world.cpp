@@ -83,8 +83,8 @@ void ClothWorld::Inside::make_reactions() {
     cloth->model.set_contact(nullptr);
     cloth->reactions.reset();
     if (!any) continue;
-    cloth->reactions =
-        std::make_unique<ClothReactions>(cloth->model, around, cloth->scene.thickness);
+    cloth->reactions = std::make_unique<ClothReactions>(
+        cloth->model, around, cloth->scene.thickness, cloth->scene.friction);
     cloth->model.set_contact(cloth->reactions.get());
   }
 }

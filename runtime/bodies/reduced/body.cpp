@@ -135,6 +135,7 @@ Status Body::set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& p) {
   if (Status s = check_state(model_->modes(), q, p); !s) return s;
   state_.q = q;
   state_.p = p;
+  moved_ = true;
   if (free_) free_->set_motion(free_->rigid().velocity, free_->rigid().spin, q, p);
   integrator_->reset();
   bound_.start(total_energy());

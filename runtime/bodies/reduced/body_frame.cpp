@@ -72,6 +72,7 @@ Status Body::set_pose(const Pose& pose, std::size_t bone) {
   if (!range) return range.error();
   if (Status s = check_pose(pose); !s) return s;
   const Pose unit{pose.position, pose.rotation.normalized()};
+  moved_ = true;
   for (std::size_t b = range->first; b < range->second; ++b) driven_->teleport(unit, b);
   if (free_) {
     free_->set_pose(unit, state_.q, state_.p);
@@ -104,6 +105,7 @@ Status Body::set_motion(const Eigen::Vector3d& velocity, const Eigen::Vector3d& 
   if (const Status s = check_start_size(Eigen::Vector3d::Zero(), velocity, spin); !s)
     return usage_error(s.error().message);
   free_->set_motion(velocity, spin, state_.q, state_.p);
+  moved_ = true;
   bound_.start(total_energy());
   keep_sound_state();
   return Success{};

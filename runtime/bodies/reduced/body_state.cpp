@@ -50,14 +50,16 @@ std::vector<std::byte> Body::save() const {
 }
 
 Status Body::restore(std::span<const std::byte> bytes) {
-  return restore_body(*this, bytes);
+  const Status restored = restore_body(*this, bytes);
+  if (restored) moved_ = true;
+  return restored;
 }
 
 void Body::carry(StateStream& stream) {
   DampingRatios damping = damping_of(options_);
   stream(damping);
   if (stream.reads() && stream.good()) stream.require(bool(set_damping(damping)));
-  stream(state_, counts_, sums_, bound_, steps_since_look_);
+  stream(state_, counts_, sums_, bound_, steps_since_look_, moved_);
   stream(sound_, sound_rigid_, sound_sums_);
   stream.require(counts_.steps >= 0 && state_.q.allFinite() && state_.p.allFinite());
   stream.require(sound_.q.allFinite() && sound_.p.allFinite());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tremolo {
 namespace {
@@ -40,7 +41,9 @@ void BodyGroup::begin_or_sleep(std::size_t i) {
   reports_[i] = {};
   reports_[i].converged = true;
   if (bodies_[i] == nullptr) return;
-  if (rest_[i].asleep && has_to_wake(i)) rest_[i] = {};
+  // One that was moved between two steps wakes.
+  if (std::exchange(bodies_[i]->moved_, false) || (rest_[i].asleep && has_to_wake(i)))
+    rest_[i] = {};
   if (!rest_[i].asleep) begin(i);
 }
 
@@ -103,10 +106,16 @@ void BodyGroup::look_at(std::size_t a, std::size_t b) {
   const ContactStep& first = *bodies_[a]->contact_;
   const ContactStep& second = *bodies_[b]->contact_;
   const ContactBall &left = first.gathered().ball, &right = second.gathered().ball;
-  const double reach = left.radius + left.deformed + right.radius + right.deformed +
-                       std::max(first.surface().law.margin, second.surface().law.margin) +
-                       2.0 * (left.travel + right.travel);
-  if ((left.centre - right.centre).squaredNorm() > reach * reach) return;
+  const double reach =
+      left.radius + left.deformed + right.radius + right.deformed +
+      std::max(first.surface().law.margin, second.surface().law.margin) +
+      std::max(first.pair_memories().farthest(), second.pair_memories().farthest()) +
+      2.0 * (left.travel + right.travel);
+  const double apart = (left.centre - right.centre).norm();
+  if (apart > reach) return;
+  if (!passing_ && first.surface().shape_or_null() == nullptr &&
+      second.surface().shape_or_null() == nullptr && apart < std::max(left.radius, right.radius))
+    passing_.emplace(a, b);
   Pair pair{a, b, used_, 0};
   used_ = add_pair_points(first, second, {a, b, b}, points_, used_);
   used_ = add_pair_points(second, first, {b, a, a}, points_, used_);
@@ -120,12 +129,14 @@ void BodyGroup::find_pairs() {
   const auto low = [this](std::size_t i) {
     const ContactBall& ball = bodies_[i]->contact_->gathered().ball;
     return ball.centre.x() - ball.radius - ball.deformed - 2.0 * ball.travel -
-           bodies_[i]->contact_->surface().law.margin;
+           bodies_[i]->contact_->surface().law.margin -
+           bodies_[i]->contact_->pair_memories().farthest();
   };
   const auto high = [this](std::size_t i) {
     const ContactBall& ball = bodies_[i]->contact_->gathered().ball;
     return ball.centre.x() + ball.radius + ball.deformed + 2.0 * ball.travel +
-           bodies_[i]->contact_->surface().law.margin;
+           bodies_[i]->contact_->surface().law.margin +
+           bodies_[i]->contact_->pair_memories().farthest();
   };
   for (bool again = true; again;) {
     again = false;
@@ -187,22 +198,28 @@ void BodyGroup::put_to_sleep() {
     bool quiet = reports_[i].converged && body.frame() == FrameKind::kFree && body.contact_ &&
                  (body.contact_account().active > 0 || is_joined(i) ||
                   (guests_ != nullptr && guests_->holds_body(i)));
+    const double slow = quiet ? slow_speed(body.contact_->surface().law.margin) : 0.0;
     if (quiet) {
       const double speed2 = 2.0 * body.free_->kinetic(body.state_.q, body.state_.p);
-      const double limit = slow_speed(body.contact_->surface().law.margin);
-      quiet = speed2 <= body.contact_->surface().mass * limit * limit && !has_to_wake(i);
+      quiet = speed2 <= body.contact_->surface().mass * slow * slow && !has_to_wake(i);
     }
-    rest.quiet = quiet ? rest.quiet + body.options_.step : 0.0;
+    if (quiet) {
+      const GatheredStep& at = body.contact_->gathered();
+      rest.time.count(body.options_.step,
+                      {at.ball.centre, at.poses.start.rotation.toRotationMatrix(), at.ball.radius},
+                      slow);
+    } else {
+      rest.time.restart();
+    }
     rest.gravity = body.gravity();
     rest.alpha = body.options().alpha;
     rest.beta = body.options().beta;
     rest.ratios = body.options().ratios;
-    if (!(rest.quiet >= kQuiet)) restless_[parent_[i]] = 1;
+    if (!rest.time.is_over()) restless_[parent_[i]] = 1;
   }
   const std::size_t guests = guests_ != nullptr ? guests_->size() : 0;
   for (std::size_t g = 0; g < guests; ++g)
-    if (!guests_->asleep(g) && !(guests_->note_rest(g) >= kQuiet))
-      restless_[parent_[bodies_.size() + g]] = 1;
+    if (!guests_->asleep(g) && !guests_->note_rest(g)) restless_[parent_[bodies_.size() + g]] = 1;
   for (const std::size_t i : islands_) {
     if (restless_[parent_[i]] != 0) continue;
     bodies_[i]->fall_asleep();

@@ -4,10 +4,10 @@
 // island, which is solved at once (contact_island.h). The others step by themselves, same as
 // ContactBody::step(), with the same bits.
 //
-// A free body that has been nearly at rest for kQuiet falls asleep with all bodies in contact with
+// A free body that has been at rest (rest_time.h) falls asleep with all bodies in contact with
 // it: it then costs nothing. It wakes when something that is awake comes near, a load or a grab
-// begins, gravity changes, or a collider moves next to it. The motion that it loses is added to the
-// energy taken by contact.
+// begins, gravity changes, a collider moves next to it, or its owner moves it. The motion that it
+// loses is added to the energy taken by contact.
 //
 // Threads divide islands, and bodies without an island, among themselves. One thread steps each,
 // from its own bodies alone, so that no bit depends on the number of threads.
@@ -28,6 +28,7 @@
 #include "runtime/contact/islands/island_guests.h"
 #include "runtime/contact/islands/step_parts.h"
 #include "runtime/contact/joint.h"
+#include "runtime/contact/rest_time.h"
 #include "runtime/contact_body.h"
 #include "runtime/math/thread_pool.h"
 
@@ -35,8 +36,6 @@ namespace tremolo {
 
 class BodyGroup {
  public:
-  static constexpr double kQuiet = 0.5;  // time at rest before a body falls asleep, s
-
   struct Options {
     bool sleep = true;
   };
@@ -91,6 +90,9 @@ class BodyGroup {
     double impulse = 0.0;  // N s
   };
   std::span<const Touch> touches() const { return touches_; }
+  // Two bodies without a shape, of which one has come into the ball around the other: they pass
+  // through each other. Empty: there were none since the start.
+  const std::optional<std::pair<std::size_t, std::size_t>>& passing() const { return passing_; }
   bool asleep(std::size_t i) const { return i < rest_.size() && rest_[i].asleep; }
   void wake(std::size_t i) {
     if (i < rest_.size()) rest_[i] = {};
@@ -102,18 +104,19 @@ class BodyGroup {
     stream.sized(rest_);
     stream.require(rest_.empty() || rest_.size() == bodies);
     if (stream.reads()) touches_.clear();
+    if (stream.reads()) passing_.reset();
     for (Link& link : links_) link.joint.carry(stream);
   }
 
  private:
   struct Rest {
-    double quiet = 0.0;  // time at rest so far, s
+    RestTime time;
     bool asleep = false;
     Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
     double alpha = 0.0, beta = 0.0;
     DampingRatios ratios;
 
-    void carry(StateStream& stream) { stream(quiet, asleep, gravity, alpha, beta, ratios); }
+    void carry(StateStream& stream) { stream(time, asleep, gravity, alpha, beta, ratios); }
   };
   // Two bodies that may be in contact.
   struct Pair {
@@ -167,6 +170,7 @@ class BodyGroup {
   void make_islands();
   void list_islands();
   void step_alone(std::size_t i);
+  void wake_around_moved();
   void step_island(const Island& island, Worker& worker);
   bool step_in_parts(const Island& island, Worker& worker, PartReason reason);
   bool step_impact(const Island& island, std::size_t points, Worker& worker);
@@ -189,7 +193,8 @@ class BodyGroup {
   std::vector<Island> listed_;
   std::vector<std::size_t> by_island_;  // of pairs_, those of an island next to each other
   std::vector<std::size_t> member_of_;  // the body's number in its island
-  std::vector<char> restless_;          // of an island, by its root
+  std::optional<std::pair<std::size_t, std::size_t>> passing_;
+  std::vector<char> restless_;  // of an island, by its root
   std::vector<Pair> pairs_;
   std::vector<Link> links_;  // by a, b and number
   std::size_t next_joint_ = 0;

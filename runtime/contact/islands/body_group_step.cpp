@@ -234,6 +234,17 @@ void BodyGroup::step_islands() {
             [](const Touch& x, const Touch& y) { return x.a < y.a || (x.a == y.a && x.b < y.b); });
 }
 
+// Bodies that lay on a sleeping one that was moved have to fall: all wake.
+void BodyGroup::wake_around_moved() {
+  bool any = false;
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    any = any || (bodies_[i] != nullptr && bodies_[i]->moved_ && rest_[i].asleep);
+  if (!any) return;
+  for (Rest& rest : rest_)
+    if (rest.asleep) rest = {};
+  if (guests_ != nullptr) guests_->wake_all();
+}
+
 void BodyGroup::step(std::span<ContactBody* const> bodies,
                      std::span<const PlacedCollider> colliders, std::span<StepReport> reports) {
   bodies_ = bodies;
@@ -243,6 +254,7 @@ void BodyGroup::step(std::span<ContactBody* const> bodies,
   begun_.assign(bodies.size(), 0);
   near_.assign(bodies.size(), 0);
   member_of_.resize(bodies.size());
+  wake_around_moved();
   share(bodies.size(), [this](std::size_t i, unsigned) { begin_or_sleep(i); });
   if (guests_ != nullptr) guests_->start(colliders);
   find_pairs();

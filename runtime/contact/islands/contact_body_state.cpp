@@ -37,7 +37,9 @@ std::vector<std::byte> ContactBody::save() const {
 }
 
 Status ContactBody::restore(std::span<const std::byte> bytes) {
-  return restore_body(*this, bytes);
+  const Status restored = restore_body(*this, bytes);
+  if (restored) moved_ = true;
+  return restored;
 }
 
 std::uint64_t ContactBody::content_hash() const {

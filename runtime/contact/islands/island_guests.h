@@ -76,9 +76,9 @@ class IslandGuests {
   virtual bool asleep(std::size_t guest) const = 0;
   virtual void wake(std::size_t guest) = 0;
   virtual void wake_all() = 0;  // between two steps
-  // The time for which the guest has been nearly at rest in contact, the last step included, s. 0
-  // if it moved, or something would wake it. Call it once after each step of an awake guest.
-  virtual double note_rest(std::size_t guest) = 0;
+  // True if the guest, in contact, has been at rest long enough to sleep (rest_time.h), and nothing
+  // would wake it. Call it once after each step of an awake guest.
+  virtual bool note_rest(std::size_t guest) = 0;
   // Removes the guest's motion; contact takes its energy.
   virtual void fall_asleep(std::size_t guest) = 0;
   // True if a joint connects a guest with body i of the group.

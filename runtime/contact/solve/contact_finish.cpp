@@ -44,7 +44,7 @@ void ContactStep::settle_account(const ContactAccount& pairs, double start) {
     const double way = contact_passage(gathered_.colliders[candidate.collider], candidate.start,
                                        candidate.end, through);
     account.way = std::max(account.way, way);
-    account.passed += through || now.released ? 1 : 0;
+    account.passed += through ? 1 : 0;
     if (now.pressure == 0.0) continue;
     const double impulse = options_.step * now.force.norm();
     record_.impulses[candidate.collider] += impulse;

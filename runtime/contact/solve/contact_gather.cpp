@@ -115,7 +115,7 @@ bool ContactStep::gather(const ContactNear& near, const StepPoses& poses, const 
     const Vector3d local = collider.start.rotation.conjugate() * (centre - collider.start.position);
     // Twice, because contact may accelerate a point.
     const double reach = surface().law.margin + 2.0 * (ball.travel + reach_of(its, local, radius)) +
-                         memories_.deepest(c);
+                         memories_.reach_of_sides(c);
     const double far = signed_distance(collider.shape, local).distance - radius;
     if (far > reach) continue;
     turns_[c] = turns_of(collider);

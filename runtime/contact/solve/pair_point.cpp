@@ -49,7 +49,10 @@ void find_start(PairPoint& pair, const ContactEquations& second, PairScratch& sc
 
 // The point's path is computed as if the second body did not deform.
 bool passes(const PairPoint& pair, const Vector3d& place, const ContactEquations& second) {
-  if (pair.now.released || pair.end_side.counts()) return pair.now.released;
+  if (pair.now.released)
+    return is_through(*second.surface.shape, pair.end_side,
+                      bent_rest(second.shape_at_end(), place));
+  if (pair.end_side.counts()) return false;
   const double way = (place - pair.place_at_start).norm();
   if (pair.distance <= 0.0 || way <= pair.distance) return false;
   const BentShape start = second.shape_at_start(), end = second.shape_at_end();
@@ -220,7 +223,7 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
   const double margin = first.surface().law.margin;
   const double reach = margin +
                        2.0 * (first.gathered().ball.travel + second.gathered().ball.travel) +
-                       first.pair_memories().deepest(names.obstacle);
+                       first.pair_memories().reach_of_sides(names.obstacle);
   const double bent = second.gathered().ball.deformed;
   // The place of a group is known in one frame only, and on bones only near the surface.
   const bool frames = !first.on_bones() && !second.on_bones();
@@ -296,7 +299,8 @@ double distance_at_end(PairPoint& pair, const ContactEquations& second) {
     pair.from = {start, pair.distance + pair.law.radius,
                  distance_by(*end.shape, pair.side, start).normal};
   }
-  const EntrySide side = side_at(*end.shape, pair.side, *pair.from, rest, found, pair.inward);
+  const EntrySide side = side_at(*end.shape, pair.side, *pair.from, rest, found, pair.inward,
+                                 pair.law.begins + pair.law.radius);
   if (side.counts() != pair.end_side.counts()) pair.sloped = false;
   pair.end_side = side;
   return side.counts() ? side.at(rest) : found.distance;

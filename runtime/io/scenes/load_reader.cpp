@@ -69,6 +69,8 @@ Result<std::vector<SceneLoad>> read_load(TomlKeys& keys, const std::string& usua
   }
   if (load.signal.kind == SignalKind::kNone) {
     if (keys.has("at")) keys.fail("at", "a force needs a course in time: say `load` or `signal`");
+    if (keys.has("scale"))
+      keys.fail("scale", "it multiplies a load, and there is none: say `load` or `signal`");
     return std::vector<SceneLoad>{};
   }
   return std::vector<SceneLoad>{std::move(load)};

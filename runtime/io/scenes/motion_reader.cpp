@@ -31,6 +31,8 @@ ShakeMotion read_shake(TomlKeys& keys) {
   ShakeMotion shake;
   keys.read("amplitude", shake.amplitude);
   keys.read("frequency", shake.frequency);
+  keys.need("amplitude", "a shake without an `amplitude`, m, does not move");
+  keys.need("frequency", "a shake without a `frequency`, Hz, does not move");
   shake.course = read_course(keys, 0.0, shake.frequency > 0.0 ? 1.0 / shake.frequency : 1.0);
   return shake;
 }
@@ -40,6 +42,7 @@ SpinMotion read_spin(TomlKeys& keys) {
   keys.read("axis", spin.axis);
   keys.read("about", spin.about);
   keys.read("rate", spin.rate);
+  keys.need("rate", "a spin without a `rate`, rad/s, does not move");
   spin.course = read_course(keys, kSinceEver, 0.5);
   return spin;
 }
@@ -54,6 +57,8 @@ SwingMotion read_swing(TomlKeys& keys) {
   keys.read("amplitude", amplitude);
   keys.read("frequency", swing.frequency);
   keys.read("phase", phase);
+  keys.need("amplitude", "a swing without an `amplitude`, degrees, does not move");
+  keys.need("frequency", "a swing without a `frequency`, Hz, does not move");
   swing.amplitude = kDegree * amplitude;
   swing.phase = kDegree * phase;
   swing.course = read_course(keys, 0.0, swing.frequency > 0.0 ? 1.0 / swing.frequency : 1.0);
@@ -63,6 +68,7 @@ SwingMotion read_swing(TomlKeys& keys) {
 GlideMotion read_glide(TomlKeys& keys) {
   GlideMotion glide;
   keys.read("velocity", glide.velocity);
+  keys.need("velocity", "a glide without a `velocity`, m/s, does not move");
   glide.course = read_course(keys, kSinceEver, 0.1);
   return glide;
 }
@@ -70,6 +76,7 @@ GlideMotion read_glide(TomlKeys& keys) {
 FallMotion read_fall(TomlKeys& keys) {
   FallMotion fall;
   keys.read("acceleration", fall.acceleration);
+  keys.need("acceleration", "a fall without an `acceleration`, m/s^2, does not move");
   fall.course = read_course(keys, 0.0, 0.01);
   return fall;
 }

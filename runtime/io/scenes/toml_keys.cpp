@@ -223,6 +223,12 @@ std::size_t TomlKeys::read_word(std::string_view key, const std::vector<std::str
   return otherwise;
 }
 
+void TomlKeys::need(std::string_view key, const std::string& problem) {
+  if (has(key) || missing_) return;
+  const std::string where = what_.empty() ? "" : what_ + ": ";
+  missing_ = error_at(path_, table_.source(), where + problem);
+}
+
 Status TomlKeys::finish() {
   if (!error_)
     for (const auto& [key, node] : table_)
@@ -231,6 +237,7 @@ Status TomlKeys::finish() {
             path_, key.source(),
             (what_.empty() ? "" : what_ + ": ") + "unknown key '" + std::string(key.str()) + "'"));
   if (error_) return *error_;
+  if (missing_) return *missing_;
   return Success{};
 }
 

@@ -74,6 +74,8 @@ class TomlKeys {
   // At the key, or at the table if it has no such key. Keeps the first error only.
   void fail(std::string_view key, const std::string& problem);
   void fail(const Error& error);
+  // The table says nothing without this key: an error of finish(), after all others.
+  void need(std::string_view key, const std::string& problem);
   bool good() const { return !error_; }
   Status finish();
 
@@ -83,7 +85,7 @@ class TomlKeys {
   const toml::table& table_;
   std::string path_, what_;
   std::set<std::string, std::less<>> asked_;
-  std::optional<Error> error_;
+  std::optional<Error> error_, missing_;
 };
 
 }  // namespace tremolo

@@ -28,6 +28,14 @@ BodyHandle::BodyHandle(PyModelPointer model, std::shared_ptr<void> world, Contac
   pull_state();
 }
 
+BodyHandle::~BodyHandle() {
+  if (body_ == nullptr || !in_world() || used_->load()) return;
+  try {
+    push_state();
+  } catch (...) {  // what was written is not finite: the body stays as it is
+  }
+}
+
 void refuse_removed(const std::string& name) {
   raise(usage_error("body '" + name + "' has been removed from its world"));
 }
@@ -61,8 +69,9 @@ void BodyHandle::pull_state() {
 
 py::array BodyHandle::view_of(py::ssize_t row) {
   if (body_ == nullptr) refuse_removed(ended_);
-  return py::array_t<double>(state_.shape(1), state_.mutable_data() + row * state_.shape(1),
-                             state_);
+  const py::capsule owner(new BodyPointer(shared_from_this()),
+                          [](void* kept) { delete static_cast<BodyPointer*>(kept); });
+  return py::array_t<double>(state_.shape(1), state_.mutable_data() + row * state_.shape(1), owner);
 }
 
 void BodyHandle::add_load(const BodyLoad& load) {

@@ -33,13 +33,15 @@ struct BodyLoad {
 // Raises: a body of that name was removed from its world.
 [[noreturn]] void refuse_removed(const std::string& name);
 
-class BodyHandle {
+class BodyHandle : public std::enable_shared_from_this<BodyHandle> {
  public:
   // A body alone.
   BodyHandle(PyModelPointer model, BodyOptions options, ContactBody body);
   // A body of a world, which `world` keeps alive.
   BodyHandle(PyModelPointer model, std::shared_ptr<void> world, ContactBody& body,
              std::atomic<bool>& used);
+  // The body gets what was written into its arrays.
+  ~BodyHandle();
 
   // The body for one call, which refuses all others meanwhile. It has the q and p of the arrays;
   // raises if these are not finite, and they are then the body's again.
@@ -70,6 +72,7 @@ class BodyHandle {
   const BodyOptions& options() const { return options_; }
 
   // Arrays of the state, r each, float64; writing into them changes the state of the next call.
+  // They keep the handle.
   py::array q() { return view_of(0); }
   py::array p() { return view_of(1); }
   // Arrays -> body, if they were written; body -> arrays.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -156,6 +157,37 @@ void add_shape_warnings(const Scene& scene, const SceneWorld& world, Warnings& w
   }
 }
 
+// Two rigid bodies without a shape in a scene in which nothing has contact.
+std::optional<std::pair<std::size_t, std::size_t>> rigid_without_shape(const Scene& scene,
+                                                                       const SceneWorld& world) {
+  std::optional<std::size_t> first;
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    const ContactStep* contact = world.body(i).contact();
+    if (!scene.bodies[i].rigid || !scene.bodies[i].feels_contact) continue;
+    if (contact != nullptr && (contact->surface().feels || contact->surface().shape)) continue;
+    if (first) return std::pair(*first, i);
+    first = i;
+  }
+  return std::nullopt;
+}
+
+// Bodies that meet and have no shape. One warning names the first two.
+void add_passing_warning(const Scene& scene, const SceneWorld& world, Warnings& warnings) {
+  if (const auto pair = rigid_without_shape(scene, world)) {
+    warnings.push_back(
+        fmt::format("rigid bodies '{}' and '{}' have no `shape`: they pass through each other",
+                    scene.bodies[pair->first].name, scene.bodies[pair->second].name));
+    return;
+  }
+  const auto passing = world.passing();
+  if (!passing) return;
+  warnings.push_back(fmt::format(
+      "bodies '{}' and '{}' came near each other and may pass through each other: neither has a "
+      "`shape`; give one of them a shape, or `shape = \"mesh\"` with a file of tremolo-precompute "
+      "collider",
+      scene.bodies[passing->first].name, scene.bodies[passing->second].name));
+}
+
 // Bodies that went deep into what they touch. One warning names the deepest and counts the others;
 // a heavy body on a light one is the usual cause, because each has the stiffness of its own weight.
 void add_depth_warnings(const Scene& scene, const SceneWorld& world, Warnings& warnings) {
@@ -215,6 +247,7 @@ Warnings world_warnings(const Scene& scene, const SceneWorld& world) {
   add_step_warnings(scene, world, warnings);
   add_shape_warnings(scene, world, warnings);
   add_spring_warnings(scene, world, warnings);
+  add_passing_warning(scene, world, warnings);
   add_depth_warnings(scene, world, warnings);
   return warnings;
 }

@@ -203,6 +203,7 @@ void TetBody::find_forces() {
   system_.add_force(force_);
   if (options_.beta > 0.0) system_.add_damping_force(velocity_, options_.beta, force_);
   if (hand_) add_hand_force();
+  if (given_.size() != 0 && stage_.method == TetMethod::kBdf2) force_ += given_;
 }
 
 void TetBody::add_mass_damping(const Eigen::VectorXd& x, const Eigen::VectorXd& v,
@@ -409,6 +410,7 @@ void TetBody::restore_state() {
 }
 
 void TetBody::rewind() {
+  given_.setZero();  // it makes up for the step before, which is forgotten
   now_.x = saved_.x;
   now_.v = saved_.v;
   has_before_ = has_acceleration_ = guard_.known = false;
@@ -454,15 +456,14 @@ void TetBody::restore_momenta(const TetMotion& start, double passed) {
   restore_spin(model(), spin - now, now_.x, now_.v, correction_);
 }
 
-// The mean of v_1 - v_0 then stays as it was; without a step before it is that of known forces.
-void TetBody::begin_bdf2_again(const TetMotion& start, const TetMotion* before,
-                               const Eigen::Vector3d& load) {
+// The mean of v_1 - v_0 then stays as it was; without a step before it is that of gravity.
+void TetBody::begin_bdf2_again(const TetMotion& start, const TetMotion* before) {
   before_.x = start.x;
   before_.v = start.v;
   has_before_ = true;
   if (held_ || hand_ || options_.method != TetMethod::kBdf2) return;
   const Eigen::Vector3d from = system_.momentum(start.v), to = system_.momentum(now_.v);
-  Eigen::Vector3d change = model().mass() * options_.step * options_.gravity + options_.step * load;
+  Eigen::Vector3d change = model().mass() * options_.step * options_.gravity;
   if (before != nullptr) change = from - system_.momentum(before->v);
   const Eigen::Vector3d shift = (to - from - change) / model().mass();
   for (std::size_t i = 0; i < model().nodes(); ++i) before_.v.segment<3>(body_at(i)) += shift;

@@ -176,12 +176,10 @@ class TetBody {
   // its forces at once. start: its start; before: the step before that; null: there was none. Sets
   // the velocity at the start that the next step uses: bdf2 conserves M (3 v_1 - v_0)/2 plus h F,
   // and what it had still to pass on, it passes on, but what was given is not given again.
-  // load: of known forces other than gravity in the step, N.
-  void begin_bdf2_again(const TetMotion& start, const TetMotion* before,
-                        const Eigen::Vector3d& load = Eigen::Vector3d::Zero());
-  // Known forces, gravity or a load, accelerate the body in the next step by this much more than in
-  // the last one, m/s^2. Changes the velocity before the last step, so that bdf2 gives the body
-  // their momentum at once, as it does for forces that stay.
+  void begin_bdf2_again(const TetMotion& start, const TetMotion* before);
+  // Gravity accelerates the body in the next step by this much more than in the last one, m/s^2.
+  // Changes the velocity before the last step, so that bdf2 gives the body its momentum at once, as
+  // it does for forces that stay.
   void expect_change(const Eigen::Vector3d& acceleration);
   void begin(TetMethod method, double h);
   void guess(bool stay);  // initial displacement; stay: zero
@@ -233,6 +231,8 @@ class TetBody {
   TetGuard guard_;
   TetStage stage_;
   bool has_before_ = false, had_before_ = false, has_acceleration_ = false, held_ = false;
+  // A given force of the next step, on control points, in steps of bdf2, N; empty: none.
+  Eigen::VectorXd given_;
   Eigen::VectorXd way_, s_, start_, velocity_, force_, residual_, correction_, direction_, inertia_,
       weight_, work_, rigid_;
   double rounding_scale_ = 0.0, load_ = 0.0, time_ = 0.0;
