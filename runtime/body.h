@@ -282,7 +282,7 @@ class Body {
   PlaceForces place_forces_;
   StepLoad step_load_;
   Eigen::VectorXd q_before_;
-  // By set_state(), set_pose(), set_motion() or restore() since a group's last step.
+  // By set_state(), set_pose() or set_motion() since the last step of a group.
   bool moved_ = false;
 
  private:

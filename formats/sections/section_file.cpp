@@ -1,8 +1,11 @@
 #include "formats/sections/section_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <span>
+#include <string_view>
 #include <utility>
 
 #include "formats/file/stored_values.h"
@@ -20,6 +23,20 @@ std::string expected_found(const std::string& what, std::uint64_t expected, std:
 std::string magic_text(const FileKind& kind) {
   const std::string_view magic(kind.magic.data(), kind.magic.size());
   return std::string(magic.substr(0, magic.find('\0')));
+}
+
+// The kind of a file that Tremolo writes, by its first 8 characters; empty: another file.
+std::string_view known_kind(std::span<const std::byte> bytes) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kKinds = {
+      {{{"TREMOLO\0", 8}, "a basis file"},
+       {"TREMTETS", "a body of tetrahedra, for `kind = \"tets\"` in a scene"},
+       {"TREMCOLL", "a collider, for `shape = \"mesh\"` in a scene"},
+       {"TREMSAVE", "a saved state, for --restore"},
+       {"TREMCKPT", "a checkpoint of tremolo-precompute"}}};
+  const std::string_view magic(reinterpret_cast<const char*>(bytes.data()), 8);
+  for (const auto& [known, what] : kKinds)
+    if (magic == known) return what;
+  return {};
 }
 
 }  // namespace
@@ -59,10 +76,12 @@ Status SectionFile::parse_header(const FileKind& kind) {
     return error_at("header", 0,
                     expected_found(std::string(kind.what) + " has a header, bytes", kHeaderSize,
                                    bytes_.size()));
-  if (std::memcmp(bytes_.data() + header::kMagicAt, kind.magic.data(), kind.magic.size()) != 0)
-    return error_at(
-        "header", header::kMagicAt,
-        std::string("not ") + kind.what + " (the magic is not " + magic_text(kind) + ")");
+  if (std::memcmp(bytes_.data() + header::kMagicAt, kind.magic.data(), kind.magic.size()) != 0) {
+    const std::string_view known = known_kind(bytes_.subspan(header::kMagicAt));
+    const std::string why =
+        known.empty() ? "(the magic is not " + magic_text(kind) + ")" : "but " + std::string(known);
+    return error_at("header", header::kMagicAt, std::string("not ") + kind.what + " " + why);
+  }
   const auto hash = get<std::uint64_t>(bytes_, header::kHeaderHashAt);
   if (!hash_fits(bytes_.first(header::kHeaderHashAt), hash))
     return error_at("header", header::kHeaderHashAt, "the checksum does not fit");

@@ -281,7 +281,6 @@ class SceneWorld {
   // The number of contacts that began, and the largest penetration of the body's contact points at
   // the end of any step, relative to the body's size (0: none).
   std::int64_t contacts(std::size_t i) const { return actors_[i].contacts; }
-  void count_contact(std::size_t i) { ++actors_[i].contacts; }  // with a guest
   double penetration_max(std::size_t i) const { return actors_[i].penetration; }
   // The largest distance of a contact point within the margin of a collider when it started, m; 0:
   // none was. Its contact begins at that distance (runtime/contact/contact_law.h).

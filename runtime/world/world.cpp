@@ -325,7 +325,7 @@ Status World::restore(std::span<const std::byte> bytes) {
     (void)look_at(i);
   }
   touches_.clear();
-  note_guests(false);  // what was restored counted them
+  note_guests();
   events_.clear();
   return Success{};
 }

@@ -280,7 +280,7 @@ class World {
   bool look_at(std::size_t guest);
   Status take_step();
   void note_events();
-  void note_guests(bool counts);
+  void note_guests();
   void meet(std::size_t first, std::size_t second);
   template <class Visit>
   void for_points_of(std::size_t first, std::size_t second, const Visit& visit) const;

@@ -66,9 +66,8 @@ void World::meet(std::size_t first, std::size_t second) {
     found->seen = true;
 }
 
-// Contacts of guests that began in the step, and that ended it. counts: those that began count for
-// their bodies.
-void World::note_guests(bool counts) {
+// Contacts of guests that began in the step, and that ended it.
+void World::note_guests() {
   const std::size_t before = touches_.size();
   for (Touch& touch : touches_) touch.seen = false;
   for (std::size_t g = 0; g < guests_.size(); ++g) {
@@ -102,9 +101,7 @@ void World::note_guests(bool counts) {
     for_points_of(touch.first, touch.second,
                   [&sum](const ContactedPoint& point, double sign) { sum.add(point, sign); });
     sum.put_into(touch.place);
-    if (k < before) continue;
-    note(ContactEvent::Kind::kBegin, touch);
-    if (counts && touch.first < kFirstGuest) own_.count_contact(touch.first);
+    if (k >= before) note(ContactEvent::Kind::kBegin, touch);
   }
   std::erase_if(touches_, [](const Touch& touch) { return !touch.seen; });
 }
@@ -117,7 +114,7 @@ void World::note_events() {
     if (event.other != ContactEvent::kNone) noted.other = body_of(event.other);
     events_.push_back(noted);
   }
-  if (guests() != nullptr) note_guests(true);
+  if (guests() != nullptr) note_guests();
 }
 
 }  // namespace tremolo

@@ -126,7 +126,7 @@ TEST_F(RigidProgram, BodiesWithoutAShapeThatMeetAreNamed) {
     ASSERT_EQ(warnings.size(), 1U);
     EXPECT_NE(warnings[0].get<std::string>().find("'a' and 'b'"), std::string::npos);
   }
-  const std::string shape = "shape = \"sphere\"\nradius = 0.03\n";
+  const std::string shape = "shape = \"sphere\"\nradius = 0.004\n";
   EXPECT_EQ(run(meet + shape)["warnings"].size(), 0U);
 }
 

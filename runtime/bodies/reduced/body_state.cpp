@@ -50,9 +50,7 @@ std::vector<std::byte> Body::save() const {
 }
 
 Status Body::restore(std::span<const std::byte> bytes) {
-  const Status restored = restore_body(*this, bytes);
-  if (restored) moved_ = true;
-  return restored;
+  return restore_body(*this, bytes);
 }
 
 void Body::carry(StateStream& stream) {

@@ -37,9 +37,7 @@ std::vector<std::byte> ContactBody::save() const {
 }
 
 Status ContactBody::restore(std::span<const std::byte> bytes) {
-  const Status restored = restore_body(*this, bytes);
-  if (restored) moved_ = true;
-  return restored;
+  return restore_body(*this, bytes);
 }
 
 std::uint64_t ContactBody::content_hash() const {
